@@ -1,0 +1,45 @@
+//! Textures on the CPU side: eight bits a channel, four channels.
+
+use super::AssetId;
+
+/// How texture coordinates outside 0..1 are treated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The texture repeats.
+    #[default]
+    Repeat,
+    /// The texture repeats, mirrored every other time.
+    Mirror,
+    /// The border texel goes on.
+    Clamp,
+}
+
+/// Sampler settings of a texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Sampling {
+    /// Wrap along u.
+    pub wrap_u: Wrap,
+    /// Wrap along v.
+    pub wrap_v: Wrap,
+    /// Nearest texel instead of bilinear filtering when magnified.
+    pub nearest: bool,
+}
+
+/// An image with its sampler. Immutable once made; share it by `Arc`. Mip levels are made at upload.
+#[derive(Debug)]
+pub struct Texture {
+    /// Identity for caches: no two textures of a process share it.
+    pub id: AssetId,
+    /// Name for messages: mostly the file.
+    pub name: String,
+    /// Width [texels], at least 1.
+    pub width: u32,
+    /// Height [texels], at least 1.
+    pub height: u32,
+    /// Four bytes a texel, row 0 on top.
+    pub rgba: Vec<u8>,
+    /// Whether the colour channels are sRGB-encoded (alpha never is).
+    pub srgb: bool,
+    /// Sampler settings.
+    pub sampling: Sampling,
+}

@@ -1,0 +1,4 @@
+//! Lightwell.
+pub mod assets;
+pub mod scene;
+pub mod world;

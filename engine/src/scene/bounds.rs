@@ -1,0 +1,141 @@
+//! Axis-aligned boxes and view frusta.
+
+use glam::{Affine3A, Mat4, Vec3, Vec4};
+
+/// Axis-aligned box. Empty when `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Lower corner [m].
+    pub min: Vec3,
+    /// Upper corner [m].
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// Contains nothing; the identity of [`Aabb::union`].
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around the points; those that are not finite are passed over.
+    pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points
+            .into_iter()
+            .filter(|p| p.is_finite())
+            .fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Whether it contains no point at all.
+    pub fn is_empty(&self) -> bool {
+        !self.min.cmple(self.max).all()
+    }
+
+    /// The smallest box around both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The part that both share, empty if none.
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
+    }
+
+    /// Centre; zero for the empty box.
+    pub fn center(&self) -> Vec3 {
+        if self.is_empty() { Vec3::ZERO } else { 0.5 * self.min + 0.5 * self.max }
+    }
+
+    /// Edge lengths [m]; zero for the empty box.
+    pub fn size(&self) -> Vec3 {
+        if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            Vec3::new(
+                if i & 1 == 0 { self.min.x } else { self.max.x },
+                if i & 2 == 0 { self.min.y } else { self.max.y },
+                if i & 4 == 0 { self.min.z } else { self.max.z },
+            )
+        })
+    }
+
+    /// Bounds of the transformed box (Arvo, Graphics Gems 1990, "Transforming axis-aligned bounding boxes").
+    pub fn transformed(&self, target_from_source: &Affine3A) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let center = target_from_source.transform_point3(self.center());
+        let half = 0.5 * self.size();
+        let m = target_from_source.matrix3;
+        let extent = Vec3::from(m.x_axis.abs()) * half.x
+            + Vec3::from(m.y_axis.abs()) * half.y
+            + Vec3::from(m.z_axis.abs()) * half.z;
+        Self { min: center - extent, max: center + extent }
+    }
+
+    /// Distance from a point to the box [m]; zero inside.
+    pub fn distance(&self, point: Vec3) -> f32 {
+        if self.is_empty() {
+            return f32::INFINITY;
+        }
+        (self.min - point).max(point - self.max).max(Vec3::ZERO).length()
+    }
+}
+
+/// The planes of a clip space, pointing inwards: n·p + d ≥ 0 inside. Reversed or not, finite or infinite far plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Frustum {
+    planes: [Vec4; 6],
+}
+
+impl Frustum {
+    /// Planes of the matrix's clip volume −w ≤ x, y ≤ w, 0 ≤ z ≤ w (Gribb and Hartmann 2001).
+    pub fn new(clip_from_world: &Mat4) -> Self {
+        let r = clip_from_world.transpose();
+        let (x, y, z, w) = (r.x_axis, r.y_axis, r.z_axis, r.w_axis);
+        Self { planes: [w + x, w - x, w + y, w - y, z, w - z] }
+    }
+
+    /// False only if the box is certainly outside (conservative).
+    pub fn intersects(&self, aabb: &Aabb) -> bool {
+        if aabb.is_empty() {
+            return false;
+        }
+        self.planes.iter().all(|plane| {
+            let normal = plane.truncate();
+            let farthest = Vec3::select(normal.cmpge(Vec3::ZERO), aabb.max, aabb.min);
+            // A NaN (infinite far plane times zero) must not cull.
+            !(normal.dot(farthest) + plane.w < 0.0)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn transformed_box_holds_every_transformed_corner() {
+        let aabb = Aabb { min: Vec3::new(-1.0, 2.0, 0.5), max: Vec3::new(3.0, 2.5, 4.0) };
+        let m = Affine3A::from_scale_rotation_translation(
+            Vec3::new(-2.0, 0.5, 3.0),
+            Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -2.0),
+            Vec3::new(5.0, -6.0, 7.0),
+        );
+        let bounds = aabb.transformed(&m);
+        let exact = Aabb::from_points(aabb.corners().map(|c| m.transform_point3(c)));
+        assert!(bounds.min.abs_diff_eq(exact.min, 1e-4) && bounds.max.abs_diff_eq(exact.max, 1e-4), "{bounds:?} {exact:?}");
+    }
+
+    #[test]
+    fn frustum_keeps_what_it_sees_and_drops_what_lies_behind() {
+        let clip_from_world = crate::scene::perspective(1.0, 1.0, 0.1, Some(10.0));
+        let frustum = Frustum::new(&clip_from_world);
+        let at = |z: f32| Aabb { min: Vec3::new(-0.1, -0.1, z - 0.1), max: Vec3::new(0.1, 0.1, z + 0.1) };
+        assert!(frustum.intersects(&at(-5.0)));
+        assert!(!frustum.intersects(&at(5.0)));
+        assert!(!frustum.intersects(&at(-50.0)));
+        assert!(!frustum.intersects(&Aabb::EMPTY));
+    }
+}

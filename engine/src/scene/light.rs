@@ -1,0 +1,49 @@
+//! Lights as the renderer sees them.
+
+use super::SceneId;
+use glam::Vec3;
+
+/// Shape of a light's emission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightShape {
+    /// Parallel light; `SceneLight::intensity` is irradiance E on a perpendicular plane [W/m²].
+    Directional,
+    /// All directions alike; intensity is radiant intensity I [W/sr].
+    Point,
+    /// A cone; intensity is radiant intensity on the axis [W/sr]. Half angles [rad], 0 ≤ inner < outer ≤ π/2.
+    Spot {
+        /// Half angle of full intensity.
+        inner: f32,
+        /// Half angle beyond which there is no light.
+        outer: f32,
+    },
+}
+
+/// A light in world space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLight {
+    /// Persistent identity; the order of [`super::Scene::lights`].
+    pub id: SceneId,
+    /// Name for reports.
+    pub name: String,
+    /// Shape.
+    pub shape: LightShape,
+    /// Linear RGB; unit by shape, see [`LightShape`].
+    pub intensity: Vec3,
+    /// World position [m]; unused by directional lights.
+    pub position: Vec3,
+    /// Unit direction that the light travels along its axis; unused by point lights.
+    pub direction: Vec3,
+    /// Distance beyond which there is no light [m], windowed as in `KHR_lights_punctual`.
+    pub range: Option<f32>,
+    /// Whether it casts shadows.
+    pub casts_shadow: bool,
+    /// Whether it feeds indirect light.
+    pub indirect: bool,
+    /// Edge of its shadow map [texels].
+    pub shadow_size: u32,
+    /// Edge of its reflective shadow map [texels].
+    pub rsm_size: u32,
+    /// Value of the scene's revision counter when this light last changed.
+    pub revision: u64,
+}

@@ -1,0 +1,94 @@
+//! What the renderer sees: flat arrays in world space, ordered by persistent identity.
+//!
+//! The scene knows no entities, and it knows no GPU. [`extract`] keeps it current from the world by change
+//! detection. Every change takes a new value of one counter, so that equal revisions mean equal content.
+
+mod bounds;
+mod light;
+mod view;
+
+pub use bounds::{Aabb, Frustum};
+pub use light::{LightShape, SceneLight};
+pub use view::{SceneCamera, SceneView, perspective};
+
+use crate::assets::{Material, Mesh};
+use crate::world::Clpv;
+use glam::{Affine3A, Vec3};
+use std::sync::Arc;
+
+/// Persistent identity of a thing in the scene: stable over undo, reload and play; ties break by it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SceneId(pub u64);
+
+/// One mesh with one material at one place.
+#[derive(Clone, Debug)]
+pub struct Primitive {
+    /// Persistent identity; the order of [`Scene::primitives`]. Drawn into the id target as its low 32 bits.
+    pub id: SceneId,
+    /// Geometry.
+    pub mesh: Arc<Mesh>,
+    /// Surface.
+    pub material: Arc<Material>,
+    /// World from object space; may mirror, may be singular.
+    pub world_from_object: Affine3A,
+    /// World bounds.
+    pub bounds: Aabb,
+    /// Whether it casts shadows (and takes part in RSMs and blockers).
+    pub casts_shadow: bool,
+    /// Counter value of the last change of place, mesh or visibility.
+    pub geometry_revision: u64,
+    /// Counter value of the last change of the material.
+    pub material_revision: u64,
+}
+
+/// Counter values of the last change of each kind, anywhere in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Revisions {
+    /// Any primitive's place, mesh or existence.
+    pub geometry: u64,
+    /// Any primitive's material.
+    pub materials: u64,
+    /// Any light.
+    pub lights: u64,
+    /// Any camera.
+    pub cameras: u64,
+    /// The CLPV settings.
+    pub clpv: u64,
+    /// Scene settings (sky).
+    pub settings: u64,
+}
+
+/// The CLPV component and where its entity stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneClpv {
+    /// Its settings.
+    pub settings: Clpv,
+    /// World position of its entity [m]: the centre of a fixed volume.
+    pub center: Vec3,
+}
+
+/// Everything that the renderer sees. Arrays are sorted by [`SceneId`].
+#[derive(Debug, Default)]
+pub struct Scene {
+    /// Distinguishes scenes in cache keys; each extractor takes a fresh one.
+    pub identity: u64,
+    /// Primitives that are visible.
+    pub primitives: Vec<Primitive>,
+    /// Lights.
+    pub lights: Vec<SceneLight>,
+    /// Cameras.
+    pub cameras: Vec<SceneCamera>,
+    /// Light propagation volumes, if the world asks for them. The first by SceneId wins.
+    pub clpv: Option<SceneClpv>,
+    /// Radiance of the sky behind everything [W/(m² sr)], linear RGB.
+    pub sky: Vec3,
+    /// Revisions.
+    pub revisions: Revisions,
+}
+
+impl Scene {
+    /// World bounds of all primitives.
+    pub fn bounds(&self) -> Aabb {
+        self.primitives.iter().fold(Aabb::EMPTY, |b, p| b.union(&p.bounds))
+    }
+}

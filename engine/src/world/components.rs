@@ -1,0 +1,244 @@
+//! The components that entities are made of. All of them are plain data that scene files hold as they are.
+
+use crate::assets::{Material, Mesh};
+use bevy_ecs::prelude::*;
+use glam::{Affine3A, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+pub use super::animation::Animation;
+
+/// Place relative to the parent: scale first, then rotation, then translation.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Translation [m].
+    pub translation: Vec3,
+    /// Rotation; need not be normalised in files, is normalised on use.
+    pub rotation: Quat,
+    /// Scale along the local axes; negative mirrors.
+    pub scale: Vec3,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE }
+    }
+}
+
+impl Transform {
+    /// The matrix `parent_from_local`.
+    pub fn matrix(&self) -> Affine3A {
+        let rotation = if self.rotation.length_squared() > 0.0 { self.rotation.normalize() } else { Quat::IDENTITY };
+        Affine3A::from_scale_rotation_translation(self.scale, rotation, self.translation)
+    }
+}
+
+/// World place, computed from the [`Transform`]s up the hierarchy once a frame.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct GlobalTransform(pub Affine3A);
+
+/// The entity's persistent name: unique among its siblings, shown in the inspector and in errors.
+#[derive(Component, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Name(pub String);
+
+/// A mesh with a material, drawn where the entity stands.
+#[derive(Component, Clone, Debug)]
+pub struct MeshRenderer {
+    /// Geometry, shared.
+    pub mesh: Arc<Mesh>,
+    /// Surface, shared.
+    pub material: Arc<Material>,
+    /// Whether it casts shadows.
+    pub casts_shadow: bool,
+    /// Whether it is drawn at all.
+    pub visible: bool,
+}
+
+/// Kind of light with the parameters that only it has.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LightKind {
+    /// Parallel light along the entity's −Z. Intensity: irradiance E [W/m²].
+    Directional,
+    /// All directions alike. Intensity: radiant intensity I [W/sr].
+    Point,
+    /// A cone along −Z. Intensity: radiant intensity I on the axis [W/sr].
+    Spot {
+        /// Half angle of full intensity [degrees].
+        inner: f32,
+        /// Half angle beyond which there is no light [degrees].
+        outer: f32,
+    },
+}
+
+/// A light source (radiometry as in `KHR_lights_punctual`, read as radiometric RGB).
+#[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    /// Kind.
+    pub kind: LightKind,
+    /// Colour, linear RGB, multiplies the intensity.
+    #[serde(default = "white")]
+    pub color: Vec3,
+    /// Intensity; unit by kind.
+    pub intensity: f32,
+    /// Distance beyond which there is no light [m]; none: no bound.
+    #[serde(default)]
+    pub range: Option<f32>,
+    /// Whether it casts shadows.
+    #[serde(default = "yes")]
+    pub casts_shadow: bool,
+    /// Whether it feeds indirect light. A light that does not interact needs no RSM.
+    #[serde(default = "yes")]
+    pub indirect: bool,
+    /// Edge of the shadow map [texels], of each face for a point light.
+    #[serde(default = "default_shadow_size")]
+    pub shadow_size: u32,
+    /// Edge of the reflective shadow map [texels], of each face for a point light.
+    #[serde(default = "default_rsm_size")]
+    pub rsm_size: u32,
+}
+
+fn white() -> Vec3 {
+    Vec3::ONE
+}
+fn yes() -> bool {
+    true
+}
+fn default_shadow_size() -> u32 {
+    1024
+}
+fn default_rsm_size() -> u32 {
+    128
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self {
+            kind: LightKind::Point,
+            color: Vec3::ONE,
+            intensity: 1.0,
+            range: None,
+            casts_shadow: true,
+            indirect: true,
+            shadow_size: default_shadow_size(),
+            rsm_size: default_rsm_size(),
+        }
+    }
+}
+
+/// A perspective camera looking along −Z.
+#[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Vertical field of view [degrees].
+    pub fov: f32,
+    /// Near plane [m].
+    pub near: f32,
+    /// Far plane [m]; none: infinite.
+    pub far: Option<f32>,
+    /// The camera that is used when none is named.
+    pub primary: bool,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self { fov: 60.0, near: 0.05, far: None, primary: false }
+    }
+}
+
+/// Where a light propagation volume lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum ClpvPlacement {
+    /// Centred on the entity.
+    #[default]
+    Fixed,
+    /// Follows the view's camera: each cascade lies `ahead` of the way from its centre to its border before the
+    /// eye along the view direction (0: centred on the eye), snapped to whole cells.
+    Camera {
+        /// Shift along the view direction as a fraction of the half extent, 0..1.
+        ahead: f32,
+    },
+}
+
+/// Edge of a cell of the finest cascade.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum CellSize {
+    /// Fits the scene's bounds: the coarsest cascade just covers them.
+    #[default]
+    Auto,
+    /// Length [m].
+    Meters(f32),
+}
+
+/// Cascaded light propagation volumes: indirect light for the scene that holds this component.
+///
+/// Design and formulas: Šefčík 2016, chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
+#[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Clpv {
+    /// Where the volumes lie.
+    pub placement: ClpvPlacement,
+    /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before.
+    pub cascades: u32,
+    /// Cells along x, y and z, the same in each cascade; 1 to 128.
+    pub cells: [u32; 3],
+    /// Cell size of the finest cascade.
+    pub cell_size: CellSize,
+    /// Propagation steps, 0 to 1024. Each step moves light by one cell.
+    pub steps: u32,
+    /// Whether blockers stop light on its way.
+    pub occlusion: bool,
+    /// Whether blocked light bounces back, multiplied by the blocker's reflectance.
+    pub bounce: bool,
+    /// Factor b on the blocking β = bβ: 4/3 makes a full wall opaque at SH order 2; 1 is the thesis's.
+    pub blocker_scale: f32,
+    /// Blockers are taken from the camera's G-buffer too.
+    pub camera_blockers: bool,
+    /// Factor k on the looked-up irradiance: 2/3 is exact for isotropic light, 1 for beams along an axis.
+    pub gain: f32,
+    /// Damping of light that leaks through surfaces, by the normalised directional gradient (3.10.4).
+    pub gradient_damping: bool,
+    /// Width of the border over which a cascade fades into the next coarser one, in cells.
+    pub border_fade: f32,
+}
+
+impl Default for Clpv {
+    fn default() -> Self {
+        Self {
+            placement: ClpvPlacement::Fixed,
+            cascades: 1,
+            cells: [32, 32, 32],
+            cell_size: CellSize::Auto,
+            steps: 16,
+            occlusion: true,
+            bounce: true,
+            blocker_scale: 4.0 / 3.0,
+            camera_blockers: false,
+            gain: 2.0 / 3.0,
+            gradient_damping: false,
+            border_fade: 2.0,
+        }
+    }
+}
+
+/// Radiance of the sky and other things that belong to the whole scene.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SceneSettings {
+    /// Radiance of the sky [W/(m² sr)], linear RGB.
+    pub sky: Vec3,
+    /// Display exposure as a power of two. Never touches a measured image.
+    pub exposure: f32,
+    /// Speed of the fly camera [m/s].
+    pub move_speed: f32,
+    /// Length of one animation loop [s]; `render --frames` and `play` wrap there. None: no loop.
+    pub duration: Option<f32>,
+    /// Frames a second of the fixed clock.
+    pub frame_rate: u32,
+}
+
+impl Default for SceneSettings {
+    fn default() -> Self {
+        Self { sky: Vec3::ZERO, exposure: 0.0, move_speed: 3.0, duration: None, frame_rate: 30 }
+    }
+}
