@@ -1,0 +1,5 @@
+//! The passes of a frame, one Rust file beside one WGSL file of the same name.
+
+mod light_view;
+
+pub use light_view::{LightView, light_views};

@@ -1,0 +1,87 @@
+#define_import_path lightwell::gbuffer
+
+// The G-buffer's encoding: 28 bytes a texel.
+//   base_color  rgba8unorm-srgb  base colour; alpha: 1
+//   specular    rgba8unorm       √F0 (dielectric and metal mixed); alpha: metallic
+//   normal      rgba16uint       octahedral world normal x, y; roughness; F90
+//   emissive    rg32uint         emitted radiance, shared exponent
+//   id          r32uint          object id, 0 where there is nothing
+//   depth       depth32float     reversed: 1 near, 0 far and where there is nothing
+
+struct Surface {
+    position: vec3f,       // world [m]
+    normal: vec3f,         // world, unit
+    albedo: vec3f,         // diffuse reflectance ρ = base·(1 − metallic)
+    f0: vec3f,
+    f90: f32,
+    roughness: f32,        // perceptual; GGX α is its square
+    hit: bool,             // false where there is nothing
+}
+
+fn sign_not_zero(v: vec2f) -> vec2f {
+    return select(vec2f(-1.0), vec2f(1.0), v >= vec2f(0.0));
+}
+
+// Octahedral map of the unit sphere to [−1, 1]² (Cigolle et al. 2014).
+fn encode_octahedral(n: vec3f) -> vec2f {
+    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    return select((1.0 - abs(p.yx)) * sign_not_zero(p), p, n.z >= 0.0);
+}
+
+fn decode_octahedral(e: vec2f) -> vec3f {
+    let z = 1.0 - abs(e.x) - abs(e.y);
+    let xy = select((1.0 - abs(e.yx)) * sign_not_zero(e), e, z >= 0.0);
+    return normalize(vec3f(xy, z));
+}
+
+// 32767 is zero, so that axes are stored exactly.
+fn encode_normal(n: vec3f, roughness: f32, f90: f32) -> vec4u {
+    let e = round(encode_octahedral(n) * 32767.0) + 32767.0;
+    return vec4u(vec2u(e), vec2u(round(saturate(vec2f(roughness, f90)) * 65535.0)));
+}
+
+fn decode_normal(texel: vec4u) -> vec3f {
+    return decode_octahedral((vec2f(texel.xy) - 32767.0) / 32767.0);
+}
+
+// Three 18-bit mantissas and a 10-bit exponent in 64 bits: 4e-6 of the largest channel, at any magnitude.
+fn encode_radiance(color: vec3f) -> vec2u {
+    let c = clamp(color, vec3f(0.0), vec3f(1e30));
+    let largest = max(c.r, max(c.g, c.b));
+    if largest < 1e-30 {
+        return vec2u(0u);
+    }
+    let exponent = frexp(largest).exp;
+    let m = min(vec3u(round(ldexp(ldexp(c, vec3i(-exponent)), vec3i(18)))), vec3u(0x3ffffu));
+    let e = u32(exponent + 512);
+    return vec2u(m.r | (m.g << 18u), (m.g >> 14u) | (m.b << 4u) | (e << 22u));
+}
+
+fn decode_radiance(texel: vec2u) -> vec3f {
+    if texel.x == 0u && texel.y == 0u {
+        return vec3f(0.0);
+    }
+    let m = vec3u(texel.x & 0x3ffffu, (texel.x >> 18u) | ((texel.y & 0xfu) << 14u), (texel.y >> 4u) & 0x3ffffu);
+    let exponent = i32(texel.y >> 22u) - 512;
+    return ldexp(ldexp(vec3f(m), vec3i(-18)), vec3i(exponent));
+}
+
+// World position of a pixel's centre at a stored depth.
+fn world_position(pixel: vec2u, size: vec2u, depth: f32, world_from_clip: mat4x4f) -> vec3f {
+    let uv = (vec2f(pixel) + 0.5) / vec2f(size);
+    let ndc = vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, depth, 1.0);
+    let world = world_from_clip * ndc;
+    return world.xyz / world.w;
+}
+
+fn decode_surface(base_color: vec4f, specular: vec4f, normal: vec4u, depth: f32, position: vec3f) -> Surface {
+    var surface: Surface;
+    surface.hit = depth > 0.0;
+    surface.position = position;
+    surface.normal = decode_normal(normal);
+    surface.albedo = base_color.rgb * (1.0 - specular.a);
+    surface.f0 = specular.rgb * specular.rgb;
+    surface.f90 = f32(normal.w) / 65535.0;
+    surface.roughness = f32(normal.z) / 65535.0;
+    return surface;
+}

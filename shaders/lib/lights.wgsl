@@ -1,0 +1,67 @@
+#define_import_path lightwell::lights
+
+// Point, spot and directional lights, read radiometrically (KHR_lights_punctual).
+
+const DIRECTIONAL: u32 = 0u;
+const POINT: u32 = 1u;
+const SPOT: u32 = 2u;
+
+// Nothing brighter leaves a light: the largest irradiance [W/m²] that later sums can hold without overflow.
+const MAX_IRRADIANCE: f32 = 1e30;
+
+struct Light {
+    position: vec3f,
+    shape: u32,
+    direction: vec3f,      // unit, the way that light travels along the axis
+    range: f32,            // 0: no bound
+    intensity: vec3f,      // E [W/m²] for directional lights, I [W/sr] for the others
+    cone_scale: f32,       // spot: 1 / (cos inner − cos outer)
+    cone_offset: f32,      // spot: −cos outer · cone_scale
+    index: u32,
+}
+
+struct Incidence {
+    to_light: vec3f,       // unit
+    distance: f32,         // [m]; 0 for directional lights
+    irradiance: vec3f,     // on a plane perpendicular to the light [W/m²]
+}
+
+// Radiant intensity [W/sr] (directional: irradiance) in a unit direction seen from the light.
+fn light_intensity_towards(light: Light, from_light: vec3f) -> vec3f {
+    if light.shape != SPOT {
+        return light.intensity;
+    }
+    // glTF's quadratic smoothing between the inner and the outer cone.
+    let t = saturate(dot(light.direction, from_light) * light.cone_scale + light.cone_offset);
+    return light.intensity * (t * t);
+}
+
+// KHR_lights_punctual's window: falls to zero at the range, with a smooth end.
+fn range_window(light: Light, distance: f32) -> f32 {
+    if light.range <= 0.0 {
+        return 1.0;
+    }
+    let ratio = distance / light.range;
+    return saturate(1.0 - ratio * ratio * ratio * ratio);
+}
+
+// What arrives at a point, before any shadow.
+fn light_incidence(light: Light, position: vec3f) -> Incidence {
+    var incidence: Incidence;
+    if light.shape == DIRECTIONAL {
+        incidence.to_light = -light.direction;
+        incidence.distance = 0.0;
+        incidence.irradiance = min(light.intensity, vec3f(MAX_IRRADIANCE));
+        return incidence;
+    }
+    let offset = light.position - position;
+    let distance = length(offset);
+    // At the light itself there is no direction; any will do, since the bound below applies.
+    incidence.to_light = select(vec3f(0.0, 1.0, 0.0), offset / distance, distance > 1e-18);
+    incidence.distance = distance;
+    let intensity = light_intensity_towards(light, -incidence.to_light) * range_window(light, distance);
+    // Divided twice by d, so that the square of a tiny distance cannot vanish.
+    let d = max(distance, 1e-18);
+    incidence.irradiance = min(min(intensity / d, vec3f(MAX_IRRADIANCE)) / d, vec3f(MAX_IRRADIANCE));
+    return incidence;
+}
