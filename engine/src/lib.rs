@@ -1,5 +1,6 @@
 //! Lightwell.
 pub mod assets;
+pub mod gpu;
 pub mod render;
 pub mod scene;
 pub mod world;

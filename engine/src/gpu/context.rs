@@ -1,0 +1,267 @@
+//! The graphics device, with or without a window.
+
+use super::{PipelineCache, ShaderLibrary};
+use bytemuck::Pod;
+use encase::ShaderType;
+use encase::internal::WriteInto;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How to open the device.
+#[derive(Clone, Debug)]
+pub struct GpuOptions {
+    /// Part of the adapter's name, in any case; none: the fastest kind there is.
+    pub adapter: Option<String>,
+    /// Folder of the WGSL files.
+    pub shader_dir: PathBuf,
+}
+
+/// Why there is no device.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// No driver at all.
+    #[error(
+        "no graphics driver was found; install one (on Debian without a graphics card: \
+         apt-get install mesa-vulkan-drivers libvulkan1)"
+    )]
+    NoAdapter,
+    /// Drivers, but not the one asked for.
+    #[error("no adapter's name contains `{wanted}`; there are:\n{found}")]
+    NoSuchAdapter {
+        /// The text asked for.
+        wanted: String,
+        /// All adapters, a line each.
+        found: String,
+    },
+    /// The driver refused.
+    #[error("adapter `{adapter}` gave no device: {source}")]
+    Device {
+        /// The adapter's name.
+        adapter: String,
+        /// The driver's reason.
+        source: wgpu::RequestDeviceError,
+    },
+    /// The WGSL files are missing.
+    #[error("no folder `shaders` was found beside the program or above the current folder; set LIGHTWELL_SHADERS to it")]
+    NoShaders,
+    /// The WGSL files cannot be read.
+    #[error("cannot read shader folder {path}: {source}")]
+    ReadShaders {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+/// Errors that the driver reports outside of any call.
+#[derive(Default)]
+struct Reported {
+    errors: Vec<String>,
+    lost: Option<String>,
+}
+
+/// The graphics device with what everything shares: shaders, pipelines, samplers.
+pub struct Gpu {
+    /// The logical device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// The adapter.
+    pub adapter: wgpu::Adapter,
+    /// Name and kind of the adapter.
+    pub info: wgpu::AdapterInfo,
+    /// Limits in force.
+    pub limits: wgpu::Limits,
+    /// Features in use.
+    pub features: wgpu::Features,
+    /// WGSL sources and their errors.
+    pub shaders: ShaderLibrary,
+    /// Pipelines by what they are made of.
+    pub pipelines: PipelineCache,
+    samplers: Mutex<HashMap<String, wgpu::Sampler>>,
+    reported: Arc<Mutex<Reported>>,
+}
+
+/// Features that are used where they exist; everything works without them.
+const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
+    .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
+    .union(wgpu::Features::FLOAT32_FILTERABLE)
+    .union(wgpu::Features::SHADER_F16)
+    .union(wgpu::Features::CLEAR_TEXTURE);
+
+impl Gpu {
+    /// Opens a device without a window.
+    ///
+    /// # Errors
+    /// No adapter, none of that name, no device, or no shaders.
+    pub fn headless(options: &GpuOptions) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        Self::open(options, &instance, None)
+    }
+
+    /// Opens a device that can present on the surface.
+    ///
+    /// # Errors
+    /// As [`Gpu::headless`].
+    pub fn for_window(
+        options: &GpuOptions,
+        instance: &wgpu::Instance,
+        surface: &wgpu::Surface,
+    ) -> Result<Self, GpuError> {
+        Self::open(options, instance, Some(surface))
+    }
+
+    fn open(
+        options: &GpuOptions,
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface>,
+    ) -> Result<Self, GpuError> {
+        let shaders = ShaderLibrary::open(&options.shader_dir)
+            .map_err(|source| GpuError::ReadShaders { path: options.shader_dir.clone(), source })?;
+        let adapter = choose_adapter(options, instance, surface)?;
+        let info = adapter.get_info();
+        let features = adapter.features() & WELCOME_FEATURES;
+        let limits = adapter.limits();
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("lightwell"),
+            required_features: features,
+            required_limits: limits.clone(),
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request)
+            .map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
+        let reported = Arc::new(Mutex::new(Reported::default()));
+        listen(&device, &reported);
+        Ok(Self {
+            device,
+            queue,
+            adapter,
+            info,
+            limits,
+            features,
+            shaders,
+            pipelines: PipelineCache::default(),
+            samplers: Mutex::default(),
+            reported,
+        })
+    }
+
+    /// Why the device was lost, if it was.
+    pub fn device_lost(&self) -> Option<String> {
+        self.reported.lock().unwrap_or_else(PoisonError::into_inner).lost.clone()
+    }
+
+    /// Errors that the driver reported since the last call.
+    pub fn take_errors(&self) -> Vec<String> {
+        std::mem::take(&mut self.reported.lock().unwrap_or_else(PoisonError::into_inner).errors)
+    }
+
+    /// A uniform buffer with the value in WGSL's layout.
+    pub fn uniform<T: ShaderType + WriteInto>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        let mut bytes = encase::UniformBuffer::new(Vec::new());
+        if let Err(error) = bytes.write(value) {
+            // A vector grows as needed, so that there is nothing to fail; a message is all that is left to do.
+            log::error!("uniform buffer `{label}`: {error}");
+        }
+        self.filled_buffer(label, &bytes.into_inner(), wgpu::BufferUsages::UNIFORM)
+    }
+
+    /// A storage buffer with the values, and at least 16 bytes long.
+    pub fn storage<T: Pod>(&self, label: &str, values: &[T], more: wgpu::BufferUsages) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | more;
+        self.filled_buffer(label, bytemuck::cast_slice(values), usage)
+    }
+
+    fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (bytes.len() as u64).next_multiple_of(16).max(16),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        if bytes.len() % 4 == 0 {
+            self.queue.write_buffer(&buffer, 0, bytes);
+        } else {
+            let mut padded = bytes.to_vec();
+            padded.resize(bytes.len().next_multiple_of(4), 0);
+            self.queue.write_buffer(&buffer, 0, &padded);
+        }
+        buffer
+    }
+
+    /// The sampler of that description, made once.
+    pub fn sampler(&self, descriptor: &wgpu::SamplerDescriptor) -> wgpu::Sampler {
+        let key = format!("{:?}", wgpu::SamplerDescriptor { label: None, ..descriptor.clone() });
+        let mut samplers = self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
+        samplers.entry(key).or_insert_with(|| self.device.create_sampler(descriptor)).clone()
+    }
+
+    /// Waits until the device has done all that was submitted.
+    pub fn wait(&self) {
+        if let Err(error) = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None }) {
+            log::error!("waiting for the graphics device: {error}");
+        }
+    }
+}
+
+fn listen(device: &wgpu::Device, reported: &Arc<Mutex<Reported>>) {
+    let sink = Arc::clone(reported);
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        log::error!("graphics device: {error}");
+        sink.lock().unwrap_or_else(PoisonError::into_inner).errors.push(error.to_string());
+    }));
+    let sink = Arc::clone(reported);
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            log::error!("graphics device lost: {message}");
+            sink.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
+        }
+    });
+}
+
+fn choose_adapter(
+    options: &GpuOptions,
+    instance: &wgpu::Instance,
+    surface: Option<&wgpu::Surface>,
+) -> Result<wgpu::Adapter, GpuError> {
+    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    adapters.retain(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
+    if adapters.is_empty() {
+        return Err(GpuError::NoAdapter);
+    }
+    let describe = |a: &wgpu::Adapter| {
+        let info = a.get_info();
+        format!("  {} ({:?}, {:?})", info.name, info.device_type, info.backend)
+    };
+    let found = adapters.iter().map(describe).collect::<Vec<_>>().join("\n");
+    let wanted = options.adapter.clone().unwrap_or_default();
+    adapters
+        .into_iter()
+        .filter(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted.to_lowercase()))
+        .min_by_key(|adapter| match adapter.get_info().device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Cpu => 3,
+            wgpu::DeviceType::Other => 4,
+        })
+        .ok_or(GpuError::NoSuchAdapter { wanted, found })
+}
+
+/// The folder of the WGSL files: `LIGHTWELL_SHADERS`, else `shaders` in the current folder or above it, else
+/// beside the program or above it, else in the source tree that the program was built from.
+///
+/// # Errors
+/// If there is none.
+pub fn default_shader_dir() -> Result<PathBuf, GpuError> {
+    if let Some(dir) = std::env::var_os("LIGHTWELL_SHADERS") {
+        return Ok(dir.into());
+    }
+    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
+    let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("shaders")));
+    let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    above.chain([source]).find(|dir| dir.join("gbuffer.wgsl").is_file()).ok_or(GpuError::NoShaders)
+}

@@ -1,0 +1,18 @@
+//! The device: adapter and queue, shaders with imports and hot reload, pipelines, timestamps, readback.
+
+mod context;
+mod pipeline;
+mod readback;
+mod reflect;
+mod shader_error;
+mod shader_library;
+mod timestamps;
+mod watch;
+
+pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir};
+pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, PipelineCache, RasterKey};
+pub use readback::{ImageF32, ReadbackError, read_buffer, read_texture, read_texture_f32};
+pub use reflect::{BindingInfo, EntryPoint, StructLayout};
+pub use shader_error::ShaderError;
+pub use shader_library::{ShaderDef, ShaderEvent, ShaderLibrary};
+pub use timestamps::TimestampQueries;

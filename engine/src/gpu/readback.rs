@@ -1,0 +1,174 @@
+//! Textures and buffers back on the CPU.
+
+use super::Gpu;
+use bytemuck::Pod;
+use wgpu::TextureFormat;
+
+/// Why nothing came back.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadbackError {
+    /// The device failed or was lost.
+    #[error("the graphics device gave no data back: {0}")]
+    Device(String),
+    /// There is no such mip level or layer.
+    #[error("the texture has no mip level {mip} of layer {layer}")]
+    Missing {
+        /// Asked for.
+        mip: u32,
+        /// Asked for.
+        layer: u32,
+    },
+    /// A format that has no plain numbers.
+    #[error("cannot read numbers from a texture of format {0:?}")]
+    Format(TextureFormat),
+}
+
+/// An image of four floats a pixel, row 0 on top. Missing channels are 0, missing alpha is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageF32 {
+    /// Width [pixels].
+    pub width: u32,
+    /// Height [pixels].
+    pub height: u32,
+    /// Pixels, row by row.
+    pub rgba: Vec<[f32; 4]>,
+}
+
+/// Bytes of one layer of one mip level, rows without padding.
+///
+/// # Errors
+/// No such level, or a device that fails.
+pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) -> Result<Vec<u8>, ReadbackError> {
+    let size = texture.size();
+    if mip >= texture.mip_level_count() || layer >= size.depth_or_array_layers {
+        return Err(ReadbackError::Missing { mip, layer });
+    }
+    let (width, height) = ((size.width >> mip).max(1), (size.height >> mip).max(1));
+    let aspect = if texture.format().has_depth_aspect() {
+        wgpu::TextureAspect::DepthOnly
+    } else {
+        wgpu::TextureAspect::All
+    };
+    let texel =
+        texture.format().block_copy_size(Some(aspect)).ok_or(ReadbackError::Format(texture.format()))?;
+    let row = width * texel;
+    let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: u64::from(padded_row) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: mip,
+            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+            aspect,
+        },
+        wgpu::TexelCopyBufferInfo {
+            buffer: &staging,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row), rows_per_image: Some(height) },
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let padded = mapped_bytes(gpu, &staging)?;
+    Ok(padded.chunks(padded_row as usize).flat_map(|padded| &padded[..row as usize]).copied().collect())
+}
+
+/// Layer 0 of mip level 0 as floats. sRGB-encoded bytes come back as the bytes over 255, undecoded.
+///
+/// # Errors
+/// A format without plain numbers, or a device that fails.
+pub fn read_texture_f32(gpu: &Gpu, texture: &wgpu::Texture) -> Result<ImageF32, ReadbackError> {
+    let format = texture.format();
+    let bytes = read_texture(gpu, texture, 0, 0)?;
+    let f32_at = |c: &[u8], i: usize| f32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
+    let rgba: Vec<[f32; 4]> = match format {
+        TextureFormat::Rgba32Float => {
+            bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| f32_at(c, i))).collect()
+        }
+        TextureFormat::R32Float | TextureFormat::Depth32Float => {
+            bytes.chunks_exact(4).map(|c| [f32_at(c, 0), 0.0, 0.0, 1.0]).collect()
+        }
+        TextureFormat::Rg32Float => {
+            bytes.chunks_exact(8).map(|c| [f32_at(c, 0), f32_at(c, 1), 0.0, 1.0]).collect()
+        }
+        TextureFormat::Rgba16Float => bytes
+            .chunks_exact(8)
+            .map(|c| std::array::from_fn(|i| f32_of_half(u16::from_le_bytes([c[2 * i], c[2 * i + 1]]))))
+            .collect(),
+        TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb => {
+            bytes.chunks_exact(4).map(|c| std::array::from_fn(|i| f32::from(c[i]) / 255.0)).collect()
+        }
+        TextureFormat::R32Uint => bytes
+            .chunks_exact(4)
+            .map(|c| [u32::from_le_bytes([c[0], c[1], c[2], c[3]]) as f32, 0.0, 0.0, 1.0])
+            .collect(),
+        other => return Err(ReadbackError::Format(other)),
+    };
+    Ok(ImageF32 { width: texture.width(), height: texture.height(), rgba })
+}
+
+/// The whole buffer; a rest shorter than one value is left out. The buffer needs usage COPY_SRC.
+///
+/// # Errors
+/// A device that fails.
+pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, ReadbackError> {
+    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = mapped_bytes(gpu, &staging)?;
+    Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+}
+
+fn mapped_bytes(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+        // The receiver waits below; if it is gone, nobody wants the answer.
+        let _ = sender.send(result);
+    });
+    gpu.wait();
+    match receiver.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
+        Err(_) => return Err(ReadbackError::Device("it did not finish".into())),
+    }
+    let view = staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
+    Ok(view.to_vec())
+}
+
+/// IEEE 754 binary16 to binary32.
+fn f32_of_half(half: u16) -> f32 {
+    let sign = if half & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let exponent = i32::from((half >> 10) & 0x1f);
+    let mantissa = f32::from(half & 0x3ff);
+    sign * match exponent {
+        0 => mantissa * (-24.0_f32).exp2(),
+        31 if mantissa == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1.0 + mantissa / 1024.0) * ((exponent - 15) as f32).exp2(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::f32_of_half;
+
+    #[test]
+    fn halves_become_the_same_number() {
+        let cases = [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (0x0001, 5.960_464_5e-8), (0x3555, 0.333_251_95)];
+        for (half, value) in cases {
+            assert_eq!(f32_of_half(half), value, "{half:#x}");
+        }
+        assert!(f32_of_half(0x7c00).is_infinite() && f32_of_half(0x7e00).is_nan());
+    }
+}

@@ -1,0 +1,51 @@
+//! What is wrong with a shader, and where.
+
+use wgpu::naga;
+
+/// A shader that does not compile. Shows file, line, column and an excerpt.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{text}")]
+pub struct ShaderError {
+    /// The WGSL file that is at fault, relative to the shader folder: the shader itself or one that it imports.
+    pub file: String,
+    /// Line, from 1; 0 where no place is known.
+    pub line: u32,
+    /// Column, from 1; 0 where no place is known.
+    pub column: u32,
+    /// The whole message with its excerpt.
+    pub text: String,
+}
+
+impl ShaderError {
+    /// An error without a place in the file.
+    pub(super) fn of_file(file: &str, what: impl std::fmt::Display) -> Self {
+        Self { file: file.into(), line: 0, column: 0, text: format!("shader {file}: {what}") }
+    }
+
+    /// From the composer's error: its report names file, line and column as `┌─ FILE:LINE:COLUMN`.
+    pub(super) fn of_report(shader: &str, report: &str) -> Self {
+        let place = report.lines().find_map(|line| line.split_once("┌─ ")).map(|(_, place)| place.trim());
+        let mut parts = place.unwrap_or_default().rsplitn(3, ':');
+        let mut number = || parts.next().and_then(|n| n.parse().ok()).unwrap_or(0);
+        let (column, line) = (number(), number());
+        let file = parts.next().unwrap_or(shader).to_string();
+        let text = if file == shader {
+            format!("shader {shader}:{line}:{column}: {report}")
+        } else {
+            format!("shader {shader} imports {file}:{line}:{column}: {report}")
+        };
+        Self { file, line, column, text }
+    }
+
+    /// From the validator, on a module that was already put together.
+    pub(super) fn of_validation(shader: &str, error: &naga::WithSpan<naga::valid::ValidationError>) -> Self {
+        use std::error::Error;
+        let mut text = error.as_inner().to_string();
+        let mut source = error.as_inner().source();
+        while let Some(inner) = source {
+            text = format!("{text}: {inner}");
+            source = inner.source();
+        }
+        Self::of_file(shader, text)
+    }
+}
