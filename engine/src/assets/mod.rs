@@ -1,14 +1,44 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
+mod error;
+mod gltf;
+mod image;
+mod library;
 mod material;
 mod mesh;
+mod parallel;
+mod shape;
+mod shape_mesh;
+#[cfg(test)]
+mod shape_tests;
 mod texture;
 
+pub use self::error::AssetError;
+pub use self::gltf::{Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive};
+pub use self::image::MAX_IMAGE_SIZE;
+pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material};
 pub use mesh::{Mesh, Vertex};
+pub use shape::{MAX_SEGMENTS, Shape};
 pub use texture::{Sampling, Texture, Wrap};
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Largest file that is read [bytes].
+const MAX_FILE: u64 = 4 << 30;
+
+/// Reads a whole regular file of sensible size.
+fn read_file(path: &Path) -> Result<Vec<u8>, AssetError> {
+    let meta = std::fs::metadata(path).map_err(|e| AssetError::io(path, e))?;
+    if !meta.is_file() {
+        return Err(AssetError::format(path, "file", "is a folder or device, not a regular file"));
+    }
+    if meta.len() > MAX_FILE {
+        return Err(AssetError::format(path, "file", format!("has {} bytes; at most {MAX_FILE} are read", meta.len())));
+    }
+    std::fs::read(path).map_err(|e| AssetError::io(path, e))
+}
 
 /// Identity of an immutable asset within the process. Caches key by it; it is never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

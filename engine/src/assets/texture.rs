@@ -43,3 +43,11 @@ pub struct Texture {
     /// Sampler settings.
     pub sampling: Sampling,
 }
+
+impl Texture {
+    /// Takes decoded pixels.
+    pub(super) fn from_pixels(name: String, pixels: super::image::Pixels, srgb: bool, sampling: Sampling) -> Self {
+        let super::image::Pixels { width, height, rgba } = pixels;
+        Self { id: AssetId::fresh(), name, width, height, rgba, srgb, sampling }
+    }
+}

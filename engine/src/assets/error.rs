@@ -1,0 +1,48 @@
+//! What can go wrong with assets.
+
+use std::path::{Path, PathBuf};
+
+/// An asset that could not be made or loaded. Every message names the file or shape, the place, and the problem.
+#[derive(Debug, thiserror::Error)]
+pub enum AssetError {
+    /// A file could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file is there, but its content is not what it should be.
+    #[error("{}: {place}: {problem}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// The part of the file, such as `mesh 3 "lamp", primitive 0`.
+        place: String,
+        /// What is wrong, and what to do where that is known.
+        problem: String,
+    },
+    /// Parameters of a procedural shape that make no shape.
+    #[error("shape {shape}: {field} {problem}")]
+    Shape {
+        /// Name of the shape.
+        shape: &'static str,
+        /// The parameter.
+        field: &'static str,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+impl AssetError {
+    /// A fault in the content of a file.
+    pub(super) fn format(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Format { path: path.to_path_buf(), place: place.into(), problem: problem.into() }
+    }
+
+    /// A failure to read a file.
+    pub(super) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_path_buf(), source }
+    }
+}

@@ -1,0 +1,170 @@
+//! The JSON document: parsing, validation, extensions, and loading of its buffers.
+
+use super::accessor::Buffers;
+use super::{BufferData, source};
+use crate::assets::AssetError;
+use gltf::Document;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// Extensions that are read, at least as far as to draw the file sensibly.
+const SUPPORTED: [&str; 8] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_materials_variants",
+];
+
+/// Parses and validates the document. Returns whether it uses `KHR_mesh_quantization` too.
+pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Result<(Document, bool), AssetError> {
+    let mut root: gltf::json::Root = gltf::json::deserialize::from_slice(json).map_err(|e| {
+        AssetError::format(path, format!("JSON, line {}, column {}", e.line(), e.column()), e.to_string())
+    })?;
+    check_version(path, &root.asset)?;
+    check_extensions(path, &root, warnings)?;
+    let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
+    // They were checked above, against what is supported here rather than by the parser.
+    root.extensions_required.clear();
+    let document = Document::from_json(root).map_err(|e| describe(path, &e))?;
+    Ok((document, quantized))
+}
+
+fn describe(path: &Path, error: &gltf::Error) -> AssetError {
+    use gltf::json::validation::Error as Kind;
+    let gltf::Error::Validation(faults) = error else {
+        return AssetError::format(path, "document", error.to_string());
+    };
+    let Some((place, kind)) = faults.first() else {
+        return AssetError::format(path, "document", "is not valid");
+    };
+    let problem = match kind {
+        Kind::IndexOutOfBounds => "refers to something that is not in the file (index out of range)",
+        Kind::Invalid => "has a value that glTF 2.0 does not allow here",
+        Kind::Missing => "is required, but missing",
+        Kind::Oversize => "is larger than this system's memory",
+        Kind::Unsupported => "is not supported",
+    };
+    let more = if faults.len() > 1 { format!(" (and {} more faults)", faults.len() - 1) } else { String::new() };
+    AssetError::format(path, place.to_string(), format!("{problem}{more}"))
+}
+
+fn check_version(path: &Path, asset: &gltf::json::Asset) -> Result<(), AssetError> {
+    let parse = |text: &str| -> Option<(u32, u32)> {
+        let (major, minor) = text.split_once('.')?;
+        Some((major.parse().ok()?, minor.parse().ok()?))
+    };
+    let fail = |place: &str, problem: String| Err(AssetError::format(path, place, problem));
+    match parse(&asset.version) {
+        Some((2, _)) => {}
+        Some(_) => {
+            return fail("asset.version", format!("is {}; only glTF 2 is read: convert the file", asset.version));
+        }
+        None => {
+            return fail("asset.version", format!("{:?} is not a version such as \"2.0\"", asset.version));
+        }
+    }
+    match asset.min_version.as_deref().map(parse) {
+        None | Some(Some((2, 0))) => Ok(()),
+        _ => fail("asset.minVersion", format!("is {:?}; only glTF 2.0 is read", asset.min_version)),
+    }
+}
+
+fn check_extensions(path: &Path, root: &gltf::json::Root, warnings: &mut Vec<String>) -> Result<(), AssetError> {
+    let known = |e: &str| SUPPORTED.contains(&e);
+    for (i, extension) in root.extensions_required.iter().enumerate() {
+        if !known(extension) {
+            let problem =
+                format!("the file needs the extension {extension}, which is not supported: export it without");
+            return Err(AssetError::format(path, format!("extensionsRequired[{i}]"), problem));
+        }
+        if !root.extensions_used.contains(extension) {
+            let problem = format!("{extension} is not listed in extensionsUsed");
+            return Err(AssetError::format(path, format!("extensionsRequired[{i}]"), problem));
+        }
+    }
+    let unknown = root.extensions_used.iter().filter(|e| !known(e));
+    warnings.extend(unknown.map(|e| format!("the extension {e} is not supported and has no effect")));
+    Ok(())
+}
+
+/// Loads each buffer once: from the file's binary chunk, its data URI, or the file beside it.
+pub(super) fn load_buffers<'a>(
+    path: &Path,
+    document: &Document,
+    bin: Option<&'a [u8]>,
+    files: &mut Vec<PathBuf>,
+    warnings: &mut Vec<String>,
+) -> Result<BufferData<'a>, AssetError> {
+    let mut data = BufferData::new();
+    for (i, buffer) in document.as_json().buffers.iter().enumerate() {
+        let place = format!("buffer {i}");
+        let wanted = buffer.byte_length.0;
+        let bytes = match (&buffer.uri, bin) {
+            (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, files)?),
+            (None, Some(bin)) if i == 0 => Cow::Borrowed(bin),
+            (None, _) => {
+                return Err(AssetError::format(path, place, "has no URI, and the file has no binary chunk for it"));
+            }
+        };
+        if wanted == 0 {
+            return Err(AssetError::format(path, place, "has no bytes: byteLength must be at least 1"));
+        }
+        if (bytes.len() as u64) < wanted {
+            let problem = format!("is truncated: {} bytes of {wanted} are there", bytes.len());
+            return Err(AssetError::format(path, place, problem));
+        }
+        // A binary chunk is padded to a multiple of four.
+        let padding = if buffer.uri.is_none() { 3 } else { 0 };
+        if bytes.len() as u64 > wanted + padding {
+            warnings.push(format!("{place}: {} bytes beyond its length are ignored", bytes.len() as u64 - wanted));
+        }
+        data.push(truncate(bytes, wanted as usize));
+    }
+    Ok(data)
+}
+
+fn truncate(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
+    match bytes {
+        Cow::Borrowed(b) => Cow::Borrowed(&b[..length]),
+        Cow::Owned(mut b) => {
+            b.truncate(length);
+            Cow::Owned(b)
+        }
+    }
+}
+
+/// Checks all buffer views and accessors, used or not.
+pub(super) fn check_data(document: &Document, buffers: &Buffers) -> Result<(), AssetError> {
+    for view in document.views() {
+        buffers.view(&view)?;
+        let stride = view.stride().unwrap_or(4);
+        if !(4..=252).contains(&stride) || stride % 4 != 0 {
+            let problem = format!("stride {stride} must be a multiple of 4 between 4 and 252");
+            return Err(AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
+        }
+    }
+    document.accessors().try_for_each(|accessor| buffers.check(&accessor))
+}
+
+/// Remarks on content that is not taken over.
+pub(super) fn remarks(document: &Document, warnings: &mut Vec<String>) {
+    let json = document.as_json();
+    let primitives = || json.meshes.iter().flat_map(|m| &m.primitives);
+    let mut say = |found: bool, text: &str| {
+        if found {
+            warnings.push(text.to_string());
+        }
+    };
+    say(!json.animations.is_empty(), "animations are not imported");
+    say(!json.skins.is_empty(), "skins are not imported: meshes keep their rest pose");
+    say(primitives().any(|p| p.targets.is_some()), "morph targets are not imported");
+    let colored = |p: &gltf::json::mesh::Primitive| {
+        let color = gltf::Semantic::Colors(0);
+        p.attributes.keys().any(|k| matches!(k, gltf::json::validation::Checked::Valid(s) if *s == color))
+    };
+    say(primitives().any(colored), "vertex colours are not used");
+}

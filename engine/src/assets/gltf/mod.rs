@@ -1,0 +1,227 @@
+//! Import of glTF 2.0 (`.gltf` and `.glb`): node hierarchy, triangle meshes, materials, cameras and punctual lights.
+//!
+//! The file is not trusted: sizes, ranges, references and paths are checked before they are used, so that a broken or
+//! hostile file gives an [`AssetError`] and nothing else.
+
+mod accessor;
+mod document;
+mod material;
+mod nodes;
+mod primitive;
+mod source;
+mod tangents;
+#[cfg(test)]
+mod tests;
+
+use super::{AssetError, Material, Mesh, parallel, read_file};
+use crate::world::{Camera, Light, LightKind, Transform};
+use accessor::Buffers;
+use glam::Vec3;
+use primitive::{Job, Reader};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Most vertices and corners of all meshes of a file together.
+const MAX_CORNERS: usize = 1 << 27;
+
+/// Triangles with their surface.
+pub type GltfPrimitive = (Arc<Mesh>, Arc<Material>);
+
+/// A perspective camera of a file, looking along −Z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfCamera {
+    /// Name; empty if the file has none.
+    pub name: String,
+    /// Vertical field of view [radians], above 0 and below π.
+    pub fov_y: f32,
+    /// Near plane [m].
+    pub near: f32,
+    /// Far plane [m]; none: infinite.
+    pub far: Option<f32>,
+    /// Width over height that the author had in mind.
+    pub aspect: Option<f32>,
+}
+
+impl GltfCamera {
+    /// The component.
+    pub fn camera(&self) -> Camera {
+        Camera { fov: self.fov_y.to_degrees(), near: self.near, far: self.far, ..Camera::default() }
+    }
+}
+
+/// A light of a file (`KHR_lights_punctual`, read as radiometric RGB), shining along −Z where it has a direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfLight {
+    /// Name; empty if the file has none.
+    pub name: String,
+    /// Kind; cone angles in degrees.
+    pub kind: LightKind,
+    /// Colour, linear RGB.
+    pub color: Vec3,
+    /// Irradiance [W/m²] of directional lights, radiant intensity [W/sr] of the others.
+    pub intensity: f32,
+    /// Distance beyond which there is no light [m].
+    pub range: Option<f32>,
+}
+
+impl GltfLight {
+    /// The component, with default shadow settings.
+    pub fn light(&self) -> Light {
+        Light { kind: self.kind, color: self.color, intensity: self.intensity, range: self.range, ..Light::default() }
+    }
+}
+
+/// A node of the hierarchy.
+#[derive(Clone, Debug)]
+pub struct GltfNode {
+    /// Name; `node N` if the file has none. Names need not be unique.
+    pub name: String,
+    /// Index of the parent.
+    pub parent: Option<usize>,
+    /// Indices of the children.
+    pub children: Vec<usize>,
+    /// Place relative to the parent.
+    pub local: Transform,
+    /// What is drawn there. Nodes with the same mesh share it.
+    pub primitives: Vec<GltfPrimitive>,
+    /// Camera that stands there.
+    pub camera: Option<GltfCamera>,
+    /// Light that stands there.
+    pub light: Option<GltfLight>,
+}
+
+/// The content of a glTF file.
+#[derive(Clone, Debug)]
+pub struct Gltf {
+    /// The file.
+    pub path: PathBuf,
+    /// All nodes, by their index in the file, those outside the scene too.
+    pub nodes: Vec<GltfNode>,
+    /// The top nodes of the file's default scene; of its first scene if it names none; else all that have no parent.
+    pub roots: Vec<usize>,
+    /// Buffers and images beside the file that it was made from.
+    pub files: Vec<PathBuf>,
+    /// What could not be taken over as it is. They were logged too.
+    pub warnings: Vec<String>,
+}
+
+impl Gltf {
+    /// Loads a `.gltf` or `.glb` file with all buffers and images it uses, on all cores.
+    ///
+    /// # Errors
+    /// A file that is missing, truncated or not glTF 2.0, needs an extension that is not supported, refers to what is
+    /// not there (or is outside its folder), or holds positions that are not finite. The message names file and place.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, AssetError> {
+        let path = path.as_ref();
+        let bytes = read_file(path)?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// As [`Gltf::load`], from the content of the file. `path` is used for messages and to find the files beside it.
+    ///
+    /// # Errors
+    /// As [`Gltf::load`].
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, AssetError> {
+        let mut warnings = Vec::new();
+        let mut files = Vec::new();
+        let container = source::split(path, bytes)?;
+        warnings.extend(container.warning.clone());
+        let (document, quantized) = document::parse(path, container.json, &mut warnings)?;
+        let data = document::load_buffers(path, &document, container.bin, &mut files, &mut warnings)?;
+        let reader = Reader { buffers: Buffers { path, data }, quantized };
+        document::check_data(&document, &reader.buffers)?;
+        let (mut nodes, roots) = nodes::read(path, &document, &mut warnings)?;
+        let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
+        let materials = material::load(path, &document, &image_bytes, &mut files, &mut warnings)?;
+        let meshes = load_meshes(&document, &reader, &materials, &mut warnings)?;
+        for (node, json) in nodes.iter_mut().zip(&document.as_json().nodes) {
+            node.primitives = json.mesh.and_then(|m| meshes.get(m.value())).cloned().unwrap_or_default();
+        }
+        document::remarks(&document, &mut warnings);
+        let warnings = condense(path, warnings);
+        Ok(Self { path: path.to_path_buf(), nodes, roots, files, warnings })
+    }
+
+    /// The first node of that name.
+    pub fn node(&self, name: &str) -> Option<usize> {
+        self.nodes.iter().position(|n| n.name == name)
+    }
+
+    /// Triangles of the scene: of all nodes below the roots, shared meshes counted each time.
+    pub fn triangle_count(&self) -> usize {
+        let mut open = self.roots.clone();
+        let mut count = 0;
+        while let Some(node) = open.pop() {
+            let node = &self.nodes[node];
+            count += node.primitives.iter().map(|(mesh, _)| mesh.triangle_count()).sum::<usize>();
+            open.extend(&node.children);
+        }
+        count
+    }
+}
+
+/// Loads the primitives of all meshes in parallel; primitives that read the same data in the same way are one.
+fn load_meshes(
+    document: &gltf::Document,
+    reader: &Reader,
+    materials: &material::Materials,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Vec<GltfPrimitive>>, AssetError> {
+    let (mut jobs, mut known, mut uses, mut corners) = (Vec::new(), HashMap::new(), Vec::new(), 0usize);
+    for mesh in document.meshes() {
+        let name = mesh.name().map_or(format!("mesh {}", mesh.index()), str::to_string);
+        for primitive in mesh.primitives() {
+            let (surface, uv) = materials.get(primitive.material().index());
+            let normal_map = surface.normal_texture.is_some();
+            let attributes: Vec<_> = primitive.attributes().map(|(s, a)| (format!("{s:?}"), a.index())).collect();
+            let shape = (attributes, primitive.indices().map(|a| a.index()), primitive.mode().as_gl_enum());
+            let next = jobs.len();
+            let index = *known.entry((shape, uv.key(), normal_map)).or_insert(next);
+            if index == next {
+                let counts = primitive.get(&gltf::Semantic::Positions).map_or(0, |a| a.count());
+                corners = corners.saturating_add(counts);
+                corners = corners.saturating_add(primitive.indices().map_or(0, |a| a.count().saturating_mul(3)));
+                let place = format!("mesh {} \"{name}\", primitive {}", mesh.index(), primitive.index());
+                if corners > MAX_CORNERS {
+                    let problem = format!("the file's meshes are too large: over {MAX_CORNERS} corners");
+                    return Err(AssetError::format(reader.buffers.path, place, problem));
+                }
+                let name = if primitive.index() == 0 { name.clone() } else { format!("{name}.{}", primitive.index()) };
+                jobs.push(Job { primitive, name, place, uv, normal_map });
+            }
+            uses.push((mesh.index(), index, surface));
+        }
+    }
+    let mut loaded = Vec::with_capacity(jobs.len());
+    for result in parallel::map(&jobs, |job| reader.load(job)) {
+        let (mesh, remarks) = result?;
+        warnings.extend(remarks);
+        loaded.push(mesh.map(Arc::new));
+    }
+    let mut meshes = vec![Vec::new(); document.meshes().len()];
+    for (mesh, index, surface) in uses {
+        if let Some(triangles) = &loaded[index] {
+            meshes[mesh].push((triangles.clone(), surface));
+        }
+    }
+    Ok(meshes)
+}
+
+/// Logs the warnings, the first ones of many.
+fn condense(path: &Path, mut warnings: Vec<String>) -> Vec<String> {
+    const MOST: usize = 40;
+    let surplus = warnings.len().saturating_sub(MOST);
+    warnings.truncate(MOST);
+    if surplus > 0 {
+        warnings.push(format!("and {surplus} more remarks"));
+    }
+    for warning in &warnings {
+        log::warn!("{}: {warning}", path.display());
+    }
+    warnings
+}
+
+/// Buffers of a document: parts of the file itself, or loaded.
+type BufferData<'a> = Vec<Cow<'a, [u8]>>;

@@ -1,0 +1,240 @@
+//! Mesh primitives: triangles of any topology as indexed lists, with normals and tangents for every vertex.
+
+use super::accessor::{Buffers, place};
+use super::material::UvSource;
+use super::tangents;
+use crate::assets::{AssetError, Mesh, Vertex};
+use glam::{Vec2, Vec3};
+use gltf::accessor::{Accessor, DataType};
+use gltf::mesh::{Mode, Primitive, Semantic};
+
+/// How to read primitives.
+pub(super) struct Reader<'a> {
+    pub buffers: Buffers<'a>,
+    /// `KHR_mesh_quantization`: integer positions, normals and tangents.
+    pub quantized: bool,
+}
+
+/// A primitive with what its material asks for.
+pub(super) struct Job<'a> {
+    pub primitive: Primitive<'a>,
+    pub name: String,
+    /// Where messages say it is.
+    pub place: String,
+    pub uv: UvSource,
+    pub normal_map: bool,
+}
+
+/// A mesh, or none for what has no triangles, and remarks.
+pub(super) type Loaded = (Option<Mesh>, Vec<String>);
+
+struct Attributes {
+    positions: Vec<[f32; 3]>,
+    normals: Option<Vec<[f32; 3]>>,
+    tangents: Option<Vec<[f32; 4]>>,
+    uvs: Option<Vec<[f32; 2]>>,
+}
+
+impl Reader<'_> {
+    /// Reads a primitive.
+    pub fn load(&self, job: &Job) -> Result<Loaded, AssetError> {
+        let mut warnings = Vec::new();
+        let mode = job.primitive.mode();
+        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            return Ok((None, vec![format!("{}: points and lines are not drawn", job.place)]));
+        }
+        let Some(positions) = job.primitive.get(&Semantic::Positions) else {
+            return Ok((None, vec![format!("{}: has no positions and is not drawn", job.place)]));
+        };
+        let attributes = self.attributes(job, &positions)?;
+        let corners = self.corners(job, attributes.positions.len())?;
+        let mut indices = triangles(mode, corners, &mut warnings, &job.place);
+        if indices.is_empty() {
+            return Ok((None, vec![format!("{}: has no triangle and is not drawn", job.place)]));
+        }
+        let flat = attributes.normals.is_none();
+        let given_tangents = attributes.tangents.is_some() && !flat;
+        let mut vertices = weave(attributes, &job.uv);
+        if flat {
+            vertices = indices.iter().map(|i| vertices[*i as usize]).collect();
+            indices = (0..vertices.len() as u32).collect();
+            flat_normals(&mut vertices);
+        } else if let Some(repaired) = repair_normals(&mut vertices, &indices) {
+            warnings.push(format!("{}: {repaired} normals are not finite or have no length; replaced", job.place));
+        }
+        if given_tangents || !job.normal_map {
+            vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent));
+        } else {
+            tangents::generate(&mut vertices, &mut indices);
+        }
+        Ok((Some(Mesh::new(job.name.clone(), vertices, indices)), warnings))
+    }
+
+    fn attributes(&self, job: &Job, positions: &Accessor) -> Result<Attributes, AssetError> {
+        let count = positions.count();
+        let optional = |semantic: Semantic| {
+            let accessor = job.primitive.get(&semantic);
+            match &accessor {
+                Some(a) if a.count() != count => {
+                    Err(self.fail(job, a, format!("{} elements, but {count} positions", a.count())))
+                }
+                _ => Ok(accessor),
+            }
+        };
+        let directions = |semantic: Semantic| {
+            let accessor = optional(semantic)?;
+            accessor.as_ref().map_or(Ok(()), |a| self.float_only(job, a))?;
+            Ok::<_, AssetError>(accessor)
+        };
+        self.float_only(job, positions)?;
+        let normals = directions(Semantic::Normals)?;
+        let tangents = directions(Semantic::Tangents)?;
+        let uvs = optional(Semantic::TexCoords(job.uv.set))?;
+        if let Some(a) = &uvs {
+            let plain = a.data_type() == DataType::F32
+                || (a.normalized() && matches!(a.data_type(), DataType::U8 | DataType::U16));
+            if !plain && !self.quantized {
+                return Err(self.fail(
+                    job,
+                    a,
+                    "texture coordinates must be floats or normalised unsigned integers".into(),
+                ));
+            }
+        }
+        let found = Attributes {
+            positions: self.buffers.vectors(positions)?,
+            normals: normals.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
+            tangents: tangents.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
+            uvs: uvs.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
+        };
+        self.finite(job, positions, &found.positions)?;
+        if let (Some(accessor), Some(values)) = (&uvs, &found.uvs) {
+            self.finite(job, accessor, values)?;
+        }
+        Ok(found)
+    }
+
+    fn fail(&self, job: &Job, accessor: &Accessor, problem: String) -> AssetError {
+        AssetError::format(self.buffers.path, format!("{}, {}", job.place, place(accessor)), problem)
+    }
+
+    fn float_only(&self, job: &Job, accessor: &Accessor) -> Result<(), AssetError> {
+        if accessor.data_type() == DataType::F32 || self.quantized {
+            return Ok(());
+        }
+        let problem = format!("{:?} components need the extension KHR_mesh_quantization", accessor.data_type());
+        Err(self.fail(job, accessor, problem))
+    }
+
+    fn finite<const N: usize>(&self, job: &Job, accessor: &Accessor, values: &[[f32; N]]) -> Result<(), AssetError> {
+        match values.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
+            Some(i) => Err(self.fail(job, accessor, format!("element {i} is {:?}: not a finite number", values[i]))),
+            None => Ok(()),
+        }
+    }
+
+    /// The vertex of each corner, in order.
+    fn corners(&self, job: &Job, count: usize) -> Result<Vec<u32>, AssetError> {
+        let Some(accessor) = job.primitive.indices() else {
+            return Ok((0..count as u32).collect());
+        };
+        let indices = self.buffers.indices(&accessor)?;
+        match indices.iter().position(|i| *i as usize >= count) {
+            Some(at) => Err(self.fail(
+                job,
+                &accessor,
+                format!("index {} at {at} is out of range: there are {count} vertices", indices[at]),
+            )),
+            None => Ok(indices),
+        }
+    }
+}
+
+/// Turns strips and fans into lists (glTF 2.0, section 3.7.2.1), keeping the winding.
+fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Vec<String>, place: &str) -> Vec<u32> {
+    match mode {
+        Mode::TriangleStrip => {
+            (2..corners.len()).flat_map(|i| [corners[i - 2], corners[i - 1 + i % 2], corners[i - i % 2]]).collect()
+        }
+        Mode::TriangleFan => (2..corners.len()).flat_map(|i| [corners[i - 1], corners[i], corners[0]]).collect(),
+        _ => {
+            let surplus = corners.len() % 3;
+            if surplus > 0 {
+                warnings.push(format!("{place}: the last {surplus} corners make no triangle"));
+                corners.truncate(corners.len() - surplus);
+            }
+            corners
+        }
+    }
+}
+
+fn weave(attributes: Attributes, uv: &UvSource) -> Vec<Vertex> {
+    let Attributes { positions, normals, tangents, uvs } = attributes;
+    let at = |i: usize, position: [f32; 3]| Vertex {
+        position,
+        normal: normals.as_ref().map_or([0.0; 3], |n| n[i]),
+        tangent: tangents.as_ref().map_or([0.0; 4], |t| t[i]),
+        uv: uvs.as_ref().map_or([0.0; 2], |u| uv.transform.transform_point2(Vec2::from(u[i])).to_array()),
+    };
+    positions.into_iter().enumerate().map(|(i, p)| at(i, p)).collect()
+}
+
+/// Unit normal of a triangle; zero if it has no area. The largest component of the edges is scaled to 1 first, so that
+/// neither tiny nor huge triangles leave the range of floats.
+fn face_normal(corners: [[f32; 3]; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(Vec3::from);
+    let (u, v) = (b - a, c - a);
+    let largest = u.abs().max(v.abs()).max_element();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return Vec3::ZERO;
+    }
+    (u / largest).cross(v / largest).normalize_or_zero()
+}
+
+fn flat_normals(vertices: &mut [Vertex]) {
+    for triangle in vertices.chunks_exact_mut(3) {
+        let normal = face_normal([triangle[0].position, triangle[1].position, triangle[2].position]);
+        triangle.iter_mut().for_each(|v| v.normal = normal.to_array());
+    }
+}
+
+/// Makes all normals unit length; those that cannot be take that of their triangles. Returns how many, if any.
+fn repair_normals(vertices: &mut [Vertex], indices: &[u32]) -> Option<usize> {
+    let mut bad = vec![false; vertices.len()];
+    for (v, bad) in vertices.iter_mut().zip(&mut bad) {
+        let n = Vec3::from(v.normal);
+        let unit = if n.is_finite() { n.try_normalize() } else { None };
+        *bad = unit.is_none();
+        v.normal = unit.unwrap_or(Vec3::ZERO).to_array();
+    }
+    let count = bad.iter().filter(|b| **b).count();
+    if count == 0 {
+        return None;
+    }
+    for t in indices.chunks_exact(3) {
+        let face = face_normal([0, 1, 2].map(|i| vertices[t[i] as usize].position));
+        for i in t.iter().map(|i| *i as usize).filter(|i| bad[*i]) {
+            vertices[i].normal = (Vec3::from(vertices[i].normal) + face).to_array();
+        }
+    }
+    for (v, _) in vertices.iter_mut().zip(&bad).filter(|(_, bad)| **bad) {
+        v.normal = Vec3::from(v.normal).normalize_or_zero().to_array();
+    }
+    Some(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_the_winding() {
+        let mut w = Vec::new();
+        let corners = vec![0, 1, 2, 3, 4];
+        assert_eq!(triangles(Mode::TriangleStrip, corners.clone(), &mut w, ""), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
+        assert_eq!(triangles(Mode::TriangleFan, corners.clone(), &mut w, ""), [1, 2, 0, 2, 3, 0, 3, 4, 0]);
+        assert!(w.is_empty());
+        assert_eq!(triangles(Mode::Triangles, corners, &mut w, ""), [0, 1, 2]);
+        assert_eq!(w.len(), 1);
+    }
+}

@@ -1,0 +1,39 @@
+//! Image files decoded to eight bits a channel.
+
+use super::AssetError;
+use image::{ImageDecoder, ImageReader, Limits};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Largest width and height [texels].
+pub const MAX_IMAGE_SIZE: u32 = 16384;
+
+/// A decoded image: four bytes a texel, row 0 on top.
+#[derive(Clone, Debug)]
+pub(super) struct Pixels {
+    pub width: u32,
+    pub height: u32,
+    pub rgba: Vec<u8>,
+}
+
+/// Decodes PNG or JPEG by content, whatever the file's name says. Sixteen bits a channel are rounded to eight, grey
+/// becomes RGB, and alpha is 1 where there is none.
+pub(super) fn decode(path: &Path, place: &str, bytes: &[u8]) -> Result<Pixels, AssetError> {
+    let fail = |e: image::ImageError| AssetError::format(path, place, format!("the image cannot be decoded: {e}"));
+    let format = image::guess_format(bytes)
+        .map_err(|_| AssetError::format(path, place, "is neither PNG nor JPEG: convert the image to one of them"))?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_IMAGE_SIZE);
+    limits.max_image_height = Some(MAX_IMAGE_SIZE);
+    limits.max_alloc = Some(u64::from(MAX_IMAGE_SIZE) * u64::from(MAX_IMAGE_SIZE) * 8);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(fail)?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 || width > MAX_IMAGE_SIZE || height > MAX_IMAGE_SIZE {
+        let problem = format!("has {width}×{height} texels; both must lie between 1 and {MAX_IMAGE_SIZE}: scale it");
+        return Err(AssetError::format(path, place, problem));
+    }
+    let rgba = image::DynamicImage::from_decoder(decoder).map_err(fail)?.into_rgba8();
+    Ok(Pixels { width, height, rgba: rgba.into_raw() })
+}

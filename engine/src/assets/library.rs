@@ -1,0 +1,123 @@
+//! The cache of loaded assets.
+
+use super::{AssetError, Gltf, Mesh, Sampling, Shape, Texture};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Identity and settings of a texture file.
+type TextureKey = (PathBuf, bool, Sampling);
+
+/// Loads assets and keeps them: asking twice for the same file with the same settings gives the same `Arc`.
+#[derive(Debug, Default)]
+pub struct AssetLibrary {
+    shapes: HashMap<String, Arc<Mesh>>,
+    textures: HashMap<TextureKey, Arc<Texture>>,
+    models: HashMap<PathBuf, Arc<Gltf>>,
+}
+
+impl AssetLibrary {
+    /// An empty library.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The mesh of a procedural shape.
+    ///
+    /// # Errors
+    /// Parameters that make no shape.
+    pub fn shape(&mut self, shape: &Shape) -> Result<Arc<Mesh>, AssetError> {
+        let key = format!("{shape:?}");
+        if let Some(mesh) = self.shapes.get(&key) {
+            return Ok(mesh.clone());
+        }
+        let mesh = Arc::new(shape.mesh()?);
+        self.shapes.insert(key, mesh.clone());
+        Ok(mesh)
+    }
+
+    /// The texture of a PNG or JPEG file. `srgb`: its colours are sRGB-encoded, as base colour and emission are.
+    ///
+    /// # Errors
+    /// The file cannot be read or decoded, or is larger than [`super::MAX_IMAGE_SIZE`].
+    pub fn texture(
+        &mut self,
+        path: impl AsRef<Path>,
+        srgb: bool,
+        sampling: Sampling,
+    ) -> Result<Arc<Texture>, AssetError> {
+        let path = path.as_ref();
+        let key = (identity(path), srgb, sampling);
+        if let Some(texture) = self.textures.get(&key) {
+            return Ok(texture.clone());
+        }
+        let texture = Arc::new(load_texture(path, srgb, sampling)?);
+        self.textures.insert(key, texture.clone());
+        Ok(texture)
+    }
+
+    /// The content of a `.gltf` or `.glb` file.
+    ///
+    /// # Errors
+    /// Those of [`Gltf::load`].
+    pub fn gltf(&mut self, path: impl AsRef<Path>) -> Result<Arc<Gltf>, AssetError> {
+        let path = path.as_ref();
+        let key = identity(path);
+        if let Some(model) = self.models.get(&key) {
+            return Ok(model.clone());
+        }
+        let model = Arc::new(Gltf::load(path)?);
+        self.models.insert(key, model.clone());
+        Ok(model)
+    }
+
+    /// Loads everything anew that came from this file: textures, models, and models that refer to it as an image or
+    /// buffer. Returns whether there was anything. Whoever holds an old `Arc` keeps the old content.
+    ///
+    /// # Errors
+    /// The first fault met. The library then keeps the last good content of what could not be loaded.
+    pub fn reload(&mut self, path: impl AsRef<Path>) -> Result<bool, AssetError> {
+        let changed = identity(path.as_ref());
+        let mut found = false;
+        let mut fault = None;
+        for (key, texture) in self.textures.iter_mut().filter(|(key, _)| key.0 == changed) {
+            found = true;
+            match load_texture(&key.0, key.1, key.2) {
+                Ok(new) => *texture = Arc::new(new),
+                Err(e) => fault = fault.or(Some(e)),
+            }
+        }
+        for (key, model) in &mut self.models {
+            if *key != changed && !model.files.iter().any(|f| identity(f) == changed) {
+                continue;
+            }
+            found = true;
+            match Gltf::load(key) {
+                Ok(new) => *model = Arc::new(new),
+                Err(e) => fault = fault.or(Some(e)),
+            }
+        }
+        fault.map_or(Ok(found), Err)
+    }
+
+    /// Forgets all assets that nobody else holds.
+    pub fn drop_unused(&mut self) {
+        self.shapes.retain(|_, v| Arc::strong_count(v) > 1);
+        self.textures.retain(|_, v| Arc::strong_count(v) > 1);
+        self.models.retain(|_, v| {
+            let shared = |p: &super::GltfPrimitive| Arc::strong_count(&p.0) > 1 || Arc::strong_count(&p.1) > 1;
+            Arc::strong_count(v) > 1 || v.nodes.iter().any(|n| n.primitives.iter().any(shared))
+        });
+    }
+}
+
+/// One name for each file, however it is written; the path itself where the file is not there.
+fn identity(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+fn load_texture(path: &Path, srgb: bool, sampling: Sampling) -> Result<Texture, AssetError> {
+    let bytes = super::read_file(path)?;
+    let pixels = super::image::decode(path, "image", &bytes)?;
+    Ok(Texture::from_pixels(path.display().to_string(), pixels, srgb, sampling))
+}
