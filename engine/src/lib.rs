@@ -1,6 +1,8 @@
 //! Lightwell.
 pub mod assets;
 pub mod gpu;
+pub mod measure;
+pub mod profile;
 pub mod render;
 pub mod scene;
 pub mod world;

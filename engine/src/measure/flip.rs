@@ -1,0 +1,113 @@
+//! FLIP, the perceptual difference of Andersson et al. 2020, on tone-mapped images.
+
+use super::Image;
+use super::image::srgb_encode;
+
+/// Luminance that the mean of the reference is exposed to: photographic middle grey.
+const MIDDLE_GREY: f64 = 0.18;
+
+/// Rec. 709 luminance weights.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// FLIP errors of all pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlipMap {
+    /// Width and height [pixels].
+    pub size: [u32; 2],
+    /// Error of each pixel, 0..1, row by row from the top left.
+    pub errors: Vec<f32>,
+}
+
+impl FlipMap {
+    /// Mean over all pixels, the one number that the authors recommend.
+    pub fn mean(&self) -> f64 {
+        self.errors.iter().map(|&e| f64::from(e)).sum::<f64>() / self.errors.len().max(1) as f64
+    }
+}
+
+/// Factor by which images are exposed before the comparison: it brings the mean luminance of the reference to 0.18.
+/// One where the reference is black.
+pub fn flip_exposure(reference: &Image) -> f64 {
+    let count = reference.pixels().len().max(1) as f64;
+    let luminance = |p: &[f32; 3]| {
+        p.iter()
+            .zip(LUMINANCE)
+            .map(|(&v, w)| f64::from(v.max(0.0)) * w)
+            .sum::<f64>()
+    };
+    let mean = reference.pixels().iter().map(luminance).sum::<f64>() / count;
+    if mean > 0.0 { MIDDLE_GREY / mean } else { 1.0 }
+}
+
+/// FLIP of `image` against `reference`, both exposed by [`flip_exposure`] of the reference, tone mapped by
+/// c / (1 + c) per channel, encoded in sRGB and rounded to 8 bits.
+///
+/// # Panics
+/// If the sizes differ or there are no pixels; [`super::compare`] checks that before.
+pub fn flip(image: &Image, reference: &Image) -> FlipMap {
+    assert_eq!(
+        image.size(),
+        reference.size(),
+        "FLIP needs images of one size"
+    );
+    assert!(!reference.pixels().is_empty(), "FLIP needs pixels");
+    let exposure = flip_exposure(reference);
+    let [width, height] = image.size();
+    let displayed = |picture: &Image| {
+        nv_flip::FlipImageRgb8::with_data(width, height, &display_bytes(picture, exposure))
+    };
+    let map = nv_flip::flip(
+        displayed(reference),
+        displayed(image),
+        nv_flip::DEFAULT_PIXELS_PER_DEGREE,
+    );
+    FlipMap {
+        size: [width, height],
+        errors: map.to_vec(),
+    }
+}
+
+fn display_bytes(image: &Image, exposure: f64) -> Vec<u8> {
+    let display = |value: f32| {
+        let exposed = (f64::from(value) * exposure).max(0.0);
+        // Huge values would be infinity over infinity.
+        let mapped = if exposed < 1e12 {
+            exposed / (1.0 + exposed)
+        } else {
+            1.0
+        };
+        (srgb_encode(mapped as f32) * 255.0).round() as u8
+    };
+    image.values().map(display).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposure_brings_the_reference_to_middle_grey() {
+        let reference = Image::filled(3, 3, [2.0; 3]);
+        assert!((flip_exposure(&reference) - 0.09).abs() < 1e-12);
+        assert_eq!(flip_exposure(&Image::filled(3, 3, [0.0; 3])), 1.0);
+    }
+
+    #[test]
+    fn flip_orders_errors_as_an_eye_does() {
+        let reference = Image::filled(32, 32, [1.0; 3]);
+        let near = flip(&Image::filled(32, 32, [1.1; 3]), &reference).mean();
+        let far = flip(&Image::filled(32, 32, [2.0; 3]), &reference).mean();
+        let other_hue = flip(&Image::filled(32, 32, [2.0, 0.2, 0.2]), &reference).mean();
+        assert!(
+            0.0 < near && near < far && far < other_hue && other_hue <= 1.0,
+            "{near} {far} {other_hue}"
+        );
+    }
+
+    #[test]
+    fn extreme_values_stay_in_range() {
+        let reference = Image::filled(8, 8, [1e-30; 3]);
+        let mean = flip(&Image::filled(8, 8, [1e30, 0.0, -5.0]), &reference).mean();
+        assert!((0.0..=1.0).contains(&mean), "{mean}");
+    }
+}

@@ -1,0 +1,28 @@
+//! Images as numbers: linear RGB pictures in files, and how far one is from another.
+//!
+//! One definition of every error metric, used by the program, the tests and the benchmarks alike. All metrics
+//! work on unexposed linear RGB, over all pixels and channels, without any gain fitting. `a` is the image under
+//! test and `r` the reference:
+//!
+//! | name    | definition                                        |
+//! |---------|---------------------------------------------------|
+//! | `rmse`  | sqrt(mean((a − r)²))                              |
+//! | `nrmse` | rmse / mean(r)                                    |
+//! | `bias`  | mean(a) / mean(r) − 1                             |
+//! | `p95`   | 95th percentile of abs(a − r), over mean(r)       |
+//! | `flip`  | mean of the published FLIP on tone-mapped images  |
+//!
+//! Where mean(r) = 0 nothing can be relative to it: the image must then be exactly zero, and whether it is, is
+//! what is reported.
+
+mod difference;
+mod file;
+mod flip;
+mod image;
+mod metrics;
+
+pub use difference::difference_picture;
+pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
+pub use flip::{FlipMap, flip, flip_exposure};
+pub use image::{Image, srgb_decode, srgb_encode};
+pub use metrics::{Comparison, MeasureError, TwoHalves, compare, two_halves};
