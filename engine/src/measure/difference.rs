@@ -25,11 +25,7 @@ pub fn difference_picture(image: &Image, reference: &Image) -> Result<Image, Mea
 fn color(strength: f32, darker: bool) -> [f32; 3] {
     // The weaker channels lift the middle of the scale, which pure red and blue would leave too dark to see.
     let soft = strength * strength;
-    if darker {
-        [0.1 * soft, 0.4 * soft, strength]
-    } else {
-        [strength, 0.3 * soft, 0.05 * soft]
-    }
+    if darker { [0.1 * soft, 0.4 * soft, strength] } else { [strength, 0.3 * soft, 0.05 * soft] }
 }
 
 #[cfg(test)]

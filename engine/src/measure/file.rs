@@ -33,16 +33,11 @@ pub enum ImageFileError {
 }
 
 fn content_error(path: &Path, message: impl ToString) -> ImageFileError {
-    ImageFileError::Content {
-        path: path.to_owned(),
-        message: message.to_string(),
-    }
+    ImageFileError::Content { path: path.to_owned(), message: message.to_string() }
 }
 
 fn extension(path: &Path) -> String {
-    path.extension()
-        .map(|e| e.to_string_lossy().to_lowercase())
-        .unwrap_or_default()
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 /// Reads a picture as linear RGB: an EXR as it is, a PNG or JPEG decoded from sRGB. Alpha is dropped.
@@ -50,18 +45,13 @@ fn extension(path: &Path) -> String {
 /// # Errors
 /// If the file cannot be read, is broken, or an EXR has no channels R, G and B.
 pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
-    let bytes = std::fs::read(path).map_err(|source| ImageFileError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })?;
     match extension(path).as_str() {
-        "exr" => decode_exr(&bytes)
-            .map_err(|e| content_error(path, format!("not a readable EXR image: {e}"))),
-        "png" | "jpg" | "jpeg" => decode_srgb(&bytes)
-            .map_err(|e| content_error(path, format!("not a readable image: {e}"))),
-        _ => Err(ImageFileError::Format {
-            path: path.to_owned(),
-        }),
+        "exr" => decode_exr(&bytes).map_err(|e| content_error(path, format!("not a readable EXR image: {e}"))),
+        "png" | "jpg" | "jpeg" => {
+            decode_srgb(&bytes).map_err(|e| content_error(path, format!("not a readable image: {e}")))
+        }
+        _ => Err(ImageFileError::Format { path: path.to_owned() }),
     }
 }
 
@@ -77,9 +67,7 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), ImageFileError> {
             write_bytes(path, &bytes)
         }
         "png" => write_png_rgb8(path, image.size(), &image.to_srgb8()),
-        _ => Err(ImageFileError::Format {
-            path: path.to_owned(),
-        }),
+        _ => Err(ImageFileError::Format { path: path.to_owned() }),
     }
 }
 
@@ -89,40 +77,23 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), ImageFileError> {
 /// If the number of bytes does not fit the size, or the file cannot be written.
 pub fn write_png_rgb8(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageFileError> {
     let picture = image::RgbImage::from_raw(size[0], size[1], rgb.to_vec()).ok_or_else(|| {
-        content_error(
-            path,
-            format!(
-                "{} bytes do not make {}x{} pixels",
-                rgb.len(),
-                size[0],
-                size[1]
-            ),
-        )
+        content_error(path, format!("{} bytes do not make {}x{} pixels", rgb.len(), size[0], size[1]))
     })?;
     let mut bytes = Cursor::new(Vec::new());
-    picture
-        .write_to(&mut bytes, image::ImageFormat::Png)
-        .map_err(|e| content_error(path, e))?;
+    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| content_error(path, e))?;
     write_bytes(path, bytes.get_ref())
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageFileError> {
-    std::fs::write(path, bytes).map_err(|source| ImageFileError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    std::fs::write(path, bytes).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })
 }
 
 fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {
     // Sixteen bits hold every 8-bit value exactly, and keep what a 16-bit file has.
     let picture = image::load_from_memory(bytes)?.into_rgb16();
-    let pixels = picture
-        .pixels()
-        .map(|p| p.0.map(|v| srgb_decode(f32::from(v) / 65535.0)))
-        .collect();
+    let pixels = picture.pixels().map(|p| p.0.map(|v| srgb_decode(f32::from(v) / 65535.0))).collect();
     let (width, height) = picture.dimensions();
-    Ok(Image::from_pixels(width, height, pixels)
-        .unwrap_or_else(|| Image::filled(width, height, [0.0; 3])))
+    Ok(Image::from_pixels(width, height, pixels).unwrap_or_else(|| Image::filled(width, height, [0.0; 3])))
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Image, exr::error::Error> {
@@ -151,18 +122,10 @@ fn encode_exr(image: &Image) -> Result<Vec<u8>, exr::error::Error> {
         let [r, g, b] = image.pixels()[at.y() * width + at.x()];
         (r, g, b)
     });
-    let layer = Layer::new(
-        (width, height),
-        LayerAttributes::default(),
-        Encoding::UNCOMPRESSED,
-        channels,
-    );
+    let layer = Layer::new((width, height), LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
     let mut bytes = Cursor::new(Vec::new());
     // One thread: blocks lie in the file in the order in which threads finish them.
-    exr::prelude::Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)?;
+    exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
     Ok(bytes.into_inner())
 }
 
@@ -172,9 +135,7 @@ mod tests {
     use super::*;
 
     fn gradient() -> Image {
-        let pixels = (0..35)
-            .map(|i| [i as f32 * 0.37 - 2.0, 1e-6 * i as f32, 1e6 / (i + 1) as f32])
-            .collect();
+        let pixels = (0..35).map(|i| [i as f32 * 0.37 - 2.0, 1e-6 * i as f32, 1e6 / (i + 1) as f32]).collect();
         Image::from_pixels(7, 5, pixels).unwrap()
     }
 
@@ -200,22 +161,13 @@ mod tests {
     #[test]
     fn broken_files_are_named() {
         let dir = tempfile::tempdir().unwrap();
-        for (name, what) in [
-            ("a.exr", "EXR"),
-            ("b.png", "image"),
-            ("c.bmp", "unknown picture format"),
-        ] {
+        for (name, what) in [("a.exr", "EXR"), ("b.png", "image"), ("c.bmp", "unknown picture format")] {
             let path = dir.path().join(name);
             std::fs::write(&path, b"no picture at all").unwrap();
             let message = read_image(&path).unwrap_err().to_string();
-            assert!(
-                message.contains(name) && message.contains(what),
-                "{message}"
-            );
+            assert!(message.contains(name) && message.contains(what), "{message}");
         }
-        let missing = read_image(&dir.path().join("none.exr"))
-            .unwrap_err()
-            .to_string();
+        let missing = read_image(&dir.path().join("none.exr")).unwrap_err().to_string();
         assert!(missing.contains("none.exr"), "{missing}");
     }
 
@@ -227,11 +179,7 @@ mod tests {
         let bytes = std::fs::read(&path).unwrap();
         for length in [0, 4, bytes.len() / 2, bytes.len() - 3] {
             std::fs::write(&path, &bytes[..length]).unwrap();
-            assert!(
-                read_image(&path).is_err(),
-                "{length} of {} bytes",
-                bytes.len()
-            );
+            assert!(read_image(&path).is_err(), "{length} of {} bytes", bytes.len());
         }
     }
 }

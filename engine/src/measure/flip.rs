@@ -29,12 +29,7 @@ impl FlipMap {
 /// One where the reference is black.
 pub fn flip_exposure(reference: &Image) -> f64 {
     let count = reference.pixels().len().max(1) as f64;
-    let luminance = |p: &[f32; 3]| {
-        p.iter()
-            .zip(LUMINANCE)
-            .map(|(&v, w)| f64::from(v.max(0.0)) * w)
-            .sum::<f64>()
-    };
+    let luminance = |p: &[f32; 3]| p.iter().zip(LUMINANCE).map(|(&v, w)| f64::from(v.max(0.0)) * w).sum::<f64>();
     let mean = reference.pixels().iter().map(luminance).sum::<f64>() / count;
     if mean > 0.0 { MIDDLE_GREY / mean } else { 1.0 }
 }
@@ -45,37 +40,21 @@ pub fn flip_exposure(reference: &Image) -> f64 {
 /// # Panics
 /// If the sizes differ or there are no pixels; [`super::compare`] checks that before.
 pub fn flip(image: &Image, reference: &Image) -> FlipMap {
-    assert_eq!(
-        image.size(),
-        reference.size(),
-        "FLIP needs images of one size"
-    );
+    assert_eq!(image.size(), reference.size(), "FLIP needs images of one size");
     assert!(!reference.pixels().is_empty(), "FLIP needs pixels");
     let exposure = flip_exposure(reference);
     let [width, height] = image.size();
-    let displayed = |picture: &Image| {
-        nv_flip::FlipImageRgb8::with_data(width, height, &display_bytes(picture, exposure))
-    };
-    let map = nv_flip::flip(
-        displayed(reference),
-        displayed(image),
-        nv_flip::DEFAULT_PIXELS_PER_DEGREE,
-    );
-    FlipMap {
-        size: [width, height],
-        errors: map.to_vec(),
-    }
+    let displayed =
+        |picture: &Image| nv_flip::FlipImageRgb8::with_data(width, height, &display_bytes(picture, exposure));
+    let map = nv_flip::flip(displayed(reference), displayed(image), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
+    FlipMap { size: [width, height], errors: map.to_vec() }
 }
 
 fn display_bytes(image: &Image, exposure: f64) -> Vec<u8> {
     let display = |value: f32| {
         let exposed = (f64::from(value) * exposure).max(0.0);
         // Huge values would be infinity over infinity.
-        let mapped = if exposed < 1e12 {
-            exposed / (1.0 + exposed)
-        } else {
-            1.0
-        };
+        let mapped = if exposed < 1e12 { exposed / (1.0 + exposed) } else { 1.0 };
         (srgb_encode(mapped as f32) * 255.0).round() as u8
     };
     image.values().map(display).collect()
@@ -98,10 +77,7 @@ mod tests {
         let near = flip(&Image::filled(32, 32, [1.1; 3]), &reference).mean();
         let far = flip(&Image::filled(32, 32, [2.0; 3]), &reference).mean();
         let other_hue = flip(&Image::filled(32, 32, [2.0, 0.2, 0.2]), &reference).mean();
-        assert!(
-            0.0 < near && near < far && far < other_hue && other_hue <= 1.0,
-            "{near} {far} {other_hue}"
-        );
+        assert!(0.0 < near && near < far && far < other_hue && other_hue <= 1.0, "{near} {far} {other_hue}");
     }
 
     #[test]

@@ -72,10 +72,7 @@ pub struct TwoHalves {
 /// Checks that two images can be compared at all.
 pub(super) fn check_pair(image: &Image, reference: &Image) -> Result<(), MeasureError> {
     if image.size() != reference.size() {
-        return Err(MeasureError::Size {
-            image: image.size(),
-            reference: reference.size(),
-        });
+        return Err(MeasureError::Size { image: image.size(), reference: reference.size() });
     }
     if image.pixels().is_empty() {
         return Err(MeasureError::Empty);
@@ -112,15 +109,10 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
     check_pair(image, reference)?;
     let (mean_image, mean_reference) = (image.mean(), reference.mean());
     if mean_reference < 0.0 {
-        return Err(MeasureError::NegativeMean {
-            mean: mean_reference,
-        });
+        return Err(MeasureError::NegativeMean { mean: mean_reference });
     }
-    let mut errors: Vec<f64> = image
-        .values()
-        .zip(reference.values())
-        .map(|(a, r)| (f64::from(a) - f64::from(r)).abs())
-        .collect();
+    let mut errors: Vec<f64> =
+        image.values().zip(reference.values()).map(|(a, r)| (f64::from(a) - f64::from(r)).abs()).collect();
     let rmse = mean(errors.iter().map(|e| e * e)).sqrt();
     let rank = (errors.len() * 95).div_ceil(100) - 1;
     let (_, &mut p95, _) = errors.select_nth_unstable_by(rank, f64::total_cmp);
@@ -159,9 +151,7 @@ pub fn two_halves(image: &Image, first: &Image, second: &Image) -> Result<TwoHal
     check_pair(image, second)?;
     let mean_reference = 0.5 * (first.mean() + second.mean());
     if mean_reference < 0.0 {
-        return Err(MeasureError::NegativeMean {
-            mean: mean_reference,
-        });
+        return Err(MeasureError::NegativeMean { mean: mean_reference });
     }
     let (mut product, mut spread) = (0.0, 0.0);
     for ((a, r1), r2) in image.values().zip(first.values()).zip(second.values()) {

@@ -29,10 +29,7 @@ fn percentile_is_the_nearest_rank() {
 fn equal_images_have_no_error() {
     let a = image(&[[0.2, 0.4, 0.8], [3.0, 0.0, 100.0]]);
     let result = compare(&a, &a).unwrap();
-    assert_eq!(
-        (result.rmse, result.nrmse, result.bias, result.p95),
-        (0.0, 0.0, 0.0, 0.0)
-    );
+    assert_eq!((result.rmse, result.nrmse, result.bias, result.p95), (0.0, 0.0, 0.0, 0.0));
     assert!(result.flip < 1e-6);
 }
 
@@ -40,46 +37,22 @@ fn equal_images_have_no_error() {
 fn dark_reference_wants_exact_darkness() {
     let dark = image(&[[0.0; 3]; 2]);
     let same = compare(&dark, &dark).unwrap();
-    assert_eq!(
-        (same.exactly_zero, same.nrmse, same.bias),
-        (Some(true), 0.0, 0.0)
-    );
+    assert_eq!((same.exactly_zero, same.nrmse, same.bias), (Some(true), 0.0, 0.0));
     let other = compare(&image(&[[0.0; 3], [0.0, 1e-30, 0.0]]), &dark).unwrap();
-    assert_eq!(
-        (other.exactly_zero, other.nrmse),
-        (Some(false), f64::INFINITY)
-    );
+    assert_eq!((other.exactly_zero, other.nrmse), (Some(false), f64::INFINITY));
 }
 
 #[test]
 fn what_cannot_be_compared_says_why() {
     let good = Image::filled(2, 3, [1.0; 3]);
     let size = compare(&Image::filled(3, 2, [1.0; 3]), &good).unwrap_err();
-    assert!(
-        size.to_string().contains("3x2") && size.to_string().contains("2x3"),
-        "{size}"
-    );
+    assert!(size.to_string().contains("3x2") && size.to_string().contains("2x3"), "{size}");
     let mut bad = good.clone();
     bad.pixels_mut()[3][1] = f32::NAN;
-    assert_eq!(
-        compare(&bad, &good),
-        Err(MeasureError::NonFinite {
-            which: "image",
-            at: [1, 1]
-        })
-    );
-    assert_eq!(
-        compare(&good, &bad),
-        Err(MeasureError::NonFinite {
-            which: "reference",
-            at: [1, 1]
-        })
-    );
+    assert_eq!(compare(&bad, &good), Err(MeasureError::NonFinite { which: "image", at: [1, 1] }));
+    assert_eq!(compare(&good, &bad), Err(MeasureError::NonFinite { which: "reference", at: [1, 1] }));
     let negative = Image::filled(2, 3, [-1.0; 3]);
-    assert_eq!(
-        compare(&good, &negative),
-        Err(MeasureError::NegativeMean { mean: -1.0 })
-    );
+    assert_eq!(compare(&good, &negative), Err(MeasureError::NegativeMean { mean: -1.0 }));
     let empty = Image::filled(0, 0, [0.0; 3]);
     assert_eq!(compare(&empty, &empty), Err(MeasureError::Empty));
 }
@@ -92,21 +65,12 @@ fn halves_remove_the_noise_of_the_reference() {
     let result = two_halves(&image(&[[1.5; 3]; 4]), &first, &second).unwrap();
     assert!((result.squared_error - 0.25).abs() < 1e-12);
     assert!((result.nrmse - 0.5).abs() < 1e-12);
-    assert!(
-        (result.noise - 0.125f64.sqrt()).abs() < 1e-12,
-        "{}",
-        result.noise
-    );
+    assert!((result.noise - 0.125f64.sqrt()).abs() < 1e-12, "{}", result.noise);
 }
 
 fn pictures() -> impl Strategy<Value = (Image, Image)> {
     (1u32..6, 1u32..6).prop_flat_map(|(width, height)| {
-        let pixels = || {
-            prop::collection::vec(
-                prop::array::uniform3(0.01f32..10.0),
-                (width * height) as usize,
-            )
-        };
+        let pixels = || prop::collection::vec(prop::array::uniform3(0.01f32..10.0), (width * height) as usize);
         (pixels(), pixels()).prop_map(move |(a, r)| {
             let picture = |pixels| Image::from_pixels(width, height, pixels).unwrap();
             (picture(a), picture(r))

@@ -58,12 +58,7 @@ impl Statistics {
     pub fn of(mut times: Vec<f64>) -> Option<Self> {
         times.sort_by(f64::total_cmp);
         let (min, max) = (*times.first()?, *times.last()?);
-        Some(Self {
-            frames: times.len(),
-            min,
-            median: times[(times.len() - 1) / 2],
-            max,
-        })
+        Some(Self { frames: times.len(), min, median: times[(times.len() - 1) / 2], max })
     }
 }
 
@@ -85,12 +80,7 @@ impl FrameRecorder {
             None => name.to_owned(),
         };
         let start = milliseconds(self.begin);
-        self.spans.push(Span {
-            path,
-            depth: self.stack.len(),
-            start,
-            duration: 0.0,
-        });
+        self.spans.push(Span { path, depth: self.stack.len(), start, duration: 0.0 });
         self.stack.push(index);
         let result = work(self);
         self.stack.pop();
@@ -100,12 +90,7 @@ impl FrameRecorder {
 
     /// Adds a pass's time on the GPU [ms].
     pub fn gpu(&mut self, name: &str, duration: f64) {
-        self.gpu.push(Span {
-            path: format!("gpu/{name}"),
-            depth: 1,
-            start: 0.0,
-            duration,
-        });
+        self.gpu.push(Span { path: format!("gpu/{name}"), depth: 1, start: 0.0, duration });
     }
 }
 
@@ -127,19 +112,12 @@ impl Profiler {
 
     /// Measures one frame.
     pub fn frame<R>(&mut self, work: impl FnOnce(&mut FrameRecorder) -> R) -> R {
-        let mut recorder = FrameRecorder {
-            begin: Instant::now(),
-            stack: Vec::new(),
-            spans: Vec::new(),
-            gpu: Vec::new(),
-        };
+        let mut recorder =
+            FrameRecorder { begin: Instant::now(), stack: Vec::new(), spans: Vec::new(), gpu: Vec::new() };
         let result = work(&mut recorder);
         let duration = milliseconds(recorder.begin);
         recorder.spans.append(&mut recorder.gpu);
-        self.push(Frame {
-            spans: recorder.spans,
-            duration,
-        });
+        self.push(Frame { spans: recorder.spans, duration });
         result
     }
 
@@ -183,20 +161,12 @@ impl Profiler {
                 times.entry(path).or_default().push(time);
             }
         }
-        times
-            .into_iter()
-            .filter_map(|(path, t)| Some((path.to_owned(), Statistics::of(t)?)))
-            .collect()
+        times.into_iter().filter_map(|(path, t)| Some((path.to_owned(), Statistics::of(t)?))).collect()
     }
 }
 
 fn total(frame: &Frame, path: &str) -> Option<f64> {
-    let mut durations = frame
-        .spans
-        .iter()
-        .filter(|s| s.path == path)
-        .map(|s| s.duration)
-        .peekable();
+    let mut durations = frame.spans.iter().filter(|s| s.path == path).map(|s| s.duration).peekable();
     durations.peek()?;
     Some(durations.sum())
 }
@@ -207,31 +177,15 @@ mod tests {
     use super::*;
 
     fn frame(times: &[(&str, f64)]) -> Frame {
-        let span = |&(path, duration): &(&str, f64)| Span {
-            path: path.to_owned(),
-            depth: 0,
-            start: 0.0,
-            duration,
-        };
-        Frame {
-            spans: times.iter().map(span).collect(),
-            duration: times.iter().map(|t| t.1).sum(),
-        }
+        let span = |&(path, duration): &(&str, f64)| Span { path: path.to_owned(), depth: 0, start: 0.0, duration };
+        Frame { spans: times.iter().map(span).collect(), duration: times.iter().map(|t| t.1).sum() }
     }
 
     #[test]
     fn statistics_are_exact() {
         assert_eq!(Statistics::of(vec![]), None);
         let of = Statistics::of(vec![4.0, 1.0, 3.0, 2.0]).unwrap();
-        assert_eq!(
-            of,
-            Statistics {
-                frames: 4,
-                min: 1.0,
-                median: 2.0,
-                max: 4.0
-            }
-        );
+        assert_eq!(of, Statistics { frames: 4, min: 1.0, median: 2.0, max: 4.0 });
     }
 
     #[test]
@@ -241,10 +195,7 @@ mod tests {
             profiler.push(frame(&[("a", i as f64)]));
         }
         let of = profiler.statistics("a").unwrap();
-        assert_eq!(
-            (of.frames, of.min, of.max),
-            (FRAMES, 10.0, (FRAMES + 9) as f64)
-        );
+        assert_eq!((of.frames, of.min, of.max), (FRAMES, 10.0, (FRAMES + 9) as f64));
         assert_eq!(profiler.frames().len(), FRAMES);
     }
 
@@ -265,23 +216,13 @@ mod tests {
         profiler.frame(|f| {
             f.span("outer", |f| {
                 f.span("first", |_| ());
-                f.span("second", |_| {
-                    std::thread::sleep(std::time::Duration::from_millis(2))
-                });
+                f.span("second", |_| std::thread::sleep(std::time::Duration::from_millis(2)));
             });
             f.gpu("pass", 0.5);
         });
         let spans = &profiler.last().unwrap().spans;
         let paths: Vec<_> = spans.iter().map(|s| (s.path.as_str(), s.depth)).collect();
-        assert_eq!(
-            paths,
-            [
-                ("outer", 0),
-                ("outer/first", 1),
-                ("outer/second", 1),
-                ("gpu/pass", 1)
-            ]
-        );
+        assert_eq!(paths, [("outer", 0), ("outer/first", 1), ("outer/second", 1), ("gpu/pass", 1)]);
         assert!(spans[2].duration >= 2.0 && spans[0].duration >= spans[2].duration);
         assert!(profiler.last().unwrap().duration >= spans[0].duration);
     }

@@ -125,7 +125,10 @@ mod tests {
         );
         let bounds = aabb.transformed(&m);
         let exact = Aabb::from_points(aabb.corners().map(|c| m.transform_point3(c)));
-        assert!(bounds.min.abs_diff_eq(exact.min, 1e-4) && bounds.max.abs_diff_eq(exact.max, 1e-4), "{bounds:?} {exact:?}");
+        assert!(
+            bounds.min.abs_diff_eq(exact.min, 1e-4) && bounds.max.abs_diff_eq(exact.max, 1e-4),
+            "{bounds:?} {exact:?}"
+        );
     }
 
     #[test]

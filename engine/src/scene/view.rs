@@ -37,8 +37,7 @@ impl SceneView {
     /// Clip from world space: reversed depth (1 near, 0 far), the jitter included.
     pub fn clip_from_world(&self) -> Mat4 {
         let [width, height] = self.size.map(|s| s.max(1) as f32);
-        let clip_from_view =
-            perspective(self.camera.vertical_fov, width / height, self.camera.near, self.camera.far);
+        let clip_from_view = perspective(self.camera.vertical_fov, width / height, self.camera.near, self.camera.far);
         let shift = Vec3::new(2.0 * self.jitter[0] / width, -2.0 * self.jitter[1] / height, 0.0);
         Mat4::from_translation(shift) * clip_from_view * Mat4::from(self.camera.world_from_view.inverse())
     }
