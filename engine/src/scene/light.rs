@@ -47,3 +47,15 @@ pub struct SceneLight {
     /// Value of the scene's revision counter when this light last changed.
     pub revision: u64,
 }
+
+impl SceneLight {
+    /// Whether it stands somewhere, unlike a directional light.
+    pub fn has_position(&self) -> bool {
+        self.shape != LightShape::Directional
+    }
+
+    /// Name and identity: unique in the scene, for the names of passes and resources.
+    pub fn pass_name(&self) -> String {
+        format!("{}#{}", self.name, self.id.0)
+    }
+}

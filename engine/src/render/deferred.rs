@@ -1,0 +1,164 @@
+//! The frame: which passes a view needs, in which order.
+//!
+//! ```text
+//! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
+//!      ├─ shadow (a map a light) ┘                           │
+//!      └─ rsm ─ inject ─ propagate ─────────────── relight ──┘
+//! ```
+//! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
+//! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
+
+use super::compose::{self, Lights, RADIANCE};
+use super::frame::Frame;
+use super::gpu_scene::GpuScene;
+use super::post::tone_map::{self, DISPLAY};
+use super::settings::{GiMethod, Layer, RenderSettings};
+use super::{direct, gbuffer, lpv};
+use crate::gpu::Gpu;
+use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, TargetCache};
+use crate::scene::{Scene, SceneView};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// Why a frame could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The image has no pixels, or more than the device can hold.
+    #[error("image size {width}x{height} is not between 1x1 and {limit}x{limit}, the limit of this adapter")]
+    Size {
+        /// Asked for.
+        width: u32,
+        /// Asked for.
+        height: u32,
+        /// Largest edge that the adapter can do.
+        limit: u32,
+    },
+    /// The camera's numbers make no picture.
+    #[error("camera `{camera}`: {what}")]
+    Camera {
+        /// Its name.
+        camera: String,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// A pass failed, or the frame was put together wrongly.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The device reported errors while drawing.
+    #[error("the graphics device reported: {0}")]
+    Device(String),
+}
+
+/// Draws scenes. Keeps what may be used again: the scene on the device, and the targets of earlier frames.
+pub struct Renderer {
+    gpu_scene: GpuScene,
+    targets: TargetCache,
+}
+
+impl Renderer {
+    /// A renderer with nothing drawn yet.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self { gpu_scene: GpuScene::new(gpu), targets: TargetCache::new() }
+    }
+
+    /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
+    /// what was kept and what was skipped, and why.
+    ///
+    /// # Errors
+    /// A size or camera that makes no image, a shader that never compiled, or a device that failed. The images
+    /// of the last good frame stay.
+    pub fn render(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        view: &SceneView,
+        settings: &RenderSettings,
+    ) -> Result<FrameReport, RenderError> {
+        check_view(gpu, view)?;
+        self.gpu_scene.update(gpu, scene);
+        let frame = Frame { scene, gpu_scene: &self.gpu_scene, view, settings, bounds: scene.bounds() };
+        let mut graph = Graph::new(seed(gpu));
+        declare(&mut graph, gpu, &frame)?;
+        let plan = graph.compile(&self.targets, &CompileOptions { no_cache: settings.no_cache })?;
+        let report = plan.execute(gpu, &mut self.targets)?;
+        if let Some(lost) = gpu.device_lost() {
+            return Err(RenderError::Device(lost));
+        }
+        match gpu.take_errors() {
+            errors if errors.is_empty() => Ok(report),
+            errors => Err(RenderError::Device(errors.join("\n"))),
+        }
+    }
+
+    /// The last frame's linear radiance [W/(m² sr)], unexposed: rgba32float.
+    pub fn radiance(&self) -> Option<&wgpu::Texture> {
+        self.targets.texture(RADIANCE)
+    }
+
+    /// The last frame as a display shows it: rgba8unorm, sRGB-encoded. Only if the settings asked for it.
+    pub fn display(&self) -> Option<&wgpu::Texture> {
+        self.targets.texture(DISPLAY)
+    }
+
+    /// Any retained target by its name, for overlays and tools.
+    pub fn target(&self, name: &str) -> Option<&wgpu::Texture> {
+        self.targets.texture(name)
+    }
+}
+
+/// Every content key depends on the shaders: a reloaded shader makes everything anew.
+fn seed(gpu: &Gpu) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    gpu.shaders.revision().hash(&mut hasher);
+    hasher.finish()
+}
+
+fn declare<'a>(graph: &mut Graph<'a>, gpu: &Gpu, frame: &Frame<'a>) -> Result<(), RenderError> {
+    let gbuffer = gbuffer::declare(graph, frame);
+    let only = frame.settings.only;
+    let mut lights = Lights::default();
+    if matches!(only, Layer::Total | Layer::Direct) {
+        lights.direct = Some(direct::declare(graph, frame, &gbuffer));
+    } else {
+        graph.skip("direct", "the layer that is shown holds no direct light");
+    }
+    if !matches!(only, Layer::Total | Layer::Indirect) {
+        graph.skip("clpv", "the layer that is shown holds no indirect light");
+    } else if frame.settings.gi == GiMethod::None {
+        graph.skip("clpv", "indirect light is switched off");
+    } else {
+        lights.indirect = lpv::declare(graph, gpu, frame, &gbuffer)?;
+    }
+    let radiance = compose::declare(graph, frame, &gbuffer, lights);
+    graph.output(radiance);
+    if frame.settings.display {
+        let display = tone_map::declare(graph, frame, radiance);
+        graph.output(display);
+    } else {
+        graph.skip("tone map", "no display image is wanted");
+    }
+    Ok(())
+}
+
+fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {
+    let [width, height] = view.size;
+    let limit = gpu.limits.max_texture_dimension_2d;
+    if width == 0 || height == 0 || width > limit || height > limit {
+        return Err(RenderError::Size { width, height, limit });
+    }
+    let camera = &view.camera;
+    let wrong = |what: String| Err(RenderError::Camera { camera: camera.name.clone(), what });
+    if !(camera.near > 0.0 && camera.near.is_finite()) {
+        return wrong(format!("the near plane is at {} m; give a distance above 0", camera.near));
+    }
+    if camera.far.is_some_and(|far| !(far > camera.near)) {
+        return wrong(format!("the far plane must lie beyond the near plane at {} m", camera.near));
+    }
+    if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f32::consts::PI) {
+        let degrees = camera.vertical_fov.to_degrees();
+        return wrong(format!("the field of view is {degrees}°; give one between 0° and 180°"));
+    }
+    if !camera.world_from_view.is_finite() {
+        return wrong("its place is not finite".into());
+    }
+    Ok(())
+}

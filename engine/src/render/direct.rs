@@ -1,0 +1,211 @@
+//! Direct light: one compute pass a light, over the pixels that the light can reach.
+
+use super::frame::Frame;
+use super::gbuffer::GBuffer;
+use super::light_uniform::LightUniform;
+use super::shadow::{self, ShadowMap};
+use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::scene::{Aabb, SceneLight, SceneView};
+use encase::ShaderType;
+use glam::{UVec2, Vec3};
+
+/// `Region` of `direct.wgsl`.
+#[derive(ShaderType, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Region {
+    origin: UVec2,
+    size: UVec2,
+}
+
+/// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer) -> Handle<Texture> {
+    let mut radiance = declare_clear(graph, frame);
+    for (light, index) in frame.scene.lights.iter().zip(0..) {
+        let name = format!("direct {}", light.pass_name());
+        if light.intensity == Vec3::ZERO {
+            graph.skip(&name, "the light has no intensity");
+            continue;
+        }
+        let Some(region) = reached_region(light, frame.view) else {
+            graph.skip(&name, "its reach lies outside the view");
+            continue;
+        };
+        let shadow = shadow::declare(graph, frame, light);
+        radiance = declare_light(graph, frame, gbuffer, radiance, &name, Lamp { light, index, shadow, region });
+    }
+    radiance
+}
+
+/// A light with what its pass needs.
+struct Lamp<'a> {
+    light: &'a SceneLight,
+    index: u32,
+    shadow: Option<ShadowMap>,
+    region: Region,
+}
+
+fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2_array(width, height, 3, wgpu::TextureFormat::R32Float, usage);
+    let radiance = graph.retained_texture("direct radiance", desc);
+    let mut pass = graph.pass("direct clear");
+    let radiance = pass.write(radiance);
+    pass.key(&());
+    pass.execute(move |cx| {
+        let target = cx.view(radiance);
+        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
+        cx.dispatch(&ComputeKey::new("direct.wgsl", "clear"), &[("radiance", Binding::Texture(&target))], groups)
+    });
+    radiance
+}
+
+fn declare_light<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    radiance: Handle<Texture>,
+    name: &str,
+    lamp: Lamp<'a>,
+) -> Handle<Texture> {
+    let mut pass = graph.pass(name);
+    let inputs = [gbuffer.base_color, gbuffer.specular, gbuffer.normal, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    if let Some(shadow) = &lamp.shadow {
+        pass.read(shadow.map);
+    }
+    let radiance = pass.write(radiance);
+    pass.key(&(frame.scene.identity, lamp.light.revision, lamp.shadow.is_some(), frame.view_key()));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let shadow_map = lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(cx.texture(s.map)));
+        let shadow = lamp.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
+        let [base_color, specular, normal, depth] = inputs.map(|handle| cx.view(handle));
+        let size = lamp.region.size;
+        let counts = cx.counts();
+        counts.lights += 1;
+        counts.texels += u64::from(size.x) * u64::from(size.y);
+        let target = cx.view(radiance);
+        cx.dispatch(
+            &ComputeKey::new("direct.wgsl", "add_light"),
+            &[
+                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                ("light", Binding::Buffer(&LightUniform::buffer(gpu, lamp.light, lamp.index))),
+                ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
+                ("region", Binding::Buffer(&gpu.uniform("region", &lamp.region))),
+                ("base_color", Binding::Texture(&base_color)),
+                ("specular", Binding::Texture(&specular)),
+                ("normal", Binding::Texture(&normal)),
+                ("depth", Binding::Texture(&depth)),
+                ("shadow_map", Binding::Texture(&shadow_map)),
+                ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),
+                ("radiance", Binding::Texture(&target)),
+            ],
+            [size.x.div_ceil(8), size.y.div_ceil(8), 1],
+        )
+    });
+    radiance
+}
+
+fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// Stands in where a light has no map; it is never read.
+fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
+    layered_view(&gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("no shadow"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: super::gbuffer::DEPTH_FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    }))
+}
+
+/// Lit where the receiver's reversed depth is not below the stored one.
+fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
+    gpu.sampler(&wgpu::SamplerDescriptor {
+        label: Some("shadow comparison"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        compare: Some(wgpu::CompareFunction::GreaterEqual),
+        ..Default::default()
+    })
+}
+
+/// The pixels that a light of limited range can reach: the rectangle around its box. None if that is outside.
+fn reached_region(light: &SceneLight, view: &SceneView) -> Option<Region> {
+    let full = Region { origin: UVec2::ZERO, size: view.size.into() };
+    let (Some(range), true) = (light.range, light.has_position()) else { return Some(full) };
+    let reach = Aabb { min: light.position - range, max: light.position + range };
+    let clip_from_world = view.clip_from_world();
+    if !crate::scene::Frustum::new(&clip_from_world).intersects(&reach) {
+        return None;
+    }
+    let corners = reach.corners().map(|corner| clip_from_world * corner.extend(1.0));
+    if corners.iter().any(|corner| corner.w <= view.camera.near) {
+        return Some(full);
+    }
+    let size = glam::Vec2::new(view.size[0] as f32, view.size[1] as f32);
+    let pixels = corners.map(|c| (glam::Vec2::new(c.x, -c.y) / c.w * 0.5 + 0.5) * size);
+    let low = pixels.iter().fold(size, |low, p| low.min(*p)).floor().max(glam::Vec2::ZERO);
+    let high = pixels.iter().fold(glam::Vec2::ZERO, |high, p| high.max(*p)).ceil().min(size);
+    let (low, high) = (low.as_uvec2(), high.as_uvec2());
+    (low.x < high.x && low.y < high.y).then(|| Region { origin: low, size: high - low })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{LightShape, SceneCamera, SceneId};
+    use glam::Affine3A;
+
+    fn view() -> SceneView {
+        let camera = SceneCamera {
+            id: SceneId(1),
+            name: "camera".into(),
+            world_from_view: Affine3A::IDENTITY,
+            vertical_fov: 1.0,
+            near: 0.1,
+            far: None,
+            primary: true,
+        };
+        SceneView { camera, size: [128, 64], jitter: [0.0; 2] }
+    }
+
+    fn lamp(position: Vec3, range: Option<f32>) -> SceneLight {
+        SceneLight {
+            id: SceneId(2),
+            name: "lamp".into(),
+            shape: LightShape::Point,
+            intensity: Vec3::ONE,
+            position,
+            direction: Vec3::NEG_Z,
+            range,
+            casts_shadow: false,
+            indirect: false,
+            shadow_size: 1,
+            rsm_size: 1,
+            revision: 0,
+        }
+    }
+
+    #[test]
+    fn a_light_pays_only_for_pixels_in_its_reach() {
+        let region = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), Some(1.0)), &view()).expect("in view");
+        assert!(region.size.x < 24 && region.size.y < 24 && region.size.x > 4, "{region:?}");
+        assert!(region.origin.x > 48 && region.origin.x + region.size.x < 80, "{region:?}");
+        assert_eq!(reached_region(&lamp(Vec3::new(0.0, 0.0, 10.0), Some(1.0)), &view()), None);
+        let whole = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), None), &view()).expect("everywhere");
+        assert_eq!(whole.size, UVec2::new(128, 64));
+    }
+}

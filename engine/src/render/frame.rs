@@ -1,0 +1,62 @@
+//! What all passes of one frame share: the scene, the view, and their keys.
+
+use super::gpu_scene::GpuScene;
+use super::settings::RenderSettings;
+use crate::gpu::Gpu;
+use crate::scene::{Aabb, Frustum, Scene, SceneView};
+use encase::ShaderType;
+use glam::{Mat4, UVec2, Vec3};
+
+/// `View` of `lib/view.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ViewUniform {
+    clip_from_world: Mat4,
+    world_from_clip: Mat4,
+    eye: Vec3,
+    size: UVec2,
+}
+
+/// Inputs of a frame. Cheap to clone into the closure of a pass.
+#[derive(Clone)]
+pub struct Frame<'a> {
+    /// The scene's arrays.
+    pub scene: &'a Scene,
+    /// The same scene on the device.
+    pub gpu_scene: &'a GpuScene,
+    /// The view.
+    pub view: &'a SceneView,
+    /// Settings.
+    pub settings: &'a RenderSettings,
+    /// Bounds of all primitives.
+    pub bounds: Aabb,
+}
+
+impl Frame<'_> {
+    /// Changes with anything that a drawn surface depends on.
+    pub fn geometry_key(&self) -> (u64, u64, u64) {
+        (self.scene.identity, self.scene.revisions.geometry, self.scene.revisions.materials)
+    }
+
+    /// Changes with the camera, the image size and the jitter; equal bits give equal keys.
+    pub fn view_key(&self) -> ([u32; 16], [u32; 2]) {
+        (self.view.clip_from_world().to_cols_array().map(f32::to_bits), self.view.size)
+    }
+
+    /// What the camera sees.
+    pub fn frustum(&self) -> Frustum {
+        Frustum::new(&self.view.clip_from_world())
+    }
+
+    /// A buffer with the view's matrices for the shaders.
+    pub fn view_uniform(&self, gpu: &Gpu) -> wgpu::Buffer {
+        gpu.uniform(
+            "view",
+            &ViewUniform {
+                clip_from_world: self.view.clip_from_world(),
+                world_from_clip: self.view.world_from_clip(),
+                eye: self.view.eye(),
+                size: self.view.size.into(),
+            },
+        )
+    }
+}

@@ -1,0 +1,117 @@
+//! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
+
+use super::frame::Frame;
+use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use crate::gpu::RasterKey;
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use wgpu::TextureFormat;
+
+const USAGE: wgpu::TextureUsages =
+    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
+
+/// Colour targets in the order of the fragment shader's outputs: 28 bytes a texel.
+const COLOR_TARGETS: [(&str, TextureFormat); 5] = [
+    ("gbuffer base color", TextureFormat::Rgba8UnormSrgb),
+    ("gbuffer specular", TextureFormat::Rgba8Unorm),
+    ("gbuffer normal", TextureFormat::Rgba16Uint),
+    ("gbuffer emissive", TextureFormat::Rg32Uint),
+    ("gbuffer id", TextureFormat::R32Uint),
+];
+
+/// Depth format of the camera's view.
+pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// Handles of the G-buffer's targets.
+#[derive(Clone, Copy, Debug)]
+pub struct GBuffer {
+    /// Base colour, sRGB-encoded.
+    pub base_color: Handle<Texture>,
+    /// √F0 and metallic.
+    pub specular: Handle<Texture>,
+    /// Octahedral world normal, roughness, F90.
+    pub normal: Handle<Texture>,
+    /// Emitted radiance, shared exponent.
+    pub emissive: Handle<Texture>,
+    /// Object id, 0 where there is nothing.
+    pub id: Handle<Texture>,
+    /// Reversed depth, 0 where there is nothing.
+    pub depth: Handle<Texture>,
+}
+
+/// Declares the pass that draws the scene into the G-buffer.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
+    let [width, height] = frame.view.size;
+    let target = |graph: &mut Graph<'a>, name: &str, format| {
+        graph.retained_texture(name, TextureDesc::d2(width, height, format, USAGE))
+    };
+    let color = COLOR_TARGETS.map(|(name, format)| target(graph, name, format));
+    let depth = target(graph, "gbuffer depth", DEPTH_FORMAT);
+
+    let mut pass = graph.pass("gbuffer");
+    let color = color.map(|handle| pass.write(handle));
+    let depth = pass.write(depth);
+    pass.key(&(frame.geometry_key(), frame.view_key()));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let view = frame.view_uniform(cx.gpu);
+        let color_views = color.map(|handle| cx.view(handle));
+        let depth_view = cx.view(depth);
+        let attachments = color_views.each_ref().map(|view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        });
+        let mut pass = cx
+            .encoder()
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("gbuffer"),
+                color_attachments: &attachments,
+                depth_stencil_attachment: Some(depth_attachment(&depth_view)),
+                ..Default::default()
+            })
+            .forget_lifetime();
+        let filter = DrawFilter { frustum: &frame.frustum(), casters_only: false };
+        frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
+    });
+    let [base_color, specular, normal, emissive, id] = color;
+    GBuffer { base_color, specular, normal, emissive, id, depth }
+}
+
+fn raster_key(class: MaterialClass) -> RasterKey {
+    RasterKey {
+        shader: "gbuffer.wgsl",
+        vertex: "vertex",
+        fragment: Some("fragment"),
+        defs: Vec::new(),
+        vertex_buffers: vec![vertex_layout()],
+        primitive: class.primitive_state(),
+        depth: Some(depth_state()),
+        targets: COLOR_TARGETS.iter().map(|&(_, format)| Some(format.into())).collect(),
+    }
+}
+
+/// Depth test of every raster pass: reversed, the first of equals stays.
+pub(super) fn depth_state() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: Default::default(),
+        bias: Default::default(),
+    }
+}
+
+/// Cleared to 0, which is infinitely far.
+pub(super) fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
+    }
+}

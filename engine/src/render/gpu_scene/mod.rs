@@ -1,0 +1,263 @@
+//! The scene's geometry and materials on the device, and how the raster passes draw them.
+//!
+//! Primitives with the same pipeline class, material and mesh form a batch whose instances lie together, so that
+//! each run of visible instances is one draw. Batches are ordered by the least [`SceneId`] in them, never by the
+//! identity of an asset: where two surfaces coincide, the same one wins after every reload.
+
+mod material;
+mod texture;
+
+use crate::assets::{AssetId, Mesh, Vertex};
+use crate::gpu::{Binding, Gpu, RasterKey};
+use crate::graph::{PassContext, PassError};
+use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId};
+use bytemuck::{Pod, Zeroable};
+use material::{MaterialStore, alpha_cutoff};
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+
+#[cfg(test)]
+pub(crate) use material::MaterialUniform;
+
+/// What decides the pipeline that a primitive is drawn with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialClass {
+    /// Back faces are drawn.
+    pub double_sided: bool,
+    /// Alpha is tested.
+    pub masked: bool,
+    /// The transform mirrors: triangles wind the other way.
+    pub mirrored: bool,
+}
+
+impl MaterialClass {
+    fn of(primitive: &Primitive) -> Self {
+        Self {
+            double_sided: primitive.material.double_sided,
+            masked: alpha_cutoff(&primitive.material) >= 0.0,
+            mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
+        }
+    }
+
+    /// Winding and culling for what the camera sees: back faces of single-sided surfaces are left out.
+    pub fn primitive_state(self) -> wgpu::PrimitiveState {
+        wgpu::PrimitiveState {
+            front_face: if self.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+            cull_mode: (!self.double_sided).then_some(wgpu::Face::Back),
+            ..Default::default()
+        }
+    }
+}
+
+/// `Instance` of `lib/mesh.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Instance {
+    rows: [[f32; 4]; 3],
+    id: u32,
+    padding: [u32; 3],
+}
+
+impl Instance {
+    fn new(primitive: &Primitive) -> Self {
+        let m = primitive.world_from_object;
+        let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]];
+        Self { rows: [row(0), row(1), row(2)], id: primitive.id.0 as u32, padding: [0; 3] }
+    }
+}
+
+struct GpuMesh {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    index_count: u32,
+}
+
+impl GpuMesh {
+    fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
+        Self {
+            vertices: gpu.storage(&mesh.name, &mesh.vertices, wgpu::BufferUsages::VERTEX),
+            indices: gpu.storage(&mesh.name, &mesh.indices, wgpu::BufferUsages::INDEX),
+            index_count: mesh.indices.len() as u32,
+        }
+    }
+}
+
+struct Batch {
+    class: MaterialClass,
+    material: AssetId,
+    mesh: AssetId,
+    first_instance: u32,
+    members: Vec<Member>,
+}
+
+struct Member {
+    bounds: Aabb,
+    casts_shadow: bool,
+}
+
+/// Which primitives a pass draws.
+pub struct DrawFilter<'a> {
+    /// Primitives outside are left out.
+    pub frustum: &'a Frustum,
+    /// Only those that cast shadows.
+    pub casters_only: bool,
+}
+
+/// The scene on the device.
+pub struct GpuScene {
+    meshes: HashMap<AssetId, GpuMesh>,
+    materials: MaterialStore,
+    instances: wgpu::Buffer,
+    batches: Vec<Batch>,
+    synced: Option<(u64, u64, u64)>,
+}
+
+impl GpuScene {
+    /// An empty scene.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            meshes: HashMap::new(),
+            materials: MaterialStore::new(gpu),
+            instances: gpu.storage("instances", &[Instance::zeroed()], wgpu::BufferUsages::empty()),
+            batches: Vec::new(),
+            synced: None,
+        }
+    }
+
+    /// Brings the device up to date with the scene; costs nothing if no primitive changed.
+    pub fn update(&mut self, gpu: &Gpu, scene: &Scene) {
+        let state = (scene.identity, scene.revisions.geometry, scene.revisions.materials);
+        if self.synced == Some(state) {
+            return;
+        }
+        self.materials.update(gpu, scene.primitives.iter().map(|p| &p.material));
+        self.update_meshes(gpu, scene);
+        self.update_batches(gpu, scene);
+        self.synced = Some(state);
+    }
+
+    fn update_meshes(&mut self, gpu: &Gpu, scene: &Scene) {
+        let used: HashMap<AssetId, &Mesh> = scene.primitives.iter().map(|p| (p.mesh.id, &*p.mesh)).collect();
+        self.meshes.retain(|id, _| used.contains_key(id));
+        for (&id, mesh) in &used {
+            if !mesh.indices.is_empty() {
+                self.meshes.entry(id).or_insert_with(|| GpuMesh::new(gpu, mesh));
+            }
+        }
+    }
+
+    fn update_batches(&mut self, gpu: &Gpu, scene: &Scene) {
+        let mut groups: BTreeMap<(MaterialClass, AssetId, AssetId), Vec<&Primitive>> = BTreeMap::new();
+        for primitive in scene.primitives.iter().filter(|p| !p.mesh.indices.is_empty()) {
+            let key = (MaterialClass::of(primitive), primitive.material.id, primitive.mesh.id);
+            groups.entry(key).or_default().push(primitive);
+        }
+        let mut groups: Vec<_> = groups.into_iter().collect();
+        groups.sort_by_key(|(_, members)| members.iter().map(|p| p.id).min().unwrap_or(SceneId::default()));
+        let mut instances = Vec::with_capacity(scene.primitives.len());
+        self.batches.clear();
+        for ((class, material, mesh), members) in groups {
+            let first_instance = instances.len() as u32;
+            instances.extend(members.iter().map(|p| Instance::new(p)));
+            let members =
+                members.iter().map(|p| Member { bounds: p.bounds, casts_shadow: p.casts_shadow }).collect();
+            self.batches.push(Batch { class, material, mesh, first_instance, members });
+        }
+        if instances.is_empty() {
+            instances.push(Instance::zeroed());
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&instances);
+        if self.instances.size() == bytes.len() as u64 {
+            gpu.queue.write_buffer(&self.instances, 0, bytes);
+        } else {
+            self.instances = gpu.storage("instances", &instances, wgpu::BufferUsages::COPY_DST);
+        }
+    }
+
+    /// Whether any primitive passes the filter.
+    pub fn any_visible(&self, filter: &DrawFilter) -> bool {
+        self.batches.iter().flat_map(|b| &b.members).any(|m| m.visible(filter))
+    }
+
+    /// Draws all that passes the filter. `key` gives the pipeline of a class; the shader finds the view's uniform
+    /// under the name `view` and, where it declares them, `instances` and the material's bindings.
+    ///
+    /// # Errors
+    /// A shader that does not compile, or that declares a binding that is not there.
+    pub fn draw(
+        &self,
+        cx: &mut PassContext,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &wgpu::Buffer,
+        filter: &DrawFilter,
+        key: impl Fn(MaterialClass) -> RasterKey,
+    ) -> Result<(), PassError> {
+        let gpu = cx.gpu;
+        let mut current = None;
+        for batch in &self.batches {
+            let runs = batch.visible_runs(filter);
+            let Some(mesh) = self.meshes.get(&batch.mesh).filter(|_| !runs.is_empty()) else { continue };
+            if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
+                let pipeline = gpu.pipelines.raster(gpu, &key(batch.class))?;
+                pass.set_pipeline(pipeline.raster());
+                let group = [("view", Binding::Buffer(view)), ("instances", Binding::Buffer(&self.instances))];
+                pass.set_bind_group(0, &pipeline.bind(gpu, 0, &group)?, &[]);
+                current = Some((batch.class, pipeline));
+            }
+            let Some((_, pipeline)) = &current else { continue };
+            if let Some(material) = self.materials.get(batch.material) {
+                let bindings = material.bindings();
+                let used: Vec<_> = bindings.into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
+                if !used.is_empty() {
+                    pass.set_bind_group(1, &pipeline.bind(gpu, 1, &used)?, &[]);
+                }
+            }
+            pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            for run in runs {
+                let instances = run.len() as u64;
+                pass.draw_indexed(0..mesh.index_count, 0, run);
+                let counts = cx.counts();
+                counts.draws += 1;
+                counts.triangles += instances * u64::from(mesh.index_count / 3);
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes of textures on the device.
+    pub fn texture_bytes(&self) -> u64 {
+        self.materials.texture_bytes()
+    }
+}
+
+impl Member {
+    fn visible(&self, filter: &DrawFilter) -> bool {
+        (self.casts_shadow || !filter.casters_only) && filter.frustum.intersects(&self.bounds)
+    }
+}
+
+impl Batch {
+    /// Ranges of instances that lie next to each other and pass the filter.
+    fn visible_runs(&self, filter: &DrawFilter) -> Vec<Range<u32>> {
+        let mut runs: Vec<Range<u32>> = Vec::new();
+        for (index, _) in (self.first_instance..).zip(&self.members).filter(|(_, m)| m.visible(filter)) {
+            match runs.last_mut() {
+                Some(run) if run.end == index => run.end += 1,
+                _ => runs.push(index..index + 1),
+            }
+        }
+        runs
+    }
+}
+
+/// The one vertex layout: [`Vertex`] at locations 0 to 3.
+pub fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &ATTRIBUTES,
+    }
+}

@@ -1,0 +1,49 @@
+//! Lights in the layout of `lib/lights.wgsl`.
+
+use crate::gpu::Gpu;
+use crate::scene::{LightShape, SceneLight};
+use encase::ShaderType;
+use glam::Vec3;
+
+/// `Light` of `lib/lights.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct LightUniform {
+    position: Vec3,
+    shape: u32,
+    direction: Vec3,
+    range: f32,
+    intensity: Vec3,
+    cone_scale: f32,
+    cone_offset: f32,
+    index: u32,
+}
+
+impl LightUniform {
+    /// The light's values; `index` is its place in the scene's array.
+    pub(crate) fn new(light: &SceneLight, index: u32) -> Self {
+        let (shape, cone_scale, cone_offset) = match light.shape {
+            LightShape::Directional => (0, 0.0, 0.0),
+            LightShape::Point => (1, 0.0, 0.0),
+            LightShape::Spot { inner, outer } => {
+                // KHR_lights_punctual, "Inner and outer cone angles".
+                let scale = 1.0 / (inner.cos() - outer.cos()).max(1e-6);
+                (2, scale, -outer.cos() * scale)
+            }
+        };
+        Self {
+            position: light.position,
+            shape,
+            direction: light.direction,
+            range: light.range.unwrap_or(0.0),
+            intensity: light.intensity,
+            cone_scale,
+            cone_offset,
+            index,
+        }
+    }
+
+    /// A buffer with the light's values.
+    pub(crate) fn buffer(gpu: &Gpu, light: &SceneLight, index: u32) -> wgpu::Buffer {
+        gpu.uniform(&light.name, &Self::new(light, index))
+    }
+}

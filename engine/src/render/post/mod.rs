@@ -1,0 +1,3 @@
+//! What happens to the finished image on its way to a display.
+
+pub mod tone_map;

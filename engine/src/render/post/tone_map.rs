@@ -1,0 +1,48 @@
+//! Exposure, tone map and sRGB encoding: the display image.
+
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use encase::ShaderType;
+
+/// Name of the retained display image.
+pub const DISPLAY: &str = "display";
+
+/// `ToneMap` of `post/tone_map.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ToneMapUniform {
+    scale: f32,
+    encode_only: u32,
+}
+
+/// Declares the pass; the result is rgba8unorm, sRGB-encoded.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, radiance: Handle<Texture>) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let display = graph.retained_texture(
+        DISPLAY,
+        TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage),
+    );
+    let mut pass = graph.pass("tone map");
+    pass.read(radiance);
+    let display = pass.write(display);
+    // 2^±60 shows anything that a float can hold; beyond, the factor itself would leave the range.
+    let exposure = if frame.settings.exposure.is_finite() { frame.settings.exposure.clamp(-60.0, 60.0) } else { 0.0 };
+    let light = frame.settings.only.is_light();
+    let uniform = ToneMapUniform { scale: if light { exposure.exp2() } else { 1.0 }, encode_only: u32::from(!light) };
+    pass.key(&(uniform.scale.to_bits(), uniform.encode_only));
+    pass.execute(move |cx| {
+        let (source, target) = (cx.view(radiance), cx.view(display));
+        let uniform = cx.gpu.uniform("tone map", &uniform);
+        cx.dispatch(
+            &ComputeKey::new("post/tone_map.wgsl", "main"),
+            &[
+                ("tone_map", Binding::Buffer(&uniform)),
+                ("radiance", Binding::Texture(&source)),
+                ("display", Binding::Texture(&target)),
+            ],
+            [width.div_ceil(8), height.div_ceil(8), 1],
+        )
+    });
+    display
+}

@@ -1,0 +1,57 @@
+//! How a frame is to be drawn.
+
+/// Method of indirect light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GiMethod {
+    /// Direct light only.
+    None,
+    /// Cascaded light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
+    #[default]
+    Clpv,
+}
+
+/// What the image shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// All light [W/(m² sr)].
+    #[default]
+    Total,
+    /// Light that reaches the surface straight from a light, emission and sky [W/(m² sr)].
+    Direct,
+    /// Light that has met at least one other surface before [W/(m² sr)].
+    Indirect,
+    /// Base colour.
+    Albedo,
+    /// World normal, mapped from −1..1 to 0..1.
+    Normal,
+    /// Distance from the eye [m].
+    Depth,
+}
+
+impl Layer {
+    /// Whether it shows light, so that light has to be computed.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Total | Self::Direct | Self::Indirect)
+    }
+}
+
+/// Settings of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Method of indirect light.
+    pub gi: GiMethod,
+    /// What the image shows.
+    pub only: Layer,
+    /// Display exposure as a power of two. Never touches the radiance image.
+    pub exposure: f32,
+    /// Recompute everything, whatever the cache holds.
+    pub no_cache: bool,
+    /// Make the display image too: exposure, tone map, sRGB.
+    pub display: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self { gi: GiMethod::default(), only: Layer::Total, exposure: 0.0, no_cache: false, display: true }
+    }
+}

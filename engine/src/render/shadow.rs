@@ -1,0 +1,177 @@
+//! Shadow maps: one layer a view, six for point lights (Williams 1978; for points Gerasimov, GPU Gems 2004).
+
+use super::frame::Frame;
+use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
+use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use super::light_view::{LightView, light_views};
+use crate::gpu::{Gpu, RasterKey};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::scene::{Frustum, LightShape, SceneLight};
+use encase::ShaderType;
+use glam::{Mat4, Vec3};
+
+/// `ShadowView` of `shadow.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ShadowViewUniform {
+    clip_from_world: Mat4,
+    eye: Vec3,
+    far: f32,
+}
+
+/// `Shadow` of `lib/shadow_lookup.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ShadowUniform {
+    faces: [Mat4; 6],
+    eye: Vec3,
+    far: f32,
+    axis: Vec3,
+    texel: f32,
+    size: f32,
+    kind: u32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+/// A light's shadow map as the direct pass reads it.
+#[derive(Clone)]
+pub struct ShadowMap {
+    /// One layer a view.
+    pub map: Handle<Texture>,
+    views: Vec<LightView>,
+    kind: u32,
+    size: u32,
+}
+
+impl ShadowMap {
+    /// How to look a point up in the map.
+    pub(super) fn uniform(&self) -> ShadowUniform {
+        let face = |i: usize| self.views.get(i).map_or(Mat4::IDENTITY, |view| view.clip_from_world);
+        let first = self.views.first();
+        let texel = first.map_or(0.0, |view| 2.0 * view.half_extent / self.size as f32);
+        ShadowUniform {
+            faces: std::array::from_fn(face),
+            eye: first.map_or(Vec3::ZERO, |view| view.eye),
+            far: first.map_or(1.0, |view| view.far),
+            axis: first.map_or(Vec3::NEG_Z, |view| view.direction),
+            texel,
+            size: self.size as f32,
+            kind: self.kind,
+            pad_a: 0,
+            pad_b: 0,
+        }
+    }
+
+    /// For a light without shadows: everything is lit.
+    pub(super) fn none_uniform() -> ShadowUniform {
+        ShadowUniform {
+            faces: [Mat4::IDENTITY; 6],
+            eye: Vec3::ZERO,
+            far: 1.0,
+            axis: Vec3::NEG_Z,
+            texel: 0.0,
+            size: 1.0,
+            kind: 0,
+            pad_a: 0,
+            pad_b: 0,
+        }
+    }
+}
+
+/// Declares the light's shadow map; none, with the reason in the report, if it needs none.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLight) -> Option<ShadowMap> {
+    let name = format!("shadow {}", light.pass_name());
+    if !light.casts_shadow {
+        graph.skip(&name, "the light casts no shadow");
+        return None;
+    }
+    let views = light_views(light, &frame.bounds);
+    if views.is_empty() {
+        graph.skip(&name, "nothing lies in the light's reach");
+        return None;
+    }
+    let size = light.shadow_size.clamp(1, 8192);
+    let desc = TextureDesc::d2_array(
+        size,
+        size,
+        views.len() as u32,
+        DEPTH_FORMAT,
+        wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+    );
+    let map = graph.retained_texture(&name, desc);
+    let mut pass = graph.pass(&name);
+    let map = pass.write(map);
+    pass.key(&(frame.geometry_key(), frame.scene.identity, light.revision, size, view_bits(&views)));
+    let kind = match light.shape {
+        LightShape::Directional => 1,
+        LightShape::Spot { .. } => 2,
+        LightShape::Point => 3,
+    };
+    let (frame, faces) = (frame.clone(), views.clone());
+    pass.execute(move |cx| {
+        for (face, layer) in faces.iter().zip(0..) {
+            draw_face(cx, &frame, face, map, layer, kind == 1)?;
+        }
+        Ok(())
+    });
+    Some(ShadowMap { map, views, kind, size })
+}
+
+/// Draws the casters that a view of the light sees; a face that sees none is only cleared.
+fn draw_face(
+    cx: &mut PassContext,
+    frame: &Frame,
+    view: &LightView,
+    map: Handle<Texture>,
+    layer: u32,
+    directional: bool,
+) -> Result<(), PassError> {
+    let target = cx.texture(map).create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    });
+    let uniform = view_uniform(cx.gpu, view);
+    let mut pass = cx
+        .encoder()
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow"),
+            depth_stencil_attachment: Some(depth_attachment(&target)),
+            ..Default::default()
+        })
+        .forget_lifetime();
+    let filter = DrawFilter { frustum: &Frustum::new(&view.clip_from_world), casters_only: true };
+    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(class, directional))
+}
+
+fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
+    gpu.uniform(
+        "shadow view",
+        &ShadowViewUniform { clip_from_world: view.clip_from_world, eye: view.eye, far: view.far },
+    )
+}
+
+fn raster_key(class: MaterialClass, directional: bool) -> RasterKey {
+    let fragment = match (directional, class.masked) {
+        (true, false) => None,
+        (true, true) => Some("directional_masked"),
+        (false, false) => Some("perspective_opaque"),
+        (false, true) => Some("perspective_masked"),
+    };
+    RasterKey {
+        shader: "shadow.wgsl",
+        vertex: "vertex",
+        fragment,
+        defs: Vec::new(),
+        vertex_buffers: vec![vertex_layout()],
+        // Both sides of a surface block light, whichever of them can be seen.
+        primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
+        depth: Some(depth_state()),
+        targets: Vec::new(),
+    }
+}
+
+/// The bits of all matrices, for a cache key.
+pub(super) fn view_bits(views: &[LightView]) -> Vec<[u32; 16]> {
+    views.iter().map(|view| view.clip_from_world.to_cols_array().map(f32::to_bits)).collect()
+}

@@ -1,0 +1,57 @@
+// Sums what a pixel shows: direct and indirect light, emission and sky; or one layer of the frame for itself.
+
+#import lightwell::gbuffer::{decode_normal, decode_radiance, world_position}
+#import lightwell::view::View
+
+struct Compose {
+    sky: vec3f,            // radiance [W/(m² sr)]
+    layer: u32,
+}
+
+const TOTAL: u32 = 0u;
+const DIRECT: u32 = 1u;
+const INDIRECT: u32 = 2u;
+const ALBEDO: u32 = 3u;
+const NORMAL: u32 = 4u;
+const DEPTH: u32 = 5u;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> compose: Compose;
+@group(0) @binding(2) var base_color: texture_2d<f32>;
+@group(0) @binding(3) var normal: texture_2d<u32>;
+@group(0) @binding(4) var emissive: texture_2d<u32>;
+@group(0) @binding(5) var depth: texture_depth_2d;
+@group(0) @binding(6) var direct: texture_2d_array<f32>;
+@group(0) @binding(7) var indirect: texture_2d<f32>;
+@group(0) @binding(8) var radiance: texture_storage_2d<rgba32float, write>;
+
+// Sums of what lights may bring stay finite for whatever number of lights.
+const MAX_RADIANCE: f32 = 1e32;
+
+fn shown(pixel: vec2u) -> vec3f {
+    let z = textureLoad(depth, pixel, 0);
+    if z <= 0.0 {
+        return select(vec3f(0.0), compose.sky, compose.layer == TOTAL || compose.layer == DIRECT);
+    }
+    let reflected = vec3f(
+        textureLoad(direct, pixel, 0, 0).r, textureLoad(direct, pixel, 1, 0).r, textureLoad(direct, pixel, 2, 0).r,
+    );
+    let emitted = decode_radiance(textureLoad(emissive, pixel, 0).xy);
+    let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb;
+    switch compose.layer {
+        case DIRECT: { return reflected + emitted; }
+        case INDIRECT: { return bounced; }
+        case ALBEDO: { return textureLoad(base_color, pixel, 0).rgb; }
+        case NORMAL: { return decode_normal(textureLoad(normal, pixel, 0)) * 0.5 + 0.5; }
+        case DEPTH: { return vec3f(distance(world_position(pixel, view.size, z, view.world_from_clip), view.eye)); }
+        default: { return reflected + emitted + bounced; }
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    if any(thread.xy >= view.size) {
+        return;
+    }
+    textureStore(radiance, thread.xy, vec4f(min(shown(thread.xy), vec3f(MAX_RADIANCE)), 1.0));
+}

@@ -1,0 +1,90 @@
+// Direct light of one light, added to the radiance of the pixels that it can reach.
+
+#import lightwell::brdf::eval_brdf_cosine
+#import lightwell::gbuffer::{decode_surface, world_position}
+#import lightwell::lights::{Light, light_incidence}
+#import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
+#import lightwell::view::View
+
+struct Region {
+    origin: vec2u,         // first pixel
+    size: vec2u,           // [pixels]
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> light: Light;
+@group(0) @binding(2) var<uniform> shadow: Shadow;
+@group(0) @binding(3) var<uniform> region: Region;
+@group(0) @binding(4) var base_color: texture_2d<f32>;
+@group(0) @binding(5) var specular: texture_2d<f32>;
+@group(0) @binding(6) var normal: texture_2d<u32>;
+@group(0) @binding(7) var depth: texture_depth_2d;
+@group(0) @binding(8) var shadow_map: texture_depth_2d_array;
+@group(0) @binding(9) var shadow_sampler: sampler_comparison;
+// Red, green and blue as layers: r32float is the one float format that may be read and written everywhere.
+@group(0) @binding(10) var radiance: texture_storage_2d_array<r32float, read_write>;
+
+// Percentage-closer filtering (Reeves et al. 1987): four bilinear comparisons half a texel apart.
+fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
+    if shadow.kind == NO_SHADOW {
+        return 1.0;
+    }
+    let at = shadow_coordinate(shadow, position, n, to_light);
+    if !at.inside {
+        return 1.0;
+    }
+    let step = 0.5 / shadow.size;
+    var lit = 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        let offset = vec2f(select(-step, step, (i & 1u) != 0u), select(-step, step, (i & 2u) != 0u));
+        lit += textureSampleCompareLevel(shadow_map, shadow_sampler, at.uv + offset, at.face, at.depth);
+    }
+    return 0.25 * lit;
+}
+
+@compute @workgroup_size(8, 8)
+fn add_light(@builtin(global_invocation_id) thread: vec3u) {
+    if any(thread.xy >= region.size) {
+        return;
+    }
+    let pixel = region.origin + thread.xy;
+    let z = textureLoad(depth, pixel, 0);
+    if z <= 0.0 {
+        return;
+    }
+    let position = world_position(pixel, view.size, z, view.world_from_clip);
+    let incidence = light_incidence(light, position);
+    if all(incidence.irradiance <= vec3f(0.0)) {
+        return;
+    }
+    let surface = decode_surface(
+        textureLoad(base_color, pixel, 0), textureLoad(specular, pixel, 0), textureLoad(normal, pixel, 0), z, position,
+    );
+    if dot(surface.normal, incidence.to_light) <= 0.0 {
+        return;
+    }
+    let lit = visibility(position, surface.normal, incidence.to_light);
+    if lit <= 0.0 {
+        return;
+    }
+    let alpha = max(surface.roughness * surface.roughness, 1e-3);
+    let to_eye = normalize(view.eye - position);
+    let response = eval_brdf_cosine(
+        surface.normal, to_eye, incidence.to_light, surface.albedo, surface.f0, surface.f90, alpha,
+    );
+    let reflected = response * incidence.irradiance * lit;
+    for (var channel = 0u; channel < 3u; channel++) {
+        let before = textureLoad(radiance, pixel, channel).r;
+        textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn clear(@builtin(global_invocation_id) thread: vec3u) {
+    if any(thread.xy >= textureDimensions(radiance)) {
+        return;
+    }
+    for (var channel = 0u; channel < 3u; channel++) {
+        textureStore(radiance, thread.xy, channel, vec4f(0.0));
+    }
+}

@@ -1,0 +1,78 @@
+#define_import_path lightwell::mesh
+
+// Vertices, instances and materials of the raster passes. Each pass declares the bindings under these names.
+
+struct Vertex {
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec2f,
+}
+
+struct Instance {
+    rows: array<vec4f, 3>, // world_from_object, row by row
+    id: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
+struct Material {
+    base_color: vec4f,
+    emissive: vec3f,       // radiance [W/(m² sr)]
+    metallic: f32,
+    specular_color: vec3f,
+    roughness: f32,
+    specular: f32,
+    alpha_cutoff: f32,     // below 0: alpha is ignored
+    normal_scale: f32,
+    double_sided: u32,
+}
+
+fn world_from_object_point(instance: Instance, p: vec3f) -> vec3f {
+    let q = vec4f(p, 1.0);
+    return vec3f(dot(instance.rows[0], q), dot(instance.rows[1], q), dot(instance.rows[2], q));
+}
+
+fn world_from_object_vector(instance: Instance, v: vec3f) -> vec3f {
+    return vec3f(dot(instance.rows[0].xyz, v), dot(instance.rows[1].xyz, v), dot(instance.rows[2].xyz, v));
+}
+
+// Normals transform by the cofactor matrix, which exists for singular transforms too; its sign is that of the
+// determinant, which is taken out so that mirrored objects keep their outside.
+fn world_from_object_normal(instance: Instance, n: vec3f) -> vec3f {
+    let a = instance.rows[0].xyz;
+    let b = instance.rows[1].xyz;
+    let c = instance.rows[2].xyz;
+    let bc = cross(b, c);
+    let mirrored = select(1.0, -1.0, dot(a, bc) < 0.0);
+    return mirrored * vec3f(dot(bc, n), dot(cross(c, a), n), dot(cross(a, b), n));
+}
+
+fn normalize_or_zero(v: vec3f) -> vec3f {
+    // Scaled by the largest component first, so that neither tiny nor huge vectors leave the range of floats.
+    let largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    if !(largest > 0.0) {
+        return vec3f(0.0);
+    }
+    return normalize(v / largest);
+}
+
+// The shading normal: interpolated, bent by the normal map, turned to the viewer on double-sided surfaces. Where
+// the mesh has no normal, the triangle's own takes its place.
+fn shading_normal(
+    interpolated: vec3f, tangent: vec4f, position: vec3f, sampled: vec3f, scale: f32, flip: bool, to_eye: vec3f,
+) -> vec3f {
+    let face = normalize_or_zero(cross(dpdx(position), dpdy(position)));
+    var n = normalize_or_zero(interpolated);
+    if all(n == vec3f(0.0)) {
+        n = select(face, -face, dot(face, to_eye) < 0.0);
+        return select(n, vec3f(0.0, 1.0, 0.0), all(n == vec3f(0.0)));
+    }
+    n = select(n, -n, flip);
+    let t = normalize_or_zero(tangent.xyz - n * dot(n, tangent.xyz));
+    let bend = vec3f((sampled.xy * 2.0 - 1.0) * scale, sampled.z * 2.0 - 1.0);
+    let b = cross(n, t) * tangent.w;
+    let bent = normalize_or_zero(t * bend.x + b * bend.y + n * bend.z);
+    return select(bent, n, all(bent == vec3f(0.0)) || all(t == vec3f(0.0)));
+}

@@ -1,0 +1,44 @@
+// Display step: exposure, tone map, sRGB encoding. Never touches a measured image.
+
+struct ToneMap {
+    scale: f32,            // 2^exposure
+    encode_only: u32,      // 1: layers such as albedo are shown as they are
+}
+
+@group(0) @binding(0) var<uniform> tone_map: ToneMap;
+@group(0) @binding(1) var radiance: texture_2d<f32>;
+@group(0) @binding(2) var display: texture_storage_2d<rgba8unorm, write>;
+
+// Khronos PBR Neutral tone mapper (specification 1.0): base colours below 0.8 keep their hue and saturation,
+// brighter light is compressed and desaturated.
+fn pbr_neutral(color: vec3f) -> vec3f {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let lowest = min(color.r, min(color.g, color.b));
+    let offset = select(0.04, lowest - 6.25 * lowest * lowest, lowest < 0.08);
+    let shifted = color - offset;
+    let peak = max(shifted.r, max(shifted.g, shifted.b));
+    if peak < START {
+        return shifted;
+    }
+    const D: f32 = 1.0 - START;
+    let new_peak = 1.0 - D * D / (peak + D - START);
+    let g = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    return mix(shifted * (new_peak / peak), vec3f(new_peak), g);
+}
+
+// IEC 61966-2-1.
+fn encode_srgb(c: vec3f) -> vec3f {
+    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    if any(thread.xy >= textureDimensions(radiance)) {
+        return;
+    }
+    // Above 1e6 everything is white; the bound keeps the squares below finite.
+    let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * tone_map.scale, vec3f(1e6));
+    let mapped = select(pbr_neutral(exposed), exposed, tone_map.encode_only != 0u);
+    textureStore(display, thread.xy, vec4f(encode_srgb(saturate(mapped)), 1.0));
+}

@@ -1,0 +1,58 @@
+// Shadow maps. Perspective views (spot, point) store 1 − distance/far, so that one texel of depth means the same
+// length everywhere; directional views store their linear, reversed depth. Nearer is larger in both.
+
+#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point}
+
+struct ShadowView {
+    clip_from_world: mat4x4f,
+    eye: vec3f,
+    far: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: ShadowView;
+@group(0) @binding(1) var<storage, read> instances: array<Instance>;
+@group(1) @binding(0) var<uniform> material: Material;
+@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(1) @binding(2) var base_color_sampler: sampler;
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) uv: vec2f,
+}
+
+@vertex
+fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
+    var out: Varying;
+    out.position = world_from_object_point(instances[index], in.position);
+    out.clip = view.clip_from_world * vec4f(out.position, 1.0);
+    out.uv = in.uv;
+    return out;
+}
+
+fn drop_transparent(uv: vec2f) {
+    let alpha = material.base_color.a * textureSample(base_color_texture, base_color_sampler, uv).a;
+    if alpha < material.alpha_cutoff {
+        discard;
+    }
+}
+
+fn stored_distance(position: vec3f) -> f32 {
+    return saturate(1.0 - distance(position, view.eye) / view.far);
+}
+
+@fragment
+fn perspective_opaque(in: Varying) -> @builtin(frag_depth) f32 {
+    return stored_distance(in.position);
+}
+
+@fragment
+fn perspective_masked(in: Varying) -> @builtin(frag_depth) f32 {
+    drop_transparent(in.uv);
+    return stored_distance(in.position);
+}
+
+@fragment
+fn directional_masked(in: Varying) {
+    drop_transparent(in.uv);
+}
