@@ -70,7 +70,7 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     let alpha = max(surface.roughness * surface.roughness, 1e-3);
     let to_eye = normalize(view.eye - position);
     let response = eval_brdf_cosine(
-        surface.normal, to_eye, incidence.to_light, surface.albedo, surface.f0, surface.f90, alpha,
+        surface.normal, to_eye, incidence.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, alpha,
     );
     let reflected = response * incidence.irradiance * lit;
     for (var channel = 0u; channel < 3u; channel++) {

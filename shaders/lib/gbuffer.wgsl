@@ -12,8 +12,8 @@ struct Surface {
     position: vec3f,       // world [m]
     normal: vec3f,         // world, unit
     albedo: vec3f,         // diffuse reflectance ρ = base·(1 − metallic)
-    f0: vec3f,
-    f90: f32,
+    normal_reflectance: vec3f, // F0. Names must not end in digits: the composer renames those.
+    grazing_reflectance: f32,  // F90
     roughness: f32,        // perceptual; GGX α is its square
     hit: bool,             // false where there is nothing
 }
@@ -80,8 +80,8 @@ fn decode_surface(base_color: vec4f, specular: vec4f, normal: vec4u, depth: f32,
     surface.position = position;
     surface.normal = decode_normal(normal);
     surface.albedo = base_color.rgb * (1.0 - specular.a);
-    surface.f0 = specular.rgb * specular.rgb;
-    surface.f90 = f32(normal.w) / 65535.0;
+    surface.normal_reflectance = specular.rgb * specular.rgb;
+    surface.grazing_reflectance = f32(normal.w) / 65535.0;
     surface.roughness = f32(normal.z) / 65535.0;
     return surface;
 }
