@@ -1,6 +1,7 @@
 //! Lightwell.
 pub mod assets;
 pub mod gpu;
+pub mod graph;
 pub mod measure;
 pub mod profile;
 pub mod render;

@@ -1,0 +1,192 @@
+//! What a pass works with: the resources that it declared, an encoder and its counts.
+
+use std::cell::{OnceCell, RefCell};
+
+use super::cache::Target;
+use super::error::PassError;
+use super::handle::{Buffer, Handle, Texture, Version};
+use super::plan::Layout;
+use super::report::Counts;
+use crate::gpu::{Binding, ComputeKey, Gpu, TimestampQueries};
+
+/// Records the passes of a frame into one encoder, or several where passes submit in between.
+pub(super) struct Recorder<'g> {
+    gpu: &'g Gpu,
+    encoder: wgpu::CommandEncoder,
+    pub queries: Option<TimestampQueries>,
+    pub submits: u64,
+}
+
+impl<'g> Recorder<'g> {
+    pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>) -> Self {
+        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0 }
+    }
+
+    /// Begins a pass; true if it is timed.
+    pub fn begin(&mut self, name: &str) -> bool {
+        self.encoder.push_debug_group(name);
+        let encoder = &mut self.encoder;
+        self.queries.as_mut().is_some_and(|queries| queries.begin(encoder, name))
+    }
+
+    pub fn end(&mut self, timed: bool) {
+        if let Some(queries) = self.queries.as_mut().filter(|_| timed) {
+            queries.end(&mut self.encoder);
+        }
+        self.encoder.pop_debug_group();
+    }
+
+    /// Submits what is left, between passes.
+    pub fn submit_last(&mut self) {
+        if let Some(queries) = &self.queries {
+            queries.resolve(&mut self.encoder);
+        }
+        let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
+        self.gpu.queue.submit([recorded.finish()]);
+        self.submits += 1;
+    }
+
+    /// Waits for the device if passes were timed.
+    pub fn times(&self) -> Vec<(String, Option<f64>)> {
+        self.queries.as_ref().filter(|_| self.submits > 0).map_or(Vec::new(), |queries| queries.read(self.gpu))
+    }
+}
+
+fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") })
+}
+
+/// What the work of a pass is given.
+pub struct PassContext<'c> {
+    /// The device.
+    pub gpu: &'c Gpu,
+    encoder: &'c mut wgpu::CommandEncoder,
+    submits: &'c mut u64,
+    name: &'c str,
+    counts: Counts,
+    resources: Resources<'c>,
+}
+
+/// The resources that a pass may use.
+pub(super) struct Resources<'c> {
+    pub graph: u64,
+    pub layout: &'c Layout,
+    pub targets: &'c [Option<Target>],
+    /// The versions that the pass reads, overwrites or makes.
+    pub declared: &'c [Version],
+    /// Stand-in for a resource that the pass has not declared: the pass fails in the end, but
+    /// need not handle that at each use.
+    pub stand_in: OnceCell<(wgpu::Texture, wgpu::Buffer)>,
+    pub misused: RefCell<Option<String>>,
+}
+
+impl<'c> PassContext<'c> {
+    pub(super) fn new(recorder: &'c mut Recorder<'_>, name: &'c str, resources: Resources<'c>) -> Self {
+        let Recorder { gpu, encoder, submits, .. } = recorder;
+        Self { gpu, encoder, submits, name, counts: Counts::default(), resources }
+    }
+
+    /// Its counts, and the first resource that it used without having declared it.
+    pub(super) fn finish(self) -> (Counts, Option<String>) {
+        (self.counts, self.resources.misused.into_inner())
+    }
+
+    /// The encoder that the frame is recorded with, inside the debug group of this pass.
+    pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.encoder
+    }
+
+    /// What this pass did, for the report: add to it.
+    pub fn counts(&mut self) -> &mut Counts {
+        &mut self.counts
+    }
+
+    /// Submits what is recorded so far and goes on with a fresh encoder. Long work calls it every
+    /// now and then: a submit of more than about a second may cost the device.
+    pub fn submit(&mut self) {
+        self.encoder.pop_debug_group();
+        let recorded = std::mem::replace(self.encoder, new_encoder(self.gpu));
+        self.gpu.queue.submit([recorded.finish()]);
+        *self.submits += 1;
+        self.encoder.push_debug_group(self.name);
+    }
+
+    /// The texture of a version that this pass has declared. For any other handle the pass fails
+    /// when it returns, and this gives a stand-in of one texel.
+    pub fn texture(&self, handle: Handle<Texture>) -> &wgpu::Texture {
+        match self.resources.target(handle.graph, handle.at) {
+            Some(Target::Texture(texture, _)) => texture,
+            _ => &self.resources.stand_in(self.gpu).0,
+        }
+    }
+
+    /// The default view of a texture, as for [`PassContext::texture`].
+    pub fn view(&self, handle: Handle<Texture>) -> wgpu::TextureView {
+        match self.resources.target(handle.graph, handle.at) {
+            Some(Target::Texture(_, view)) => view.clone(),
+            _ => self.resources.stand_in(self.gpu).0.create_view(&wgpu::TextureViewDescriptor::default()),
+        }
+    }
+
+    /// The buffer of a version that this pass has declared, as for [`PassContext::texture`].
+    pub fn buffer(&self, handle: Handle<Buffer>) -> &wgpu::Buffer {
+        match self.resources.target(handle.graph, handle.at) {
+            Some(Target::Buffer(buffer)) => buffer,
+            _ => &self.resources.stand_in(self.gpu).1,
+        }
+    }
+
+    /// Runs a compute shader over a number of workgroups, with group 0 bound by WGSL names.
+    ///
+    /// # Errors
+    /// If the shader does not compile, or the bindings do not fit it.
+    pub fn dispatch(&mut self, key: &ComputeKey, bindings: &[(&str, Binding)], groups: [u32; 3]) -> Result<(), PassError> {
+        let pipeline = self.gpu.pipelines.compute(self.gpu, key)?;
+        let group = pipeline.bind(self.gpu, 0, bindings)?;
+        let compute = pipeline.compute().ok_or_else(|| {
+            PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader))
+        })?;
+        let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(compute);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        self.counts.dispatches += 1;
+        Ok(())
+    }
+}
+
+impl Resources<'_> {
+    fn target(&self, graph: u64, at: Version) -> Option<&Target> {
+        let declared = graph == self.graph && self.declared.contains(&at);
+        let target = self.targets.get(at.resource).filter(|_| declared).and_then(Option::as_ref);
+        if target.is_none() {
+            self.misused.borrow_mut().get_or_insert_with(|| self.describe(graph, at));
+        }
+        target
+    }
+
+    fn describe(&self, graph: u64, at: Version) -> String {
+        match self.layout.resources.get(at.resource).filter(|_| graph == self.graph) {
+            Some(resource) => format!("`{}` (version {})", resource.name, at.number),
+            None => "a resource of another graph".into(),
+        }
+    }
+
+    fn stand_in(&self, gpu: &Gpu) -> &(wgpu::Texture, wgpu::Buffer) {
+        self.stand_in.get_or_init(|| {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("stand-in"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            });
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+            let descriptor = wgpu::BufferDescriptor { label: Some("stand-in"), size: 16, usage, mapped_at_creation: false };
+            (texture, gpu.device.create_buffer(&descriptor))
+        })
+    }
+}

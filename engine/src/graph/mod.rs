@@ -1,0 +1,46 @@
+//! A Merkle-cached render graph (thesis 4.2.3 and 6.6.2: render graph and render-target cache).
+//!
+//! A frame is declared, compiled and executed:
+//!
+//! 1. **Declare** ([`Graph`]): resources, and passes that say what they read, what they write and,
+//!    by [`PassBuilder::key`], what else their output depends on.
+//! 2. **Compile** ([`Graph::compile`]): plain CPU code. Every version of a resource gets a content
+//!    key, a hash of everything that went into it; a retained target that still holds the wanted
+//!    key is reused and its pass does not run. What nobody wants is culled; transient targets with
+//!    the same description and disjoint lifetimes share memory. Mistakes are errors that name the
+//!    passes and the resource.
+//! 3. **Execute** ([`Plan::execute`]): records and submits the passes that are left, each with one
+//!    debug group and one pair of timestamps from its name, and returns a [`FrameReport`].
+//!
+//! Two rules keep cached and uncached frames equal bit by bit, and the graph cannot check them:
+//!
+//! - A pass states in its key everything that its output depends on besides what it reads.
+//! - The content of a target before its first write of the frame is undefined (it may be left over
+//!   from another target or frame): the first writer writes all of it or clears it.
+
+mod alias;
+mod builder;
+mod cache;
+mod compile;
+mod context;
+mod desc;
+mod error;
+mod execute;
+mod handle;
+mod key;
+mod order;
+mod plan;
+mod reason;
+mod report;
+#[cfg(test)]
+mod tests;
+
+pub use builder::{Graph, PassBuilder};
+pub use cache::{CacheFigures, Target, TargetCache};
+pub use compile::CompileOptions;
+pub use context::PassContext;
+pub use desc::{BufferDesc, ResourceDesc, TextureDesc};
+pub use error::{GraphError, PassError};
+pub use handle::{Buffer, Handle, Kind, PassId, Texture};
+pub use plan::Plan;
+pub use report::{Counts, FrameReport, PassReport, PassState, ResourceReport};
