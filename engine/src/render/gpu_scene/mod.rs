@@ -52,7 +52,7 @@ impl MaterialClass {
 /// `Instance` of `lib/mesh.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Instance {
+pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
     id: u32,
     padding: [u32; 3],

@@ -1,0 +1,35 @@
+//! Structs that Rust writes and WGSL reads are the same size on both sides.
+
+use super::compose::ComposeUniform;
+use super::direct::Region;
+use super::frame::ViewUniform;
+use super::gpu_scene::{Instance, MaterialUniform};
+use super::light_uniform::LightUniform;
+use super::post::tone_map::ToneMapUniform;
+use super::shadow::{ShadowUniform, ShadowViewUniform};
+use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
+use encase::ShaderType;
+
+fn gpu() -> Gpu {
+    let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("shaders") };
+    Gpu::headless(&options).expect("a Vulkan driver")
+}
+
+fn check(gpu: &Gpu, size: u64, shader: &str, name: &str) {
+    let layout = gpu.shaders.struct_layout(shader, name).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(size, u64::from(layout.size), "{name} of {shader}: {layout:?}");
+}
+
+#[test]
+fn rust_and_wgsl_agree_on_every_struct() {
+    let gpu = gpu();
+    check(&gpu, ViewUniform::min_size().get(), "gbuffer.wgsl", "View");
+    check(&gpu, MaterialUniform::min_size().get(), "gbuffer.wgsl", "Material");
+    check(&gpu, size_of::<Instance>() as u64, "gbuffer.wgsl", "Instance");
+    check(&gpu, ShadowViewUniform::min_size().get(), "shadow.wgsl", "ShadowView");
+    check(&gpu, ShadowUniform::min_size().get(), "direct.wgsl", "Shadow");
+    check(&gpu, LightUniform::min_size().get(), "direct.wgsl", "Light");
+    check(&gpu, Region::min_size().get(), "direct.wgsl", "Region");
+    check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
+    check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
+}

@@ -1,0 +1,226 @@
+//! Direct light through the whole pipeline against the formulas that it stands for.
+
+mod support;
+
+use glam::{Affine3A, Vec3};
+use lightwell::assets::{Material, Shape};
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::LightShape;
+use std::f32::consts::PI;
+use support::{Stage, gpu, rgb};
+
+const ALBEDO: Vec3 = Vec3::new(0.8, 0.5, 0.2);
+
+/// A floor of 20 m edge at y = 0, seen from above.
+fn floor() -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 3.0, 2.0), Vec3::ZERO, 64);
+    stage.add(Shape::Plane { size: [20.0, 20.0], subdivisions: [1, 1] }, ALBEDO, Affine3A::IDENTITY);
+    stage
+}
+
+/// Largest relative deviation from `expected(point on the floor)`, over pixels that see the floor.
+fn worst_deviation(stage: &Stage, expected: impl Fn(Vec3) -> Vec3) -> f32 {
+    let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+    let eye = stage.view.eye();
+    let mut worst = 0.0_f32;
+    for y in 0..image.height {
+        for x in 0..image.width {
+            let ray = stage.ray(x, y);
+            if ray.y > -0.05 {
+                continue;
+            }
+            let point = eye - ray * (eye.y / ray.y);
+            if point.abs().max_element() > 9.9 {
+                continue;
+            }
+            let (got, want) = (rgb(&image, x, y), expected(point));
+            let scale = want.max_element().max(1e-6);
+            worst = worst.max((got - want).abs().max_element() / scale);
+        }
+    }
+    worst
+}
+
+/// Stored base colours have eight bits: what the test expects must start from the stored value.
+fn stored_albedo() -> Vec3 {
+    let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    let decode = |c: f32| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+    ALBEDO.to_array().map(|c| decode((encode(c) * 255.0).round() / 255.0)).into()
+}
+
+#[test]
+fn a_point_light_falls_off_by_cosine_and_square_of_distance() {
+    let mut stage = floor();
+    let (position, intensity) = (Vec3::new(0.5, 1.5, -0.3), Vec3::new(10.0, 20.0, 30.0));
+    stage.light(LightShape::Point, intensity, position, Vec3::NEG_Y);
+    let worst = worst_deviation(&stage, |point| {
+        let offset = position - point;
+        stored_albedo() / PI * intensity * (offset.y / offset.length()) / offset.length_squared()
+    });
+    assert!(worst < 2e-3, "relative deviation {worst}");
+}
+
+#[test]
+fn a_directional_light_is_the_same_everywhere() {
+    let mut stage = floor();
+    let direction = Vec3::new(0.4, -1.0, 0.3).normalize();
+    stage.light(LightShape::Directional, Vec3::splat(3.0), Vec3::ZERO, direction);
+    let worst = worst_deviation(&stage, |_| stored_albedo() / PI * 3.0 * -direction.y);
+    assert!(worst < 2e-3, "relative deviation {worst}");
+}
+
+#[test]
+fn a_spot_light_is_full_inside_and_zero_outside_its_cone() {
+    let mut stage = floor();
+    let (position, inner, outer) = (Vec3::new(0.0, 2.0, 0.0), 20.0_f32.to_radians(), 35.0_f32.to_radians());
+    stage.light(LightShape::Spot { inner, outer }, Vec3::splat(8.0), position, Vec3::NEG_Y);
+    let worst = worst_deviation(&stage, |point| {
+        let offset = position - point;
+        let cosine = offset.y / offset.length();
+        let t = ((cosine - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
+        stored_albedo() / PI * (8.0 * t * t * cosine / offset.length_squared())
+    });
+    assert!(worst < 2e-3, "relative deviation {worst}");
+}
+
+#[test]
+fn a_range_ends_the_light() {
+    let mut stage = floor();
+    let position = Vec3::new(0.0, 1.0, 0.0);
+    stage.light(LightShape::Point, Vec3::ONE, position, Vec3::NEG_Y).range = Some(2.0);
+    let worst = worst_deviation(&stage, |point| {
+        let offset = position - point;
+        let d = offset.length();
+        let window = (1.0 - (d / 2.0).powi(4)).clamp(0.0, 1.0);
+        stored_albedo() / PI * (window * offset.y / d / (d * d))
+    });
+    assert!(worst < 2e-3, "relative deviation {worst}");
+}
+
+#[test]
+fn what_stands_before_the_light_casts_its_shadow_for_every_kind_of_light() {
+    for shape in [
+        LightShape::Point,
+        LightShape::Directional,
+        LightShape::Spot { inner: 1.0, outer: 1.2 },
+    ] {
+        let mut stage = floor();
+        let over = Affine3A::from_translation(Vec3::new(0.0, 1.0, 0.0));
+        stage.add(Shape::Box { size: [1.0, 0.1, 1.0] }, ALBEDO, over);
+        stage.light(shape, Vec3::splat(5.0), Vec3::new(0.0, 4.0, 0.0), Vec3::NEG_Y);
+        // From below the box, so that the shadow is in view.
+        stage.view.camera.world_from_view = Affine3A::from_rotation_x(-0.25) * Affine3A::IDENTITY;
+        stage.view.camera.world_from_view.translation = Vec3::new(0.0, 0.8, 2.5).into();
+        let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+        let eye = stage.view.eye();
+        let (mut dark, mut lit) = (0, 0);
+        for y in 0..image.height {
+            for x in 0..image.width {
+                let ray = stage.ray(x, y);
+                let point = eye - ray * (eye.y / ray.y);
+                if ray.y > -0.02 || point.abs().max_element() > 3.0 {
+                    continue;
+                }
+                let radius = point.x.abs().max(point.z.abs());
+                if radius < 0.45 {
+                    assert_eq!(rgb(&image, x, y), Vec3::ZERO, "{shape:?}: light in the shadow at {point}");
+                    dark += 1;
+                } else if radius > 0.75 {
+                    assert!(rgb(&image, x, y).min_element() > 0.0, "{shape:?}: shadow in the light at {point}");
+                    lit += 1;
+                }
+            }
+        }
+        assert!(dark > 20 && lit > 100, "{shape:?}: {dark} dark and {lit} lit pixels");
+    }
+}
+
+#[test]
+fn scaling_a_light_by_a_power_of_two_scales_the_image_exactly() {
+    let mut stage = floor();
+    stage.light(LightShape::Point, Vec3::new(0.3, 0.7, 1.1), Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
+    let gpu = gpu();
+    let once = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    for power in [-20, 20] {
+        let factor = 2.0_f32.powi(power);
+        stage.scene.lights[0].intensity = Vec3::new(0.3, 0.7, 1.1) * factor;
+        stage.scene.lights[0].revision += 1;
+        let scaled = stage.render(&gpu, GiMethod::None, Layer::Direct);
+        for (a, b) in once.rgba.iter().zip(&scaled.rgba) {
+            for channel in 0..3 {
+                assert_eq!(a[channel] * factor, b[channel]);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_light_is_exactly_black_and_lights_add_up() {
+    let gpu = gpu();
+    let mut stage = floor();
+    let dark = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    assert!(dark.rgba.iter().all(|p| p[..3] == [0.0; 3]));
+    stage.light(LightShape::Point, Vec3::X, Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
+    let first = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    stage.light(LightShape::Directional, Vec3::Y, Vec3::ZERO, Vec3::NEG_Y);
+    let both = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    stage.scene.lights.remove(0);
+    let second = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    for ((a, b), sum) in first.rgba.iter().zip(&second.rgba).zip(&both.rgba) {
+        for channel in 0..3 {
+            let expected = a[channel] + b[channel];
+            assert!((sum[channel] - expected).abs() <= 1e-4 * expected.abs());
+        }
+    }
+}
+
+#[test]
+fn a_light_of_any_strength_and_place_gives_finite_images() {
+    let gpu = gpu();
+    for intensity in [0.0, 1e-30, 1e30, f32::MAX] {
+        for position in [Vec3::ZERO, Vec3::new(0.0, 1e-20, 0.0), Vec3::splat(1e6)] {
+            let mut stage = floor();
+            stage.light(LightShape::Point, Vec3::splat(intensity), position, Vec3::NEG_Y);
+            stage.render(&gpu, GiMethod::None, Layer::Total);
+        }
+    }
+}
+
+#[test]
+fn a_glossy_surface_reflects_the_light_towards_its_mirror_image() {
+    let mut stage = Stage::new(Vec3::new(0.0, 2.0, 2.0), Vec3::ZERO, 65);
+    let material = Material { roughness: 0.2, ..Material::new("varnish") };
+    stage.add_material(Shape::Plane { size: [20.0, 20.0], subdivisions: [1, 1] }, material, Affine3A::IDENTITY);
+    stage.light(LightShape::Point, Vec3::splat(4.0), Vec3::new(0.0, 2.0, -2.0), Vec3::NEG_Y);
+    let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+    let brightest = (0..65 * 65).max_by(|&a, &b| {
+        rgb(&image, a % 65, a / 65).x.total_cmp(&rgb(&image, b % 65, b / 65).x)
+    });
+    let (x, y) = brightest.map(|i| (i % 65, i / 65)).expect("pixels");
+    assert!(x.abs_diff(32) <= 1 && y.abs_diff(32) <= 2, "the highlight is at {x}, {y}");
+}
+
+#[test]
+fn a_still_frame_is_kept_and_a_moved_light_pays_for_itself_alone() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(&gpu);
+    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let mut stage = floor();
+    stage.light(LightShape::Point, Vec3::X, Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
+    stage.light(LightShape::Directional, Vec3::Y, Vec3::ZERO, Vec3::NEG_Y);
+    let (first, _) = stage.render_with(&gpu, &mut renderer, &settings);
+    let (second, report) = stage.render_with(&gpu, &mut renderer, &settings);
+    assert_eq!(first, second);
+    assert!(report.passes.iter().all(|pass| !pass.ran()), "{report}");
+    let moved = &mut stage.scene.lights[0];
+    moved.position.x += 0.5;
+    moved.revision += 1;
+    let name = moved.pass_name();
+    let (cached, report) = stage.render_with(&gpu, &mut renderer, &settings);
+    let ran: Vec<&str> = report.passes.iter().filter(|p| p.ran()).map(|p| p.name.as_str()).collect();
+    assert!(ran.contains(&format!("shadow {name}").as_str()), "{ran:?}");
+    assert!(!ran.contains(&"gbuffer"), "{ran:?}");
+    assert_eq!(ran.iter().filter(|name| name.starts_with("shadow")).count(), 1, "{ran:?}");
+    let fresh = stage.render(&gpu, GiMethod::None, Layer::Total);
+    assert_eq!(cached, fresh, "reuse changed a bit");
+}

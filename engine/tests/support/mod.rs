@@ -1,0 +1,127 @@
+//! Small scenes made by hand, for tests that check light against a formula.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use glam::{Affine3A, Vec3};
+use lightwell::assets::{Material, Mesh, Shape};
+use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture_f32};
+use lightwell::graph::FrameReport;
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::{LightShape, Primitive, Revisions, Scene, SceneCamera, SceneId, SceneLight, SceneView};
+use std::sync::Arc;
+
+/// The device that tests run on.
+pub fn gpu() -> Gpu {
+    let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("shaders") };
+    Gpu::headless(&options).expect("a Vulkan driver")
+}
+
+/// A scene whose arrays the test fills itself.
+pub struct Stage {
+    pub scene: Scene,
+    pub view: SceneView,
+    next: u64,
+}
+
+impl Stage {
+    /// Nothing but a camera that looks from `eye` to `target`, with a square image of 90° and the given edge.
+    pub fn new(eye: Vec3, target: Vec3, edge: u32) -> Self {
+        let up = if (target - eye).normalize().y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
+        let forward = (target - eye).normalize();
+        let right = forward.cross(up).normalize();
+        let rotation = glam::Mat3::from_cols(right, right.cross(forward), -forward);
+        let camera = SceneCamera {
+            id: SceneId(1),
+            name: "camera".into(),
+            world_from_view: Affine3A::from_mat3_translation(rotation, eye),
+            vertical_fov: std::f32::consts::FRAC_PI_2,
+            near: 0.01,
+            far: None,
+            primary: true,
+        };
+        let scene = Scene {
+            identity: 1,
+            revisions: Revisions { geometry: 1, materials: 1, lights: 1, cameras: 1, clpv: 1, settings: 1 },
+            ..Default::default()
+        };
+        Self { scene, view: SceneView { camera, size: [edge, edge], jitter: [0.0; 2] }, next: 10 }
+    }
+
+    fn fresh(&mut self) -> SceneId {
+        self.next += 1;
+        SceneId(self.next)
+    }
+
+    /// Adds a shape of a diffuse reflectance.
+    pub fn add(&mut self, shape: Shape, albedo: Vec3, world_from_object: Affine3A) {
+        self.add_material(shape, Material::diffuse("surface", albedo), world_from_object);
+    }
+
+    /// Adds a shape of any material.
+    pub fn add_material(&mut self, shape: Shape, material: Material, world_from_object: Affine3A) {
+        let mesh: Arc<Mesh> = Arc::new(shape.mesh().expect("a valid shape"));
+        let id = self.fresh();
+        self.scene.primitives.push(Primitive {
+            id,
+            bounds: mesh.bounds.transformed(&world_from_object),
+            mesh,
+            material: Arc::new(material),
+            world_from_object,
+            casts_shadow: true,
+            geometry_revision: 1,
+            material_revision: 1,
+        });
+        self.scene.revisions.geometry += 1;
+        self.scene.revisions.materials += 1;
+    }
+
+    /// Adds a light.
+    pub fn light(&mut self, shape: LightShape, intensity: Vec3, position: Vec3, direction: Vec3) -> &mut SceneLight {
+        let id = self.fresh();
+        self.scene.lights.push(SceneLight {
+            id,
+            name: "light".into(),
+            shape,
+            intensity,
+            position,
+            direction: direction.normalize(),
+            range: None,
+            casts_shadow: true,
+            indirect: true,
+            shadow_size: 512,
+            rsm_size: 64,
+            revision: 1,
+        });
+        self.scene.lights.last_mut().expect("just added")
+    }
+
+    /// Ray through the centre of a pixel: unit direction in world space.
+    pub fn ray(&self, x: u32, y: u32) -> Vec3 {
+        let [width, height] = self.view.size.map(|s| s as f32);
+        let tangent = (0.5 * self.view.camera.vertical_fov).tan();
+        let ndc = glam::Vec2::new((x as f32 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f32 + 0.5) / height * 2.0);
+        let local = Vec3::new(ndc.x * tangent * width / height, ndc.y * tangent, -1.0);
+        self.view.camera.world_from_view.transform_vector3(local).normalize()
+    }
+
+    /// Draws one layer with a fresh renderer.
+    pub fn render(&self, gpu: &Gpu, gi: GiMethod, only: Layer) -> ImageF32 {
+        let mut renderer = Renderer::new(gpu);
+        self.render_with(gpu, &mut renderer, &RenderSettings { gi, only, ..Default::default() }).0
+    }
+
+    /// Draws with a renderer that may hold earlier results.
+    pub fn render_with(&self, gpu: &Gpu, renderer: &mut Renderer, settings: &RenderSettings) -> (ImageF32, FrameReport) {
+        let report = renderer.render(gpu, &self.scene, &self.view, settings).unwrap_or_else(|e| panic!("{e}"));
+        let image = read_texture_f32(gpu, renderer.radiance().expect("an image")).expect("readable");
+        for pixel in &image.rgba {
+            assert!(pixel.iter().all(|c| c.is_finite()), "a pixel is {pixel:?}");
+        }
+        (image, report)
+    }
+}
+
+/// RGB of a pixel.
+pub fn rgb(image: &ImageF32, x: u32, y: u32) -> Vec3 {
+    let [r, g, b, _] = image.rgba[(x + y * image.width) as usize];
+    Vec3::new(r, g, b)
+}
