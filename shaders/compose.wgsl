@@ -1,6 +1,6 @@
 // Sums what a pixel shows: direct and indirect light, emission and sky; or one layer of the frame for itself.
 
-#import lightwell::gbuffer::{decode_normal, decode_radiance, world_position}
+#import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
 #import lightwell::view::View
 
 struct Compose {
@@ -17,7 +17,7 @@ const DEPTH: u32 = 5u;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> compose: Compose;
-@group(0) @binding(2) var base_color: texture_2d<f32>;
+@group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
 @group(0) @binding(4) var emissive: texture_2d<u32>;
 @group(0) @binding(5) var depth: texture_depth_2d;
@@ -41,7 +41,7 @@ fn shown(pixel: vec2u) -> vec3f {
     switch compose.layer {
         case DIRECT: { return reflected + emitted; }
         case INDIRECT: { return bounced; }
-        case ALBEDO: { return textureLoad(base_color, pixel, 0).rgb; }
+        case ALBEDO: { return decode_base_color(textureLoad(base_color, pixel, 0)); }
         case NORMAL: { return decode_normal(textureLoad(normal, pixel, 0)) * 0.5 + 0.5; }
         case DEPTH: { return vec3f(distance(world_position(pixel, view.size, z, view.world_from_clip), view.eye)); }
         default: { return reflected + emitted + bounced; }

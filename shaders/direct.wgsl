@@ -15,9 +15,9 @@ struct Region {
 @group(0) @binding(1) var<uniform> light: Light;
 @group(0) @binding(2) var<uniform> shadow: Shadow;
 @group(0) @binding(3) var<uniform> region: Region;
-@group(0) @binding(4) var base_color: texture_2d<f32>;
-@group(0) @binding(5) var specular: texture_2d<f32>;
-@group(0) @binding(6) var normal: texture_2d<u32>;
+@group(0) @binding(4) var base_color: texture_2d<u32>;
+@group(0) @binding(5) var normal: texture_2d<u32>;
+@group(0) @binding(6) var object: texture_2d<u32>;
 @group(0) @binding(7) var depth: texture_depth_2d;
 @group(0) @binding(8) var shadow_map: texture_depth_2d_array;
 @group(0) @binding(9) var shadow_sampler: sampler_comparison;
@@ -58,7 +58,7 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let surface = decode_surface(
-        textureLoad(base_color, pixel, 0), textureLoad(specular, pixel, 0), textureLoad(normal, pixel, 0), z, position,
+        textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );
     if dot(surface.normal, incidence.to_light) <= 0.0 {
         return;

@@ -1,6 +1,6 @@
 // Geometry buffer: what each pixel sees. Encoding: lib/gbuffer.wgsl.
 
-#import lightwell::gbuffer::{encode_normal, encode_radiance}
+#import lightwell::gbuffer::{encode_base_color, encode_normal, encode_object, encode_radiance}
 #import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal}
 #import lightwell::view::View
 
@@ -39,11 +39,10 @@ fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
 }
 
 struct Targets {
-    @location(0) base_color: vec4f,
-    @location(1) specular: vec4f,
-    @location(2) normal: vec4u,
-    @location(3) emissive: vec2u,
-    @location(4) id: u32,
+    @location(0) base_color: vec4u,
+    @location(1) normal: vec4u,
+    @location(2) emissive: vec2u,
+    @location(3) object: vec2u,
 }
 
 @fragment
@@ -63,10 +62,9 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let f0 = mix(dielectric, base.rgb, metallic);
     let f90 = mix(material.specular, 1.0, metallic);
     var out: Targets;
-    out.base_color = vec4f(base.rgb, 1.0);
-    out.specular = vec4f(sqrt(max(f0, vec3f(0.0))), metallic);
+    out.base_color = encode_base_color(base.rgb, metallic);
     out.normal = encode_normal(n, material.roughness * metallic_roughness.g, f90);
     out.emissive = encode_radiance(emissive);
-    out.id = in.id;
+    out.object = encode_object(in.id, f0);
     return out;
 }

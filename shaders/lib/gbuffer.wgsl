@@ -1,12 +1,12 @@
 #define_import_path lightwell::gbuffer
 
-// The G-buffer's encoding: 28 bytes a texel.
-//   base_color  rgba8unorm-srgb  base colour; alpha: 1
-//   specular    rgba8unorm       √F0 (dielectric and metal mixed); alpha: metallic
-//   normal      rgba16uint       octahedral world normal x, y; roughness; F90
-//   emissive    rg32uint         emitted radiance, shared exponent
-//   id          r32uint          object id, 0 where there is nothing
-//   depth       depth32float     reversed: 1 near, 0 far and where there is nothing
+// The G-buffer's encoding: 32 colour bytes a texel, the portable limit. Integer targets, since their precision is
+// the same everywhere; base colours of eight bits would be wrong by up to 1 % of the light.
+//   base_color  rgba16uint    linear base colour; metallic
+//   normal      rgba16uint    octahedral world normal x, y; roughness; F90
+//   emissive    rg32uint      emitted radiance, shared exponent
+//   object      rg32uint      object id, 0 where there is nothing; √F0, ten bits a channel
+//   depth       depth32float  reversed: 1 near, 0 far and where there is nothing
 
 struct Surface {
     position: vec3f,       // world [m]
@@ -74,13 +74,36 @@ fn world_position(pixel: vec2u, size: vec2u, depth: f32, world_from_clip: mat4x4
     return world.xyz / world.w;
 }
 
-fn decode_surface(base_color: vec4f, specular: vec4f, normal: vec4u, depth: f32, position: vec3f) -> Surface {
+fn encode_base_color(color: vec3f, metallic: f32) -> vec4u {
+    return vec4u(round(saturate(vec4f(color, metallic)) * 65535.0));
+}
+
+fn decode_base_color(texel: vec4u) -> vec3f {
+    return vec3f(texel.rgb) / 65535.0;
+}
+
+// Diffuse reflectance ρ: metals have none.
+fn decode_albedo(texel: vec4u) -> vec3f {
+    return decode_base_color(texel) * (f32(65535u - texel.a) / 65535.0);
+}
+
+fn encode_object(id: u32, normal_reflectance: vec3f) -> vec2u {
+    let root = vec3u(round(sqrt(saturate(normal_reflectance)) * 1023.0));
+    return vec2u(id, root.r | (root.g << 10u) | (root.b << 20u));
+}
+
+fn decode_normal_reflectance(object: vec2u) -> vec3f {
+    let root = vec3f(vec3u(object.y, object.y >> 10u, object.y >> 20u) & vec3u(1023u)) / 1023.0;
+    return root * root;
+}
+
+fn decode_surface(base_color: vec4u, normal: vec4u, object: vec2u, depth: f32, position: vec3f) -> Surface {
     var surface: Surface;
     surface.hit = depth > 0.0;
     surface.position = position;
     surface.normal = decode_normal(normal);
-    surface.albedo = base_color.rgb * (1.0 - specular.a);
-    surface.normal_reflectance = specular.rgb * specular.rgb;
+    surface.albedo = decode_albedo(base_color);
+    surface.normal_reflectance = decode_normal_reflectance(object);
     surface.grazing_reflectance = f32(normal.w) / 65535.0;
     surface.roughness = f32(normal.z) / 65535.0;
     return surface;

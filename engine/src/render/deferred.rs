@@ -13,7 +13,7 @@ use super::frame::Frame;
 use super::gpu_scene::GpuScene;
 use super::post::tone_map::{self, DISPLAY};
 use super::settings::{GiMethod, Layer, RenderSettings};
-use super::{direct, gbuffer, lpv};
+use super::{direct, gbuffer};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, TargetCache};
 use crate::scene::{Scene, SceneView};
@@ -126,7 +126,7 @@ fn declare<'a>(graph: &mut Graph<'a>, gpu: &Gpu, frame: &Frame<'a>) -> Result<()
     } else if frame.settings.gi == GiMethod::None {
         graph.skip("clpv", "indirect light is switched off");
     } else {
-        lights.indirect = lpv::declare(graph, gpu, frame, &gbuffer)?;
+        graph.skip("clpv", "not built");
     }
     let radiance = compose::declare(graph, frame, &gbuffer, lights);
     graph.output(radiance);

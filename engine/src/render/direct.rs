@@ -69,7 +69,7 @@ fn declare_light<'a>(
     lamp: Lamp<'a>,
 ) -> Handle<Texture> {
     let mut pass = graph.pass(name);
-    let inputs = [gbuffer.base_color, gbuffer.specular, gbuffer.normal, gbuffer.depth];
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
         pass.read(input);
     }
@@ -83,7 +83,7 @@ fn declare_light<'a>(
         let gpu = cx.gpu;
         let shadow_map = lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(cx.texture(s.map)));
         let shadow = lamp.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
-        let [base_color, specular, normal, depth] = inputs.map(|handle| cx.view(handle));
+        let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
         let size = lamp.region.size;
         let counts = cx.counts();
         counts.lights += 1;
@@ -97,8 +97,8 @@ fn declare_light<'a>(
                 ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
                 ("region", Binding::Buffer(&gpu.uniform("region", &lamp.region))),
                 ("base_color", Binding::Texture(&base_color)),
-                ("specular", Binding::Texture(&specular)),
                 ("normal", Binding::Texture(&normal)),
+                ("object", Binding::Texture(&object)),
                 ("depth", Binding::Texture(&depth)),
                 ("shadow_map", Binding::Texture(&shadow_map)),
                 ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),

@@ -9,13 +9,12 @@ use wgpu::TextureFormat;
 const USAGE: wgpu::TextureUsages =
     wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
 
-/// Colour targets in the order of the fragment shader's outputs: 28 bytes a texel.
-const COLOR_TARGETS: [(&str, TextureFormat); 5] = [
-    ("gbuffer base color", TextureFormat::Rgba8UnormSrgb),
-    ("gbuffer specular", TextureFormat::Rgba8Unorm),
+/// Colour targets in the order of the fragment shader's outputs: 32 bytes a texel, the portable limit.
+const COLOR_TARGETS: [(&str, TextureFormat); 4] = [
+    ("gbuffer base color", TextureFormat::Rgba16Uint),
     ("gbuffer normal", TextureFormat::Rgba16Uint),
     ("gbuffer emissive", TextureFormat::Rg32Uint),
-    ("gbuffer id", TextureFormat::R32Uint),
+    ("gbuffer object", TextureFormat::Rg32Uint),
 ];
 
 /// Depth format of the camera's view.
@@ -24,16 +23,14 @@ pub const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 /// Handles of the G-buffer's targets.
 #[derive(Clone, Copy, Debug)]
 pub struct GBuffer {
-    /// Base colour, sRGB-encoded.
+    /// Linear base colour and metallic.
     pub base_color: Handle<Texture>,
-    /// √F0 and metallic.
-    pub specular: Handle<Texture>,
     /// Octahedral world normal, roughness, F90.
     pub normal: Handle<Texture>,
     /// Emitted radiance, shared exponent.
     pub emissive: Handle<Texture>,
-    /// Object id, 0 where there is nothing.
-    pub id: Handle<Texture>,
+    /// Object id, 0 where there is nothing, and √F0.
+    pub object: Handle<Texture>,
     /// Reversed depth, 0 where there is nothing.
     pub depth: Handle<Texture>,
 }
@@ -79,8 +76,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
         let filter = DrawFilter { frustum: &frame.frustum(), casters_only: false };
         frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
     });
-    let [base_color, specular, normal, emissive, id] = color;
-    GBuffer { base_color, specular, normal, emissive, id, depth }
+    let [base_color, normal, emissive, object] = color;
+    GBuffer { base_color, normal, emissive, object, depth }
 }
 
 fn raster_key(class: MaterialClass) -> RasterKey {

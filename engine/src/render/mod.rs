@@ -1,7 +1,20 @@
 //! The passes of a frame, one Rust file beside one WGSL file of the same name.
 
+mod compose;
+mod deferred;
+mod direct;
+pub mod frame;
+mod gbuffer;
+pub mod gpu_scene;
+#[cfg(test)]
+mod layout_tests;
+mod light_uniform;
 mod light_view;
+mod post;
 mod settings;
+mod shadow;
 
+pub use deferred::{RenderError, Renderer};
+pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};
 pub use settings::{GiMethod, Layer, RenderSettings};

@@ -36,10 +36,19 @@ pub struct SceneView {
 impl SceneView {
     /// Clip from world space: reversed depth (1 near, 0 far), the jitter included.
     pub fn clip_from_world(&self) -> Mat4 {
+        self.clip_from_view() * Mat4::from(self.camera.world_from_view.inverse())
+    }
+
+    /// World from clip space. Inverted by parts, since each is well conditioned by itself.
+    pub fn world_from_clip(&self) -> Mat4 {
+        Mat4::from(self.camera.world_from_view) * self.clip_from_view().inverse()
+    }
+
+    fn clip_from_view(&self) -> Mat4 {
         let [width, height] = self.size.map(|s| s.max(1) as f32);
-        let clip_from_view = perspective(self.camera.vertical_fov, width / height, self.camera.near, self.camera.far);
+        let unshifted = perspective(self.camera.vertical_fov, width / height, self.camera.near, self.camera.far);
         let shift = Vec3::new(2.0 * self.jitter[0] / width, -2.0 * self.jitter[1] / height, 0.0);
-        Mat4::from_translation(shift) * clip_from_view * Mat4::from(self.camera.world_from_view.inverse())
+        Mat4::from_translation(shift) * unshifted
     }
 
     /// World position of the eye [m].

@@ -199,7 +199,9 @@ impl GpuScene {
             let Some(mesh) = self.meshes.get(&batch.mesh).filter(|_| !runs.is_empty()) else { continue };
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
                 let pipeline = gpu.pipelines.raster(gpu, &key(batch.class))?;
-                pass.set_pipeline(pipeline.raster());
+                if let Some(raster) = pipeline.raster() {
+                    pass.set_pipeline(raster);
+                }
                 let group = [("view", Binding::Buffer(view)), ("instances", Binding::Buffer(&self.instances))];
                 pass.set_bind_group(0, &pipeline.bind(gpu, 0, &group)?, &[]);
                 current = Some((batch.class, pipeline));
