@@ -26,6 +26,7 @@ pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Res
     })?;
     check_version(path, &root.asset)?;
     check_extensions(path, &root, warnings)?;
+    check_attributes(path, &root)?;
     let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     // They were checked above, against what is supported here rather than by the parser.
     root.extensions_required.clear();
@@ -52,6 +53,20 @@ fn describe(path: &Path, error: &gltf::Error) -> AssetError {
     AssetError::format(path, place.to_string(), format!("{problem}{more}"))
 }
 
+/// The parser's own validation looks into the accessors of positions before it has checked that they are there.
+fn check_attributes(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
+    let count = root.accessors.len();
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            if let Some(index) = primitive.attributes.values().find(|a| a.value() >= count) {
+                let problem = format!("refers to accessor {}, but there are {count}", index.value());
+                return Err(AssetError::format(path, format!("mesh {m}, primitive {p}"), problem));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn check_version(path: &Path, asset: &gltf::json::Asset) -> Result<(), AssetError> {
     let parse = |text: &str| -> Option<(u32, u32)> {
         let (major, minor) = text.split_once('.')?;
@@ -67,9 +82,11 @@ fn check_version(path: &Path, asset: &gltf::json::Asset) -> Result<(), AssetErro
             return fail("asset.version", format!("{:?} is not a version such as \"2.0\"", asset.version));
         }
     }
-    match asset.min_version.as_deref().map(parse) {
-        None | Some(Some((2, 0))) => Ok(()),
-        _ => fail("asset.minVersion", format!("is {:?}; only glTF 2.0 is read", asset.min_version)),
+    match &asset.min_version {
+        Some(least) if parse(least) != Some((2, 0)) => {
+            fail("asset.minVersion", format!("is {least:?}; only glTF 2.0 is read"))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -144,6 +161,10 @@ pub(super) fn check_data(document: &Document, buffers: &Buffers) -> Result<(), A
         let stride = view.stride().unwrap_or(4);
         if !(4..=252).contains(&stride) || stride % 4 != 0 {
             let problem = format!("stride {stride} must be a multiple of 4 between 4 and 252");
+            return Err(AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
+        }
+        if view.stride().is_some_and(|s| s > view.length()) {
+            let problem = format!("stride {stride} is larger than the view ({} bytes)", view.length());
             return Err(AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
         }
     }

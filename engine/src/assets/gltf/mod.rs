@@ -6,6 +6,8 @@
 mod accessor;
 mod document;
 mod material;
+#[cfg(test)]
+mod model_tests;
 mod nodes;
 mod primitive;
 mod source;

@@ -97,8 +97,8 @@ pub(super) enum Target<'a> {
 pub(super) fn resolve(asset: &Path, place: &str, uri: &str) -> Result<Target<'static>, AssetError> {
     let fail = |problem: String| Err(AssetError::format(asset, place, problem));
     if let Some(rest) = uri.strip_prefix("data:") {
-        let Some((_, data)) = rest.split_once(";base64,") else {
-            return fail("the data URI is not base64-encoded".into());
+        let Some((_, data)) = rest.split_once(";base64,").filter(|(kind, _)| !kind.ends_with(';')) else {
+            return fail("the data URI is not base64-encoded, or its media type is malformed".into());
         };
         return match base64(data.as_bytes()) {
             Some(bytes) => Ok(Target::Data(Cow::Owned(bytes))),

@@ -1,0 +1,136 @@
+//! Third-party models, where LIGHTWELL_MODELS says they are.
+#![allow(clippy::unwrap_used)]
+
+use super::Gltf;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The folder of models; says so when there is none.
+fn models() -> Option<PathBuf> {
+    let folder = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: LIGHTWELL_MODELS is not set");
+    }
+    folder
+}
+
+fn files_below(folder: &Path, out: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let mut entries: Vec<_> = entries.flatten().map(|e| e.path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            files_below(&path, out);
+        } else if path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
+            out.push(path);
+        }
+    }
+}
+
+fn assert_sound(path: &Path, model: &Gltf) {
+    for node in &model.nodes {
+        for (mesh, _) in &node.primitives {
+            assert!(mesh.indices.len() >= 3 && mesh.indices.len() % 3 == 0, "{}", path.display());
+            assert!(mesh.indices.iter().all(|i| (*i as usize) < mesh.vertices.len()), "{}", path.display());
+            for v in &mesh.vertices {
+                let all = [&v.position[..], &v.normal, &v.tangent, &v.uv].concat();
+                assert!(all.iter().all(|x| x.is_finite()), "{}: {v:?}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn conformance_models_load() {
+    let Some(models) = models() else { return };
+    let mut files = Vec::new();
+    files_below(&models.join("khronos"), &mut files);
+    files_below(&models.join("asset-generator"), &mut files);
+    let mut refused = Vec::new();
+    for path in &files {
+        match Gltf::load(path) {
+            Ok(model) => assert_sound(path, &model),
+            Err(e) => refused.push(e.to_string()),
+        }
+    }
+    eprintln!("{} models, {} refused: {refused:#?}", files.len(), refused.len());
+    assert!(files.len() > 100);
+    // Only those that need an extension or version that is not supported may be refused, and it must be named.
+    let told = |e: &String| e.contains("needs the extension") || e.contains("minVersion");
+    assert!(refused.iter().all(told), "{refused:#?}");
+}
+
+/// Files that break rules for content that is not used here (animation, skins, weights, unused images), or that can be
+/// drawn all the same: they load.
+const TOLERATED: [&str; 9] = [
+    "khronos-validator/accessor_data/invalid_elements_float.gltf",
+    "khronos-validator/image/invalid_data_uri.gltf",
+    "khronos-validator/image/invalid_image_data.gltf",
+    "khronos-validator/image/not_found.gltf",
+    "khronos-validator/image/png_eos.gltf",
+    "khronos-validator/node/matrix_indecomposable.gltf",
+    "khronos-validator/root/extensions_non_objects.gltf",
+    "khronos-validator/skin/no_common_root.gltf",
+    "khronos-validator/skin_data/invalid_ibm.gltf",
+];
+
+/// Files that the validator only warns about, refused by the parser.
+const STRICT: [&str; 4] = [
+    "khronos-validator/accessor/unknown_type.gltf",
+    "khronos-validator/mesh/primitive_no_position.gltf",
+    "khronos-validator/mesh_data/index_buffer_degenerate_triangle.gltf",
+    "khronos-validator/node/node_skinned_mesh_without_skin.gltf",
+];
+
+#[test]
+fn broken_models_are_refused() {
+    let Some(models) = models() else { return };
+    let root = models.join("bad");
+    let expected = std::fs::read_to_string(root.join("khronos-validator/expected.json")).unwrap();
+    let expected: gltf::json::Value = gltf::json::deserialize::from_str(&expected).unwrap();
+    let mut files = Vec::new();
+    files_below(&root, &mut files);
+    let (mut refused, mut loaded, mut wrong) = (0, 0, Vec::new());
+    for path in &files {
+        let name = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+        let start = Instant::now();
+        let result = Gltf::load(path);
+        assert!(start.elapsed() < Duration::from_secs(5), "{name} takes too long");
+        let errors = expected.get(&name).and_then(|e| e.get("errors")).and_then(gltf::json::Value::as_u64);
+        let tolerated = TOLERATED.contains(&name.as_str());
+        match result {
+            Ok(model) => {
+                assert_sound(path, &model);
+                loaded += 1;
+                if errors.is_some_and(|e| e > 0) && !tolerated {
+                    wrong.push(format!("{name} loads, but has {errors:?} errors {:?}", expected[&name]["codes"]));
+                } else {
+                    eprintln!("loads: {name}: {:?}", model.warnings);
+                }
+            }
+            Err(e) => {
+                refused += 1;
+                assert!(e.to_string().contains(&*path.file_name().unwrap().to_string_lossy()), "{e}");
+                if tolerated || (errors == Some(0) && !STRICT.contains(&name.as_str())) {
+                    wrong.push(format!("{name} is refused, but has no errors: {e}"));
+                } else {
+                    eprintln!("refused: {e}");
+                }
+            }
+        }
+    }
+    eprintln!("{} files: {refused} refused, {loaded} loaded", files.len());
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn crytek_sponza_loads_in_time() {
+    let Some(models) = models() else { return };
+    let start = Instant::now();
+    let model = Gltf::load(models.join("sponza/Sponza.gltf")).unwrap();
+    eprintln!("Sponza: {:?}, {} triangles, {:?}", start.elapsed(), model.triangle_count(), model.warnings);
+    assert_eq!(model.triangle_count(), 262_267);
+    if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
+        eprintln!("{}", status.lines().find(|l| l.starts_with("VmHWM")).unwrap_or(""));
+    }
+}
