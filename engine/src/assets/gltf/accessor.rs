@@ -89,7 +89,9 @@ impl Buffers<'_> {
             return self.fail(&place, "has no elements");
         }
         match accessor.view() {
-            Some(view) => drop(self.elements(&place, &view, accessor.offset(), count, size)?),
+            Some(view) => {
+                self.elements(&place, &view, accessor.offset(), count, size)?;
+            }
             None if count > MAX_UNBACKED => {
                 return self.fail(&place, format!("{count} elements without a buffer view; at most {MAX_UNBACKED}"));
             }
