@@ -9,11 +9,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// How to open the device.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
     /// Part of the adapter's name, in any case; none: the fastest kind there is.
     pub adapter: Option<String>,
-    /// Folder of the WGSL files.
+    /// Folder of the WGSL files; empty: [`default_shader_dir`].
     pub shader_dir: PathBuf,
 }
 
@@ -26,6 +26,12 @@ pub enum GpuError {
          apt-get install mesa-vulkan-drivers libvulkan1)"
     )]
     NoAdapter,
+    /// Drivers, but none for this window.
+    #[error("no adapter can draw into this window; there are:\n{found}")]
+    NoWindowAdapter {
+        /// All adapters, a line each.
+        found: String,
+    },
     /// Drivers, but not the one asked for.
     #[error("no adapter's name contains `{wanted}`; there are:\n{found}")]
     NoSuchAdapter {
@@ -43,7 +49,9 @@ pub enum GpuError {
         source: wgpu::RequestDeviceError,
     },
     /// The WGSL files are missing.
-    #[error("no folder `shaders` was found beside the program or above the current folder; set LIGHTWELL_SHADERS to it")]
+    #[error(
+        "no folder `shaders` was found beside the program or above the current folder; set LIGHTWELL_SHADERS to it"
+    )]
     NoShaders,
     /// The WGSL files cannot be read.
     #[error("cannot read shader folder {path}: {source}")]
@@ -87,7 +95,11 @@ pub struct Gpu {
 /// Features that are used where they exist; everything works without them.
 const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
+    .union(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)
     .union(wgpu::Features::FLOAT32_FILTERABLE)
+    .union(wgpu::Features::FLOAT32_BLENDABLE)
+    .union(wgpu::Features::RG11B10UFLOAT_RENDERABLE)
+    .union(wgpu::Features::DEPTH_CLIP_CONTROL)
     .union(wgpu::Features::SHADER_F16)
     .union(wgpu::Features::CLEAR_TEXTURE);
 
@@ -118,8 +130,12 @@ impl Gpu {
         instance: &wgpu::Instance,
         surface: Option<&wgpu::Surface>,
     ) -> Result<Self, GpuError> {
-        let shaders = ShaderLibrary::open(&options.shader_dir)
-            .map_err(|source| GpuError::ReadShaders { path: options.shader_dir.clone(), source })?;
+        let dir = match options.shader_dir.as_os_str().is_empty() {
+            true => default_shader_dir()?,
+            false => options.shader_dir.clone(),
+        };
+        let shaders =
+            ShaderLibrary::open(&dir).map_err(|source| GpuError::ReadShaders { path: dir.clone(), source })?;
         let adapter = choose_adapter(options, instance, surface)?;
         let info = adapter.get_info();
         let features = adapter.features() & WELCOME_FEATURES;
@@ -130,8 +146,8 @@ impl Gpu {
             required_limits: limits.clone(),
             ..Default::default()
         });
-        let (device, queue) = pollster::block_on(request)
-            .map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
+        let (device, queue) =
+            pollster::block_on(request).map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
         let reported = Arc::new(Mutex::new(Reported::default()));
         listen(&device, &reported);
         Ok(Self {
@@ -156,6 +172,21 @@ impl Gpu {
     /// Errors that the driver reported since the last call.
     pub fn take_errors(&self) -> Vec<String> {
         std::mem::take(&mut self.reported.lock().unwrap_or_else(PoisonError::into_inner).errors)
+    }
+
+    /// Makes something of the device; what the device refuses comes back as its message.
+    pub(super) fn checked<T>(&self, make: impl FnOnce() -> T) -> Result<T, String> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let made = make();
+        match pollster::block_on(scope.pop()) {
+            None => Ok(made),
+            Some(error) => Err(error.to_string()),
+        }
+    }
+
+    /// Timers for up to 512 stretches of a frame.
+    pub fn timestamps(&self) -> super::TimestampQueries {
+        super::TimestampQueries::new(self, 512)
     }
 
     /// A uniform buffer with the value in WGSL's layout.
@@ -228,7 +259,6 @@ fn choose_adapter(
 ) -> Result<wgpu::Adapter, GpuError> {
     let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
-    adapters.retain(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
     if adapters.is_empty() {
         return Err(GpuError::NoAdapter);
     }
@@ -237,6 +267,10 @@ fn choose_adapter(
         format!("  {} ({:?}, {:?})", info.name, info.device_type, info.backend)
     };
     let found = adapters.iter().map(describe).collect::<Vec<_>>().join("\n");
+    adapters.retain(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
+    if adapters.is_empty() {
+        return Err(GpuError::NoWindowAdapter { found });
+    }
     let wanted = options.adapter.clone().unwrap_or_default();
     adapters
         .into_iter()

@@ -1,7 +1,9 @@
 //! The device: adapter and queue, shaders with imports and hot reload, pipelines, timestamps, readback.
 
+mod compose;
 mod context;
 mod pipeline;
+mod pipeline_cache;
 mod readback;
 mod reflect;
 mod shader_error;
@@ -10,7 +12,8 @@ mod timestamps;
 mod watch;
 
 pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir};
-pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, PipelineCache, RasterKey};
+pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
+pub use pipeline_cache::PipelineCache;
 pub use readback::{ImageF32, ReadbackError, read_buffer, read_texture, read_texture_f32};
 pub use reflect::{BindingInfo, EntryPoint, StructLayout};
 pub use shader_error::ShaderError;

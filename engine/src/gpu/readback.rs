@@ -40,17 +40,17 @@ pub struct ImageF32 {
 /// No such level, or a device that fails.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) -> Result<Vec<u8>, ReadbackError> {
     let size = texture.size();
-    if mip >= texture.mip_level_count() || layer >= size.depth_or_array_layers {
+    let layers = match texture.dimension() {
+        wgpu::TextureDimension::D3 => (size.depth_or_array_layers >> mip.min(31)).max(1),
+        _ => size.depth_or_array_layers,
+    };
+    if mip >= texture.mip_level_count() || layer >= layers {
         return Err(ReadbackError::Missing { mip, layer });
     }
     let (width, height) = ((size.width >> mip).max(1), (size.height >> mip).max(1));
-    let aspect = if texture.format().has_depth_aspect() {
-        wgpu::TextureAspect::DepthOnly
-    } else {
-        wgpu::TextureAspect::All
-    };
-    let texel =
-        texture.format().block_copy_size(Some(aspect)).ok_or(ReadbackError::Format(texture.format()))?;
+    let aspect =
+        if texture.format().has_depth_aspect() { wgpu::TextureAspect::DepthOnly } else { wgpu::TextureAspect::All };
+    let texel = texture.format().block_copy_size(Some(aspect)).ok_or(ReadbackError::Format(texture.format()))?;
     let row = width * texel;
     let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -59,22 +59,26 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) ->
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_texture_to_buffer(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: mip,
-            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-            aspect,
-        },
-        wgpu::TexelCopyBufferInfo {
-            buffer: &staging,
-            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row), rows_per_image: Some(height) },
-        },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-    );
-    gpu.queue.submit([encoder.finish()]);
-    let padded = mapped_bytes(gpu, &staging)?;
+    let copy = |encoder: &mut wgpu::CommandEncoder| {
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: mip,
+                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                aspect,
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded_row),
+                    rows_per_image: Some(height),
+                },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        )
+    };
+    let padded = mapped_bytes(gpu, &staging, copy)?;
     Ok(padded.chunks(padded_row as usize).flat_map(|padded| &padded[..row as usize]).copied().collect())
 }
 
@@ -87,19 +91,18 @@ pub fn read_texture_f32(gpu: &Gpu, texture: &wgpu::Texture) -> Result<ImageF32, 
     let bytes = read_texture(gpu, texture, 0, 0)?;
     let f32_at = |c: &[u8], i: usize| f32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
     let rgba: Vec<[f32; 4]> = match format {
-        TextureFormat::Rgba32Float => {
-            bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| f32_at(c, i))).collect()
-        }
+        TextureFormat::Rgba32Float => bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| f32_at(c, i))).collect(),
         TextureFormat::R32Float | TextureFormat::Depth32Float => {
             bytes.chunks_exact(4).map(|c| [f32_at(c, 0), 0.0, 0.0, 1.0]).collect()
         }
-        TextureFormat::Rg32Float => {
-            bytes.chunks_exact(8).map(|c| [f32_at(c, 0), f32_at(c, 1), 0.0, 1.0]).collect()
-        }
+        TextureFormat::Rg32Float => bytes.chunks_exact(8).map(|c| [f32_at(c, 0), f32_at(c, 1), 0.0, 1.0]).collect(),
         TextureFormat::Rgba16Float => bytes
             .chunks_exact(8)
             .map(|c| std::array::from_fn(|i| f32_of_half(u16::from_le_bytes([c[2 * i], c[2 * i + 1]]))))
             .collect(),
+        TextureFormat::Rg11b10Ufloat => {
+            bytes.chunks_exact(4).map(|c| rgb_of_packed(u32::from_le_bytes([c[0], c[1], c[2], c[3]]))).collect()
+        }
         TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb => {
             bytes.chunks_exact(4).map(|c| std::array::from_fn(|i| f32::from(c[i]) / 255.0)).collect()
         }
@@ -123,14 +126,24 @@ pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, R
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = mapped_bytes(gpu, &staging)?;
+    let bytes = mapped_bytes(gpu, &staging, |encoder| {
+        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    })?;
     Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
 }
 
-fn mapped_bytes(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>, ReadbackError> {
+/// Submits the copy into the staging buffer, waits for it and gives the bytes.
+fn mapped_bytes(
+    gpu: &Gpu,
+    staging: &wgpu::Buffer,
+    copy: impl FnOnce(&mut wgpu::CommandEncoder),
+) -> Result<Vec<u8>, ReadbackError> {
+    let submit = || {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        copy(&mut encoder);
+        gpu.queue.submit([encoder.finish()]);
+    };
+    gpu.checked(submit).map_err(ReadbackError::Device)?;
     let (sender, receiver) = std::sync::mpsc::channel();
     staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
         // The receiver waits below; if it is gone, nobody wants the answer.
@@ -159,13 +172,27 @@ fn f32_of_half(half: u16) -> f32 {
     }
 }
 
+/// Three unsigned floats of 11, 11 and 10 bits: halves without sign, their mantissas cut to 6, 6 and 5 bits.
+fn rgb_of_packed(packed: u32) -> [f32; 4] {
+    let half = |bits: u32, missing: u32| f32_of_half((bits << missing) as u16);
+    [half(packed & 0x7ff, 4), half((packed >> 11) & 0x7ff, 4), half(packed >> 22, 5), 1.0]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::f32_of_half;
+    use super::{f32_of_half, rgb_of_packed};
+
+    #[test]
+    fn packed_floats_come_apart() {
+        // 1.0 has exponent 15 and mantissa 0 in each field.
+        let packed = (15 << 6) | (16 << 6 << 11) | (14 << 5 << 22);
+        assert_eq!(rgb_of_packed(packed), [1.0, 2.0, 0.5, 1.0]);
+    }
 
     #[test]
     fn halves_become_the_same_number() {
-        let cases = [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (0x0001, 5.960_464_5e-8), (0x3555, 0.333_251_95)];
+        let cases =
+            [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (0x0001, 5.960_464_5e-8), (0x3555, 0.333_251_95)];
         for (half, value) in cases {
             assert_eq!(f32_of_half(half), value, "{half:#x}");
         }

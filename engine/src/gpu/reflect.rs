@@ -1,6 +1,6 @@
 //! Bindings, entry points and struct layouts as the shader declares them: the one place where they stand.
 
-use super::shader_library::CompiledShader;
+use super::compose::CompiledShader;
 use wgpu::naga::{self, AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, TypeInner};
 
 /// A variable that a shader binds.
@@ -16,6 +16,25 @@ pub struct BindingInfo {
     pub ty: wgpu::BindingType,
     /// Stages that use it.
     pub visibility: wgpu::ShaderStages,
+}
+
+impl BindingInfo {
+    /// Takes in what another stage needs of the same variable.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.visibility |= other.visibility;
+        if let (Some(true), wgpu::BindingType::Texture { sample_type, .. }) = (is_filtered(other.ty), &mut self.ty) {
+            *sample_type = wgpu::TextureSampleType::Float { filterable: true };
+        }
+    }
+}
+
+fn is_filtered(ty: wgpu::BindingType) -> Option<bool> {
+    match ty {
+        wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Float { filterable }, .. } => {
+            Some(filterable)
+        }
+        _ => None,
+    }
 }
 
 /// An entry point with the bindings that it uses.
@@ -59,10 +78,9 @@ fn bindings(shader: &CompiledShader, index: usize, stage: wgpu::ShaderStages) ->
     let mut found = Vec::new();
     for (handle, variable) in shader.module.global_variables.iter() {
         let (Some(place), false) = (&variable.binding, info[handle].is_empty()) else { continue };
-        let name = variable.name.clone().unwrap_or_default();
-        let filtered = info.sampling_set.iter().any(|key| {
-            key.image == handle && !is_comparison(&shader.module, key.sampler)
-        });
+        let name = plain_name(variable.name.as_deref().unwrap_or_default()).to_string();
+        let filtered =
+            info.sampling_set.iter().any(|key| key.image == handle && !is_comparison(&shader.module, key.sampler));
         let ty = binding_type(&shader.module, variable, filtered).map_err(|what| format!("`{name}`: {what}"))?;
         found.push(BindingInfo { name, group: place.group, binding: place.binding, ty, visibility: stage });
     }
@@ -135,6 +153,7 @@ fn image(dim: ImageDimension, arrayed: bool, class: ImageClass, filtered: bool) 
             let read = access.contains(StorageAccess::LOAD);
             let write = access.contains(StorageAccess::STORE);
             let access = match (read, write) {
+                _ if access.contains(StorageAccess::ATOMIC) => wgpu::StorageTextureAccess::Atomic,
                 (true, true) => wgpu::StorageTextureAccess::ReadWrite,
                 (true, false) => wgpu::StorageTextureAccess::ReadOnly,
                 _ => wgpu::StorageTextureAccess::WriteOnly,
@@ -150,7 +169,19 @@ fn storage_format(format: naga::StorageFormat) -> Result<wgpu::TextureFormat, St
     use wgpu::TextureFormat as To;
     Ok(match format {
         From::R8Unorm => To::R8Unorm,
+        From::R8Snorm => To::R8Snorm,
+        From::R8Uint => To::R8Uint,
+        From::R8Sint => To::R8Sint,
+        From::Rg8Unorm => To::Rg8Unorm,
+        From::R16Uint => To::R16Uint,
+        From::R16Sint => To::R16Sint,
         From::R16Float => To::R16Float,
+        From::Rg16Uint => To::Rg16Uint,
+        From::Rg16Sint => To::Rg16Sint,
+        From::Rg11b10Ufloat => To::Rg11b10Ufloat,
+        From::Rgb10a2Unorm => To::Rgb10a2Unorm,
+        From::Rg32Sint => To::Rg32Sint,
+        From::Rgba8Sint => To::Rgba8Sint,
         From::R32Uint => To::R32Uint,
         From::R32Sint => To::R32Sint,
         From::R32Float => To::R32Float,
@@ -166,17 +197,36 @@ fn storage_format(format: naga::StorageFormat) -> Result<wgpu::TextureFormat, St
         From::Rgba32Uint => To::Rgba32Uint,
         From::Rgba32Sint => To::Rgba32Sint,
         From::Rgba32Float => To::Rgba32Float,
-        other => return Err(format!("storage format {other:?} is not portable; use one of 32 bits a channel, r16float, rgba8 or rgba16")),
+        other => {
+            return Err(format!(
+                "storage format {other:?} is not supported; use one of 32 bits a channel, r16float, rgba8 or rgba16"
+            ));
+        }
     })
 }
 
+/// Group and name of the variables that are bound but not among these.
+pub(super) fn unused(module: &naga::Module, used: &[BindingInfo]) -> Vec<(u32, String)> {
+    let bound = module.global_variables.iter().filter_map(|(_, variable)| {
+        let place = variable.binding.as_ref()?;
+        Some((place.group, plain_name(variable.name.as_deref()?).to_string()))
+    });
+    bound.filter(|(group, name)| !used.iter().any(|b| b.group == *group && b.name == *name)).collect()
+}
+
+/// The name as the file has it: what is imported carries its module's name too.
+fn plain_name(name: &str) -> &str {
+    name.split_once(IMPORT_MARK).map_or(name, |(plain, _)| plain)
+}
+
+const IMPORT_MARK: &str = "X_naga_oil_mod_X";
+
 /// The struct of that name, whether declared in the file or imported (then its name carries the module's).
 pub(super) fn struct_layout(module: &naga::Module, name: &str) -> Option<StructLayout> {
-    let decorated = format!("{name}X_naga_oil_mod_");
     module.types.iter().find_map(|(_, ty)| {
         let own = ty.name.as_deref()?;
         match &ty.inner {
-            TypeInner::Struct { members, span } if own == name || own.starts_with(&decorated) => Some(StructLayout {
+            TypeInner::Struct { members, span } if plain_name(own) == name => Some(StructLayout {
                 size: *span,
                 members: members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(),
             }),

@@ -28,8 +28,11 @@ impl ShaderError {
         let mut parts = place.unwrap_or_default().rsplitn(3, ':');
         let mut number = || parts.next().and_then(|n| n.parse().ok()).unwrap_or(0);
         let (column, line) = (number(), number());
+        let (line, column) = first_shown(report, line).unwrap_or((line, column));
         let file = parts.next().unwrap_or(shader).to_string();
-        let text = if file == shader {
+        let text = if line == 0 {
+            format!("shader {shader}: {report}")
+        } else if file == shader {
             format!("shader {shader}:{line}:{column}: {report}")
         } else {
             format!("shader {shader} imports {file}:{line}:{column}: {report}")
@@ -48,4 +51,20 @@ impl ShaderError {
         }
         Self::of_file(shader, text)
     }
+}
+
+/// Where the excerpt's first line with text is, if the named line shows as blank: the compiler names the start of the
+/// file for what stands nowhere (a type that was inferred), and shows the real place further down.
+fn first_shown(report: &str, named: u32) -> Option<(u32, u32)> {
+    let numbered = |line: &str| {
+        let (number, text) = line.split_once(" │ ")?;
+        Some((number.trim().parse::<u32>().ok()?, text.to_string()))
+    };
+    let shown: Vec<(u32, String)> = report.lines().filter_map(numbered).collect();
+    if shown.iter().any(|(number, text)| *number == named && !text.trim().is_empty()) {
+        return None;
+    }
+    let (number, text) = shown.into_iter().find(|(_, text)| !text.trim().is_empty())?;
+    let indent = text.chars().take_while(|c| c.is_whitespace()).count();
+    Some((number, indent as u32 + 1))
 }

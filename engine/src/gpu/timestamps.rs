@@ -7,6 +7,8 @@ pub struct TimestampQueries {
     set: Option<(wgpu::QuerySet, wgpu::Buffer)>,
     capacity: u32,
     names: Vec<String>,
+    /// Stretches begun and not yet ended; none for one that there was no room for.
+    open: Vec<Option<u32>>,
 }
 
 impl TimestampQueries {
@@ -28,20 +30,24 @@ impl TimestampQueries {
             });
             (set, resolved)
         });
-        Self { set, capacity, names: Vec::new() }
+        Self { set, capacity, names: Vec::new(), open: Vec::new() }
     }
 
     /// Forgets the stretches of the last frame.
     pub fn reset(&mut self) {
         self.names.clear();
+        self.open.clear();
     }
 
-    /// Begins a stretch; true if there is room for it, and then [`TimestampQueries::end`] must follow.
+    /// Begins a stretch, which may lie inside another; [`TimestampQueries::end`] must follow. False if there is no
+    /// room for it: it is then not timed.
     pub fn begin(&mut self, encoder: &mut wgpu::CommandEncoder, name: &str) -> bool {
         let index = self.names.len() as u32;
         if index >= self.capacity {
+            self.open.push(None);
             return false;
         }
+        self.open.push(Some(index));
         self.names.push(name.to_string());
         if let Some((set, _)) = &self.set {
             encoder.write_timestamp(set, 2 * index);
@@ -49,9 +55,9 @@ impl TimestampQueries {
         true
     }
 
-    /// Ends the stretch that was begun last.
+    /// Ends the innermost stretch.
     pub fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        if let (Some((set, _)), Some(index)) = (&self.set, (self.names.len() as u32).checked_sub(1)) {
+        if let (Some(Some(index)), Some((set, _))) = (self.open.pop(), &self.set) {
             encoder.write_timestamp(set, 2 * index + 1);
         }
     }
