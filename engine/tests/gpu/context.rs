@@ -33,7 +33,7 @@ fn a_missing_shader_folder_is_an_error_with_its_path() {
 fn what_the_device_refuses_is_kept_and_no_panic() {
     let (_dir, gpu) = open();
     let size = gpu.limits.max_buffer_size.saturating_add(4);
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    let _refused = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("far too large"),
         size,
         usage: wgpu::BufferUsages::UNIFORM,

@@ -25,6 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
+/// Writes a file of the shader folder in place.
 pub fn write(dir: &Path, name: &str, text: &str) {
     std::fs::write(dir.join(name), text).expect("write shader");
 }
@@ -39,6 +40,7 @@ pub fn open() -> (tempfile::TempDir, Gpu) {
     (dir, gpu)
 }
 
+/// A device with the shaders of that folder.
 pub fn open_dir(dir: &Path) -> Gpu {
     Gpu::headless(&GpuOptions { adapter: None, shader_dir: dir.to_owned() }).expect("a Vulkan driver")
 }

@@ -2,6 +2,7 @@ use crate::open;
 use lightwell::gpu::{Gpu, ReadbackError, read_texture, read_texture_f32};
 use wgpu::{TextureFormat, TextureUsages};
 
+/// A texture with one mip level that can be read back.
 pub fn texture(gpu: &Gpu, width: u32, height: u32, format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("test"),
