@@ -5,7 +5,7 @@ use image::{ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Largest width and height [texels].
+/// Largest width and height \[texels\].
 pub const MAX_IMAGE_SIZE: u32 = 16384;
 
 /// A decoded image: four bytes a texel, row 0 on top.

@@ -35,7 +35,7 @@ pub struct Material {
     pub specular: f32,
     /// `KHR_materials_specular` colour (linear).
     pub specular_color: Vec3,
-    /// Emitted radiance L [W/(m² sr)], emissive strength included.
+    /// Emitted radiance L \[W/(m² sr)\], emissive strength included.
     pub emissive: Vec3,
     /// Scale of the normal map's x and y.
     pub normal_scale: f32,

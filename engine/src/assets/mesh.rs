@@ -8,7 +8,7 @@ use glam::Vec3;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
-    /// Position in object space [m].
+    /// Position in object space \[m\].
     pub position: [f32; 3],
     /// Unit normal in object space; zero only where the triangle itself has no area.
     pub normal: [f32; 3],

@@ -25,7 +25,7 @@ pub use texture::{Sampling, Texture, Wrap};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Largest file that is read [bytes].
+/// Largest file that is read \[bytes\].
 const MAX_FILE: u64 = 4 << 30;
 
 /// Reads a whole regular file of sensible size.

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 pub const MAX_SEGMENTS: u32 = 4096;
 /// Most vertices of one shape.
 const MAX_VERTICES: u64 = 1 << 22;
-/// Largest size [m]; beyond it squares leave the range of float arithmetic.
+/// Largest size \[m\]; beyond it squares leave the range of float arithmetic.
 const MAX_SIZE: f32 = 1e12;
-/// Smallest size [m].
+/// Smallest size \[m\].
 const MIN_SIZE: f32 = 1e-12;
 
 /// A procedural mesh centred on the origin, Y up, with outward normals, texture coordinates and tangents.

@@ -32,9 +32,9 @@ pub struct Texture {
     pub id: AssetId,
     /// Name for messages: mostly the file.
     pub name: String,
-    /// Width [texels], at least 1.
+    /// Width \[texels\], at least 1.
     pub width: u32,
-    /// Height [texels], at least 1.
+    /// Height \[texels\], at least 1.
     pub height: u32,
     /// Four bytes a texel, row 0 on top.
     pub rgba: Vec<u8>,

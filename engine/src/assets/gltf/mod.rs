@@ -36,11 +36,11 @@ pub type GltfPrimitive = (Arc<Mesh>, Arc<Material>);
 pub struct GltfCamera {
     /// Name; empty if the file has none.
     pub name: String,
-    /// Vertical field of view [radians], above 0 and below π.
+    /// Vertical field of view \[radians\], above 0 and below π.
     pub fov_y: f32,
-    /// Near plane [m].
+    /// Near plane \[m\].
     pub near: f32,
-    /// Far plane [m]; none: infinite.
+    /// Far plane \[m\]; none: infinite.
     pub far: Option<f32>,
     /// Width over height that the author had in mind.
     pub aspect: Option<f32>,
@@ -62,9 +62,9 @@ pub struct GltfLight {
     pub kind: LightKind,
     /// Colour, linear RGB.
     pub color: Vec3,
-    /// Irradiance [W/m²] of directional lights, radiant intensity [W/sr] of the others.
+    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others.
     pub intensity: f32,
-    /// Distance beyond which there is no light [m].
+    /// Distance beyond which there is no light \[m\].
     pub range: Option<f32>,
 }
 
