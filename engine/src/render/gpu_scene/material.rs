@@ -38,7 +38,11 @@ impl MaterialUniform {
             roughness: unit(material.roughness),
             specular: unit(material.specular),
             alpha_cutoff: alpha_cutoff(material),
-            normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 1.0 },
+            // Eight bits have no exact zero: a neutral texel would tilt the normal by 0.2°.
+            normal_scale: match &material.normal_texture {
+                Some(_) if material.normal_scale.is_finite() => material.normal_scale,
+                _ => 0.0,
+            },
             double_sided: u32::from(material.double_sided),
         }
     }
