@@ -70,11 +70,9 @@ fn why_it_runs<P: Clone>(
     });
     let (retained, transient): (Vec<_>, Vec<_>) =
         missing.partition(|(from, _)| matches!(graph.resources[from.resource].storage, Storage::Retained));
-    if let Some((from, _)) = retained.first() {
-        if decision.held[from.resource] == Some(from.number + 1) {
-            let name = &graph.resources[from.resource].name;
-            return format!("`{name}` is overwritten in this frame before it is used");
-        }
+    // A slot that the pass itself, or another one, overwrites is a consequence: told last.
+    let held = |from: &Version| decision.held[from.resource] == Some(from.number + 1);
+    if let Some((from, _)) = retained.iter().find(|(from, _)| !held(from)) {
         return why_not_in_slot(graph, cache, &keys.recipes[index], *from);
     }
     match transient.first() {
@@ -82,7 +80,10 @@ fn why_it_runs<P: Clone>(
             format!("`{}` needs `{}`", graph.passes[*reader].name, graph.resources[from.resource].name)
         }
         Some((from, WantedBy::Output)) => format!("`{}` is an output", graph.resources[from.resource].name),
-        None => "its output is wanted".into(),
+        None => {
+            let names: Vec<&str> = retained.iter().map(|(from, _)| graph.resources[from.resource].name.as_str()).collect();
+            format!("`{}` is overwritten in this frame before it is used", names.join("`, `"))
+        }
     }
 }
 
