@@ -207,6 +207,13 @@ impl<P: Clone> TargetCache<P> {
         self.evicted += before - self.slots.len() - self.pool.len();
     }
 
+    /// Lets go of all that the frame wrote: some of that memory may not even have been made.
+    pub(super) fn drop_frame(&mut self, written: &[String]) {
+        self.stamp = next_stamp();
+        written.iter().for_each(|name| drop(self.slots.remove(name)));
+        self.pool.retain(|piece| piece.last_used != self.frame);
+    }
+
     fn unmark(&mut self, name: &str) {
         if let Some(slot) = self.slots.get_mut(name) {
             slot.content = None;

@@ -18,7 +18,7 @@ impl Plan<'_> {
     /// # Errors
     /// If a pass fails, those before it have been submitted and stay in the cache; what the failed
     /// pass writes is invalid, and the passes after it do not run. If the device refuses something,
-    /// everything that the frame wrote is invalid.
+    /// everything that the frame wrote is let go.
     pub fn execute(self, gpu: &Gpu, cache: &mut TargetCache) -> Result<FrameReport, GraphError> {
         if self.stamp != cache.stamp() {
             return Err(GraphError::StalePlan);
@@ -30,7 +30,7 @@ impl Plan<'_> {
         let times = recorder.times();
         cache.queries = recorder.queries.take();
         if matches!(result, Err(GraphError::Device { .. })) {
-            written.iter().for_each(|name| cache.invalidate(name));
+            cache.drop_frame(&written);
         }
         let mut report = result?;
         for (name, ms) in times {

@@ -173,7 +173,7 @@ impl FrameReport {
         (!times.is_empty() || self.ran_count() == 0).then(|| times.iter().sum())
     }
 
-    /// The report without times and memory: equal on all machines that do the same work.
+    /// The report without times: equal on all machines that do the same work.
     pub fn without_times(&self) -> Self {
         let passes = self.passes.iter().map(|pass| PassReport { gpu_ms: None, cpu_ms: 0.0, ..pass.clone() });
         Self { passes: passes.collect(), ..self.clone() }
@@ -184,7 +184,7 @@ impl FrameReport {
 impl fmt::Display for FrameReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.passes.iter().map(|pass| pass.name.chars().count()).max().unwrap_or(0).max(4);
-        writeln!(f, "{:width$}  {:7}  {:>9}  {:>9}  {}", "pass", "state", "GPU [ms]", "CPU [ms]", "why; work")?;
+        writeln!(f, "{:width$}  {:7}  {:>9}  {:>9}  why; work", "pass", "state", "GPU [ms]", "CPU [ms]")?;
         for pass in &self.passes {
             let gpu = pass.gpu_ms.map_or("-".into(), |ms| format!("{ms:.3}"));
             let cpu = if pass.state == PassState::Ran { format!("{:.3}", pass.cpu_ms) } else { "-".into() };

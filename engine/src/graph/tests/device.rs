@@ -166,6 +166,7 @@ fn a_target_too_large_for_the_device_is_an_error() {
     graph.output(huge);
     let error = run(&gpu, &mut cache, graph, false).unwrap_err();
     assert!(matches!(error, GraphError::Device { .. }), "{error}");
+    assert_eq!(cache.figures().retained, 0, "memory that was not made is not kept");
 }
 
 #[test]

@@ -98,11 +98,11 @@ fn declare(
     let mut reads: Vec<(Handle<Texture>, u64)> = Vec::new();
     for &(resource, age) in &spec.reads {
         let of = &versions[resource];
-        if let (handle, Some(value)) = of[of.len().saturating_sub(1 + age)] {
-            if reads.iter().all(|(other, _)| *other != handle) {
-                pass.read(handle);
-                reads.push((handle, value));
-            }
+        let (handle, value) = of[of.len().saturating_sub(1 + age)];
+        let value = value.filter(|_| reads.iter().all(|(other, _)| *other != handle));
+        if let Some(value) = value {
+            pass.read(handle);
+            reads.push((handle, value));
         }
     }
     let modified = spec.writes.iter().filter_map(|&resource| versions[resource].last()?.1);
