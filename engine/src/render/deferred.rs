@@ -13,7 +13,7 @@ use super::frame::Frame;
 use super::gpu_scene::GpuScene;
 use super::post::tone_map::{self, DISPLAY};
 use super::settings::{GiMethod, Layer, RenderSettings};
-use super::{direct, gbuffer};
+use super::{direct, gbuffer, lpv};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, TargetCache};
 use crate::scene::{Scene, SceneView};
@@ -40,6 +40,9 @@ pub enum RenderError {
         /// What is wrong and what would be right.
         what: String,
     },
+    /// CLPV settings that make no volume.
+    #[error("Clpv component: {0}")]
+    Clpv(String),
     /// A pass failed, or the frame was put together wrongly.
     #[error(transparent)]
     Graph(#[from] GraphError),
@@ -77,7 +80,7 @@ impl Renderer {
         self.gpu_scene.update(gpu, scene);
         let frame = Frame { scene, gpu_scene: &self.gpu_scene, view, settings, bounds: scene.bounds() };
         let mut graph = Graph::new(seed(gpu));
-        declare(&mut graph, gpu, &frame)?;
+        declare(&mut graph, &frame)?;
         let plan = graph.compile(&self.targets, &CompileOptions { no_cache: settings.no_cache })?;
         let report = plan.execute(gpu, &mut self.targets)?;
         if let Some(lost) = gpu.device_lost() {
@@ -112,7 +115,7 @@ fn seed(gpu: &Gpu) -> u64 {
     hasher.finish()
 }
 
-fn declare<'a>(graph: &mut Graph<'a>, gpu: &Gpu, frame: &Frame<'a>) -> Result<(), RenderError> {
+fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Result<(), RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
     let only = frame.settings.only;
     let mut lights = Lights::default();
@@ -126,7 +129,7 @@ fn declare<'a>(graph: &mut Graph<'a>, gpu: &Gpu, frame: &Frame<'a>) -> Result<()
     } else if frame.settings.gi == GiMethod::None {
         graph.skip("clpv", "indirect light is switched off");
     } else {
-        graph.skip("clpv", "not built");
+        lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
     }
     let radiance = compose::declare(graph, frame, &gbuffer, lights);
     graph.output(radiance);

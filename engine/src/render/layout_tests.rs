@@ -5,7 +5,9 @@ use super::direct::Region;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
+use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
+use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use encase::ShaderType;
@@ -31,5 +33,11 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct.wgsl", "Light");
     check(&gpu, Region::min_size().get(), "direct.wgsl", "Region");
     check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
+    check(&gpu, RsmViewUniform::min_size().get(), "rsm.wgsl", "RsmView");
+    check(&gpu, RsmLayerUniform::min_size().get(), "lpv/inject.wgsl", "RsmLayer");
+    check(&gpu, VolumeUniform::min_size().get(), "lpv/inject.wgsl", "Volume");
+    check(&gpu, CameraSamplesUniform::min_size().get(), "lpv/blockers.wgsl", "CameraSamples");
+    check(&gpu, PropagationUniform::min_size().get(), "lpv/propagate.wgsl", "Propagation");
+    check(&gpu, RelightUniform::min_size().get(), "lpv/relight.wgsl", "Relight");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

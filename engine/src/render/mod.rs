@@ -10,7 +10,9 @@ pub mod gpu_scene;
 mod layout_tests;
 mod light_uniform;
 mod light_view;
+pub mod lpv;
 mod post;
+pub mod rsm;
 mod settings;
 mod shadow;
 

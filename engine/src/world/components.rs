@@ -196,8 +196,6 @@ pub struct Clpv {
     pub camera_blockers: bool,
     /// Factor k on the looked-up irradiance: 2/3 is exact for isotropic light, 1 for beams along an axis.
     pub gain: f32,
-    /// Damping of light that leaks through surfaces, by the normalised directional gradient (3.10.4).
-    pub gradient_damping: bool,
     /// Width of the border over which a cascade fades into the next coarser one, in cells.
     pub border_fade: f32,
 }
@@ -215,7 +213,6 @@ impl Default for Clpv {
             blocker_scale: 4.0 / 3.0,
             camera_blockers: false,
             gain: 2.0 / 3.0,
-            gradient_damping: false,
             border_fade: 2.0,
         }
     }

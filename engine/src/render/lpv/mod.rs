@@ -1,0 +1,75 @@
+//! Cascaded light propagation volumes (Kaplanyan and Dachsbacher 2010; Šefčík 2016, chapters 3.10 and 5).
+//!
+//! ```text
+//! rsm (a light) ─┬─ inject (a cascade) ───┬─ propagate (a cascade) ─ relight
+//!                └─ blockers (a cascade) ─┘
+//! ```
+//! Light is kept as I/h² [W/(m² sr)] in four SH coefficients a colour channel, in 32-bit floats.
+
+mod blockers;
+mod inject;
+mod propagate;
+mod relight;
+mod volume;
+
+pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
+
+#[cfg(test)]
+pub(crate) use self::{
+    blockers::CameraSamplesUniform, propagate::PropagationUniform, relight::RelightUniform, volume::VolumeUniform,
+};
+
+use super::deferred::RenderError;
+use super::frame::Frame;
+use super::gbuffer::GBuffer;
+use super::rsm::{self, Rsm};
+use crate::graph::{Graph, Handle, Texture};
+use crate::scene::Aabb;
+
+/// Bytes of a cell of light: three channels of four coefficients.
+const LIGHT_BYTES: u64 = 48;
+
+/// Declares all passes of indirect light; the result is reflected radiance, rgba32float. None, with the reason in
+/// the report, if the scene needs none.
+///
+/// # Errors
+/// CLPV settings that make no volume.
+pub fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+) -> Result<Option<Handle<Texture>>, RenderError> {
+    let Some(clpv) = &frame.scene.clpv else {
+        graph.skip("clpv", "the scene has no Clpv component");
+        return Ok(None);
+    };
+    let volumes = volumes(clpv, &frame.bounds, frame.view)?;
+    let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
+    let lights = frame.scene.lights.iter().zip(0..);
+    let rsms: Vec<Rsm> =
+        lights.filter_map(|(light, index)| rsm::declare(graph, frame, light, index, &reach)).collect();
+    if rsms.is_empty() {
+        graph.skip("clpv", "no light feeds indirect light");
+        return Ok(None);
+    }
+    let settings = &clpv.settings;
+    let mut lit = Vec::with_capacity(volumes.len());
+    for (level, volume) in volumes.iter().enumerate() {
+        let injected = inject::declare(graph, frame, &rsms, level, volume);
+        let blockers = if settings.occlusion {
+            Some(blockers::declare(graph, frame, &rsms, settings.camera_blockers.then_some(gbuffer), level, volume))
+        } else {
+            graph.skip(format!("blockers, cascade {level}"), "occlusion is switched off");
+            None
+        };
+        lit.push(propagate::declare(graph, settings, injected, blockers, level, volume));
+    }
+    Ok(Some(relight::declare(graph, frame, gbuffer, settings, &volumes, &lit)))
+}
+
+/// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
+fn linear_groups(items: u32) -> [u32; 3] {
+    let groups = items.div_ceil(64).max(1);
+    let x = groups.min(32_768);
+    [x, groups.div_ceil(x), 1]
+}

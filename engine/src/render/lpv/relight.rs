@@ -1,0 +1,111 @@
+//! Indirect light of the visible surfaces, looked up in the volumes.
+
+use super::volume::{MAX_CASCADES, Volume, VolumeUniform};
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::world::Clpv;
+use encase::ShaderType;
+use glam::Vec3;
+
+/// `Cascade` of `lpv/relight.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct CascadeUniform {
+    volume: VolumeUniform,
+    fade_center: Vec3,
+    fade_cells: f32,
+    fade_half: Vec3,
+    padding: f32,
+}
+
+/// `Relight` of `lpv/relight.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct RelightUniform {
+    cascades: [CascadeUniform; MAX_CASCADES],
+    count: u32,
+    gain: f32,
+    padding_a: u32,
+    padding_b: u32,
+}
+
+/// Declares the pass; `lit` are the propagated volumes, finest first. The result is reflected radiance.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    volumes: &[Volume],
+    lit: &[Handle<Buffer>],
+) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let indirect = graph.retained_texture("indirect radiance", desc);
+    let mut pass = graph.pass("relight");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    for &volume in lit {
+        pass.read(volume);
+    }
+    let indirect = pass.write(indirect);
+    let uniform = uniform(settings, volumes);
+    let fades: Vec<[u32; 6]> = volumes
+        .iter()
+        .map(|v| [v.fade_center.to_array(), v.fade_half.to_array()].concat().try_into().unwrap_or([0.0; 6]))
+        .map(|fade: [f32; 6]| fade.map(f32::to_bits))
+        .collect();
+    let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
+    pass.key(&(keys, fades, uniform.gain.to_bits(), settings.border_fade.to_bits(), frame.view_key()));
+    let (frame, lit) = (frame.clone(), lit.to_vec());
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
+        // A cascade that is not there is never read; the finest stands in for it.
+        let light = |level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone();
+        let light = [0, 1, 2, 3].map(light);
+        let target = cx.view(indirect);
+        let relight = gpu.uniform("relight", &uniform);
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        cx.dispatch(
+            &ComputeKey::new("lpv/relight.wgsl", "main"),
+            &[
+                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                ("relight", Binding::Buffer(&relight)),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("depth", Binding::Texture(&depth)),
+                ("light_finest", Binding::Buffer(&light[0])),
+                ("light_second", Binding::Buffer(&light[1])),
+                ("light_third", Binding::Buffer(&light[2])),
+                ("light_coarsest", Binding::Buffer(&light[3])),
+                ("indirect", Binding::Texture(&target)),
+            ],
+            [width.div_ceil(8), height.div_ceil(8), 1],
+        )
+    });
+    indirect
+}
+
+fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
+    let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
+    let cascade = |level: usize| {
+        let volume = &volumes[level.min(volumes.len() - 1)];
+        CascadeUniform {
+            volume: volume.uniform(),
+            fade_center: volume.fade_center,
+            fade_cells: finite(settings.border_fade),
+            fade_half: volume.fade_half,
+            padding: 0.0,
+        }
+    };
+    RelightUniform {
+        cascades: std::array::from_fn(cascade),
+        count: volumes.len() as u32,
+        gain: finite(settings.gain),
+        padding_a: 0,
+        padding_b: 0,
+    }
+}

@@ -1,0 +1,188 @@
+//! Reflective shadow maps: what each light sees, as the sources of indirect light (Dachsbacher and Stamminger 2005).
+
+use super::frame::Frame;
+use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
+use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use super::light_view::{LightView, light_views};
+use super::shadow::view_bits;
+use crate::gpu::{Gpu, RasterKey};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::scene::{Aabb, Frustum, LightShape, SceneLight};
+use encase::ShaderType;
+use glam::{Mat4, Vec3};
+use wgpu::TextureFormat;
+
+/// `RsmView` of `rsm.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct RsmViewUniform {
+    clip_from_world: Mat4,
+    eye: Vec3,
+}
+
+/// `RsmLayer` of `lib/rsm.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct RsmLayerUniform {
+    world_from_clip: Mat4,
+    half_extent: f32,
+    size: u32,
+    layer: i32,
+    scale: f32,
+}
+
+/// A light's reflective shadow map, one layer a view.
+#[derive(Clone)]
+pub struct Rsm<'a> {
+    /// The light.
+    pub light: &'a SceneLight,
+    /// Its place in the scene's array.
+    pub index: u32,
+    /// Views that are drawn; a point light's faces that see nothing of use are left out.
+    pub views: Vec<LightView>,
+    /// Edge [texels].
+    pub size: u32,
+    /// Base colour and metallic, as in the G-buffer.
+    pub base_color: Handle<Texture>,
+    /// Normal and roughness, as in the G-buffer.
+    pub normal: Handle<Texture>,
+    /// Reversed depth.
+    pub depth: Handle<Texture>,
+}
+
+impl Rsm<'_> {
+    /// Power of two that turns flux [W] into fixed point so that no sum over the whole map overflows: a lobe's
+    /// coefficient is at most a third of its flux, and all flux together at most what the light sends into its views.
+    ///
+    /// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
+    pub(super) fn fixed_point_scale(&self) -> f32 {
+        let intensity = self.light.intensity.max_element();
+        let extent: f32 = match self.light.shape {
+            LightShape::Directional => self.views.iter().map(|v| 4.0 * v.half_extent * v.half_extent).sum(),
+            LightShape::Point | LightShape::Spot { .. } => 4.0 * std::f32::consts::PI,
+        };
+        let total = (intensity * extent).clamp(1e-30, 1e36);
+        (29.0 - total.log2().ceil()).exp2()
+    }
+
+    /// How a shader finds its way from a texel to the surface.
+    pub(super) fn layer_uniform(&self, layer: usize, scale: f32) -> RsmLayerUniform {
+        let view = &self.views[layer];
+        RsmLayerUniform {
+            world_from_clip: view.world_from_clip,
+            half_extent: view.half_extent,
+            size: self.size,
+            layer: layer as i32,
+            scale,
+        }
+    }
+
+    /// Number of texels of all layers.
+    pub(super) fn texels(&self) -> u64 {
+        u64::from(self.size) * u64::from(self.size) * self.views.len() as u64
+    }
+}
+
+/// Declares the light's RSM; none, with the reason in the report, if it feeds no indirect light into `reach`.
+pub fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    light: &'a SceneLight,
+    index: u32,
+    reach: &Aabb,
+) -> Option<Rsm<'a>> {
+    let name = format!("rsm {}", light.pass_name());
+    let skip = |graph: &mut Graph<'a>, reason: &str| {
+        graph.skip(name.as_str(), reason);
+        None
+    };
+    if !light.indirect {
+        return skip(graph, "the light is marked as not feeding indirect light");
+    }
+    if light.intensity == Vec3::ZERO {
+        return skip(graph, "the light has no intensity");
+    }
+    let all = light_views(light, &frame.bounds);
+    let faces = all.len();
+    let useful = |view: &LightView| {
+        let frustum = Frustum::new(&view.clip_from_world);
+        frustum.intersects(reach) && frame.gpu_scene.any_visible(&DrawFilter { frustum: &frustum, casters_only: true })
+    };
+    let views: Vec<LightView> = all.into_iter().filter(useful).collect();
+    if views.is_empty() {
+        return skip(graph, "it lights no surface in reach of a volume");
+    }
+    if views.len() < faces {
+        let left_out = format!("{} of {faces} faces see no surface or light no volume", faces - views.len());
+        graph.skip(format!("{name}, faces"), left_out);
+    }
+    let size = light.rsm_size.clamp(1, 4096);
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    let target = |graph: &mut Graph<'a>, part: &str, format| {
+        let desc = TextureDesc::d2_array(size, size, views.len() as u32, format, usage);
+        graph.retained_texture(format!("{name} {part}"), desc)
+    };
+    let base_color = target(graph, "base color", TextureFormat::Rgba16Uint);
+    let normal = target(graph, "normal", TextureFormat::Rgba16Uint);
+    let depth = target(graph, "depth", DEPTH_FORMAT);
+    let mut pass = graph.pass(name.as_str());
+    let (base_color, normal, depth) = (pass.write(base_color), pass.write(normal), pass.write(depth));
+    pass.key(&(frame.geometry_key(), frame.scene.identity, light.revision, view_bits(&views), size));
+    let rsm = Rsm { light, index, views, size, base_color, normal, depth };
+    let (frame, drawn) = (frame.clone(), rsm.clone());
+    pass.execute(move |cx| (0..drawn.views.len()).try_for_each(|layer| draw_layer(cx, &frame, &drawn, layer)));
+    Some(rsm)
+}
+
+fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> Result<(), PassError> {
+    let view = &rsm.views[layer];
+    let layer_view = |cx: &PassContext, handle| layer_view(cx.texture(handle), layer as u32);
+    let (base_color, normal, depth) =
+        (layer_view(cx, rsm.base_color), layer_view(cx, rsm.normal), layer_view(cx, rsm.depth));
+    let uniform = view_uniform(cx.gpu, view);
+    let attachment = |view| {
+        Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+        })
+    };
+    let mut pass = cx
+        .encoder()
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("rsm"),
+            color_attachments: &[attachment(&base_color), attachment(&normal)],
+            depth_stencil_attachment: Some(depth_attachment(&depth)),
+            ..Default::default()
+        })
+        .forget_lifetime();
+    let filter = DrawFilter { frustum: &Frustum::new(&view.clip_from_world), casters_only: true };
+    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, raster_key)
+}
+
+fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
+    gpu.uniform("rsm view", &RsmViewUniform { clip_from_world: view.clip_from_world, eye: view.eye })
+}
+
+/// A view of one layer, to be drawn into.
+pub(super) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
+fn raster_key(class: MaterialClass) -> RasterKey {
+    RasterKey {
+        shader: "rsm.wgsl",
+        vertex: "vertex",
+        fragment: Some("fragment"),
+        defs: Vec::new(),
+        vertex_buffers: vec![vertex_layout()],
+        // Backs of surfaces stop light too.
+        primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
+        depth: Some(depth_state()),
+        targets: vec![Some(TextureFormat::Rgba16Uint.into()), Some(TextureFormat::Rgba16Uint.into())],
+    }
+}

@@ -1,0 +1,50 @@
+#define_import_path lightwell::rsm
+
+#import lightwell::lights::{Light, DIRECTIONAL, light_intensity_towards, range_window}
+
+// One view of a reflective shadow map.
+struct RsmLayer {
+    world_from_clip: mat4x4f,
+    half_extent: f32,      // tangent of the half angle, or metres for directional lights
+    size: u32,             // edge of the map [texels]
+    layer: i32,
+    scale: f32,            // power of two that turns flux into fixed point
+}
+
+struct Received {
+    flux: vec3f,           // Φ_in [W]
+    to_light: vec3f,       // unit
+    area: f32,             // of the texel across the light A_⊥ [m²]
+}
+
+// Solid angle from the axis to a corner of the image plane at distance one: ∫∫ (1+x²+y²)^(−3/2).
+fn corner_solid_angle(corner: vec2f) -> f32 {
+    return atan2(corner.x * corner.y, sqrt(1.0 + dot(corner, corner)));
+}
+
+// Solid angle of a rectangle on the image plane [sr], exact.
+fn texel_solid_angle(low: vec2f, high: vec2f) -> f32 {
+    return max(0.0, corner_solid_angle(high) - corner_solid_angle(vec2f(low.x, high.y))
+        - corner_solid_angle(vec2f(high.x, low.y)) + corner_solid_angle(low));
+}
+
+// What the surface in a texel receives from the light: Φ_in = I·Δω or E·A_⊥. No cosine: the texel is what the
+// light sees of the surface.
+fn texel_received(rsm: RsmLayer, light: Light, texel: vec2u, position: vec3f) -> Received {
+    var received: Received;
+    let step = 2.0 * rsm.half_extent / f32(rsm.size);
+    if light.shape == DIRECTIONAL {
+        received.to_light = -light.direction;
+        received.area = step * step;
+        received.flux = light.intensity * received.area;
+        return received;
+    }
+    let offset = light.position - position;
+    let d = length(offset);
+    received.to_light = select(vec3f(0.0, 1.0, 0.0), offset / d, d > 1e-18);
+    let low = vec2f(texel) * step - rsm.half_extent;
+    let solid_angle = texel_solid_angle(low, low + step);
+    received.area = solid_angle * d * d;
+    received.flux = light_intensity_towards(light, -received.to_light) * range_window(light, d) * solid_angle;
+    return received;
+}
