@@ -1,13 +1,15 @@
 //! What the renderer sees: flat arrays in world space, ordered by persistent identity.
 //!
-//! The scene knows no entities, and it knows no GPU. [`extract`] keeps it current from the world by change
+//! The scene knows no entities, and it knows no GPU. [`Extractor`] keeps it current from the world by change
 //! detection. Every change takes a new value of one counter, so that equal revisions mean equal content.
 
 mod bounds;
+mod extract;
 mod light;
 mod view;
 
 pub use bounds::{Aabb, Frustum};
+pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
 pub use view::{SceneCamera, SceneView, perspective};
 

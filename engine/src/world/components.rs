@@ -2,7 +2,7 @@
 
 use crate::assets::{Material, Mesh};
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -10,6 +10,7 @@ pub use super::animation::Animation;
 
 /// Place relative to the parent: scale first, then rotation, then translation.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[require(GlobalTransform, Orientation)]
 pub struct Transform {
     /// Translation [m].
     pub translation: Vec3,
@@ -28,14 +29,27 @@ impl Default for Transform {
 impl Transform {
     /// The matrix `parent_from_local`.
     pub fn matrix(&self) -> Affine3A {
-        let rotation = if self.rotation.length_squared() > 0.0 { self.rotation.normalize() } else { Quat::IDENTITY };
-        Affine3A::from_scale_rotation_translation(self.scale, rotation, self.translation)
+        Affine3A::from_scale_rotation_translation(self.scale, self.unit_rotation(), self.translation)
+    }
+
+    /// The rotation, normalised; none at all if its length is zero or not finite.
+    pub fn unit_rotation(&self) -> Quat {
+        // Keeps the squares in range.
+        let largest = self.rotation.to_array().into_iter().fold(0.0_f32, |m, c| m.max(c.abs()));
+        let scale = if (1e-15..1e15).contains(&largest) { 1.0 } else { largest.recip() };
+        let length = (self.rotation * scale).length();
+        if length.is_finite() && length > 0.0 { self.rotation * scale / length } else { Quat::IDENTITY }
     }
 }
 
 /// World place, computed from the [`Transform`]s up the hierarchy once a frame.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct GlobalTransform(pub Affine3A);
+
+/// World orientation, computed with the [`GlobalTransform`]: right-handed orthonormal axes, whatever the scale. The
+/// entity's own scale plays no part; a parent that mirrors turns −Z to where it shows in the mirror.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Orientation(pub Mat3A);
 
 /// The entity's persistent name: unique among its siblings, shown in the inspector and in errors.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,28 @@
 //! The entity/component world: components, transform hierarchy, animation, cloning and deferred despawn.
+//!
+//! [`GameWorld`] owns bevy's ECS. A frame is: set the clock, [`GameWorld::update`] (behaviours, animation, transform
+//! propagation, deferred despawn), then [`crate::scene::Extractor::extract`].
 
+mod animate;
 pub mod animation;
+mod clock;
 mod components;
+mod error;
+mod game_world;
+mod hierarchy;
+mod identity;
+mod rest;
+mod sample;
+#[cfg(test)]
+mod tests;
+mod transform;
 
+pub use clock::{Clock, FLICKS_PER_SECOND};
 pub use components::*;
+pub use error::WorldError;
+pub(crate) use game_world::UpdateCount;
+pub use game_world::{DespawnQueue, GameWorld};
+pub use identity::Identity;
+pub use rest::RestPose;
+pub use sample::Sample;
+pub(crate) use transform::forward;

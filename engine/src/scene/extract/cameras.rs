@@ -1,0 +1,99 @@
+//! Cameras, rigid and with parameters in range.
+
+use super::sorted::Elements;
+use super::{Context, name_or_id};
+use crate::scene::{Scene, SceneCamera};
+use crate::world::{Camera, GlobalTransform, Identity, Name, Orientation};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+use glam::Affine3A;
+
+type Row = (
+    Entity,
+    &'static Identity,
+    Option<&'static Name>,
+    &'static GlobalTransform,
+    &'static Orientation,
+    &'static Camera,
+);
+type IsChanged =
+    Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Camera>, Changed<Name>, Added<Identity>)>;
+type Params = (
+    Query<'static, 'static, Row, IsChanged>,
+    Query<'static, 'static, (), (With<Camera>, With<GlobalTransform>, With<Orientation>)>,
+    RemovedComponents<'static, 'static, Camera>,
+    RemovedComponents<'static, 'static, GlobalTransform>,
+);
+
+/// What is remembered of the world's cameras.
+pub(super) struct Cameras {
+    state: SystemState<Params>,
+    elements: Elements<SceneCamera>,
+}
+
+impl Cameras {
+    pub fn new(world: &mut World) -> Self {
+        Self { state: SystemState::new(world), elements: Elements::default() }
+    }
+
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
+        let Ok((changed, living, mut no_camera, mut no_place)) = self.state.get_mut(world) else { return };
+        let elements = &mut self.elements;
+        let mut gone: Vec<Entity> = no_camera.read().chain(no_place.read()).filter(|e| !living.contains(*e)).collect();
+        if context.is_late {
+            gone.extend(elements.entities().filter(|e| !living.contains(*e)));
+        }
+        for entity in gone {
+            elements.remove(entity);
+            context.log.forget(entity);
+        }
+        for (entity, identity, name, place, orientation, camera) in &changed {
+            let world_from_view = Affine3A { matrix3: orientation.0, translation: place.0.translation };
+            if !world_from_view.is_finite() {
+                context.log.warn(entity, name, "is a camera that cannot be used: its place in the world is not finite");
+                elements.remove(entity);
+                continue;
+            }
+            let (fov, near, far) = lens(camera, |message| context.log.warn(entity, name, message));
+            let new = SceneCamera {
+                id: identity.id(),
+                name: name_or_id(entity, name),
+                world_from_view,
+                vertical_fov: fov.to_radians(),
+                near,
+                far,
+                primary: camera.primary,
+            };
+            match elements.get(&mut scene.cameras, entity) {
+                Some(old) if *old != new => {
+                    *old = new;
+                    scene.revisions.cameras = context.revisions.next();
+                }
+                Some(_) => {}
+                None => elements.add(entity, new),
+            }
+        }
+        if elements.apply(&mut scene.cameras) {
+            scene.revisions.cameras = context.revisions.next();
+        }
+    }
+}
+
+/// Field of view [degrees], near and far plane in range. Warns of what had to be changed.
+fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (f32, f32, Option<f32>) {
+    let default = Camera::default();
+    let fov = if camera.fov.is_finite() { camera.fov.clamp(0.01, 179.0) } else { default.fov };
+    if fov != camera.fov {
+        warn("is a camera with another field of view: the one it has is not in 0.01..=179 degrees");
+    }
+    let is_near_valid = camera.near.is_finite() && camera.near > 0.0;
+    if !is_near_valid {
+        warn("is a camera with another near plane: the one it has is not above zero");
+    }
+    let near = if is_near_valid { camera.near } else { default.near };
+    let far = camera.far.filter(|far| *far != f32::INFINITY);
+    if far.is_some_and(|far| !(far > near)) {
+        warn("is a camera without a far plane: the one it has is not beyond the near plane");
+    }
+    (fov, near, far.filter(|far| *far > near))
+}

@@ -1,0 +1,77 @@
+//! The settings of the light propagation volumes.
+
+use super::Context;
+use crate::scene::{Scene, SceneClpv};
+use crate::world::{CellSize, Clpv, ClpvPlacement, GlobalTransform, Identity, Name};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+
+type Row = (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static Clpv);
+type IsChanged = (With<Clpv>, Or<(Changed<GlobalTransform>, Changed<Clpv>, Added<Identity>)>);
+type Params = (
+    Query<'static, 'static, (), IsChanged>,
+    Query<'static, 'static, Row>,
+    RemovedComponents<'static, 'static, Clpv>,
+    RemovedComponents<'static, 'static, GlobalTransform>,
+);
+
+/// What is remembered of the world's volumes. There are few, so that any change looks at all.
+pub(super) struct Clpvs {
+    state: SystemState<Params>,
+}
+
+impl Clpvs {
+    pub fn new(world: &mut World) -> Self {
+        Self { state: SystemState::new(world) }
+    }
+
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
+        let Ok((changed, all, mut no_clpv, mut no_place)) = self.state.get_mut(world) else { return };
+        let is_removed = no_clpv.read().chain(no_place.read()).count() > 0;
+        if changed.is_empty() && !is_removed && !context.is_late {
+            return;
+        }
+        let mut rows: Vec<_> = all.iter().collect();
+        rows.sort_unstable_by_key(|(_, identity, ..)| **identity);
+        let first = rows.into_iter().find(|(entity, _, name, place, _)| {
+            if !place.0.is_finite() {
+                context.log.warn(*entity, *name, "holds volumes that are not used: its place in the world is not finite");
+            }
+            place.0.is_finite()
+        });
+        let clpv = first.map(|(entity, _, name, place, clpv)| {
+            let settings = sanitized(clpv);
+            if settings != *clpv {
+                context.log.warn(entity, name, "has volume settings out of range; the nearest ones in range are used");
+            }
+            SceneClpv { settings, center: place.0.translation.into() }
+        });
+        if clpv != scene.clpv {
+            scene.clpv = clpv;
+            scene.revisions.clpv = context.revisions.next();
+        }
+    }
+}
+
+/// Settings in the ranges that [`Clpv`] names; the default for numbers that are not finite.
+fn sanitized(clpv: &Clpv) -> Clpv {
+    let default = Clpv::default();
+    let positive = |value: f32, default: f32| if value.is_finite() { value.max(0.0) } else { default };
+    Clpv {
+        placement: match clpv.placement {
+            ClpvPlacement::Fixed => ClpvPlacement::Fixed,
+            ClpvPlacement::Camera { ahead } => ClpvPlacement::Camera { ahead: positive(ahead, 0.0).min(1.0) },
+        },
+        cascades: clpv.cascades.clamp(1, 4),
+        cells: clpv.cells.map(|n| n.clamp(1, 128)),
+        cell_size: match clpv.cell_size {
+            CellSize::Meters(size) if size.is_finite() && size > 0.0 => clpv.cell_size,
+            _ => CellSize::Auto,
+        },
+        steps: clpv.steps.min(1024),
+        blocker_scale: positive(clpv.blocker_scale, default.blocker_scale),
+        gain: positive(clpv.gain, default.gain),
+        border_fade: positive(clpv.border_fade, default.border_fade),
+        ..clpv.clone()
+    }
+}

@@ -1,0 +1,144 @@
+//! Lights, with parameters that the renderer can rely on.
+
+use super::sorted::Elements;
+use super::{Context, name_or_id};
+use crate::scene::{LightShape, Scene, SceneLight};
+use crate::world::{GlobalTransform, Identity, Light, LightKind, Name, Orientation, forward};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+use glam::Vec3;
+
+/// Largest edge of a shadow map or RSM [texels]: the portable limit of a texture.
+const MAX_MAP_SIZE: u32 = 8192;
+
+type Row = (
+    Entity,
+    &'static Identity,
+    Option<&'static Name>,
+    &'static GlobalTransform,
+    &'static Orientation,
+    &'static Light,
+);
+type IsChanged =
+    Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Light>, Changed<Name>, Added<Identity>)>;
+type Params = (
+    Query<'static, 'static, Row, IsChanged>,
+    Query<'static, 'static, (), (With<Light>, With<GlobalTransform>, With<Orientation>)>,
+    RemovedComponents<'static, 'static, Light>,
+    RemovedComponents<'static, 'static, GlobalTransform>,
+);
+
+/// What is remembered of the world's lights.
+pub(super) struct Lights {
+    state: SystemState<Params>,
+    elements: Elements<SceneLight>,
+}
+
+impl Lights {
+    pub fn new(world: &mut World) -> Self {
+        Self { state: SystemState::new(world), elements: Elements::default() }
+    }
+
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
+        let Ok((changed, living, mut no_light, mut no_place)) = self.state.get_mut(world) else { return };
+        let elements = &mut self.elements;
+        let mut gone: Vec<Entity> = no_light.read().chain(no_place.read()).filter(|e| !living.contains(*e)).collect();
+        if context.is_late {
+            gone.extend(elements.entities().filter(|e| !living.contains(*e)));
+        }
+        for entity in gone {
+            elements.remove(entity);
+            context.log.forget(entity);
+        }
+        for (entity, identity, name, place, orientation, light) in &changed {
+            if !place.0.is_finite() {
+                context.log.warn(entity, name, "is a light that gives none: its place in the world is not finite");
+                elements.remove(entity);
+                continue;
+            }
+            let mut new = SceneLight {
+                id: identity.id(),
+                name: name_or_id(entity, name),
+                position: place.0.translation.into(),
+                direction: forward(orientation).into(),
+                ..sanitized(light, |message| context.log.warn(entity, name, message))
+            };
+            match elements.get(&mut scene.lights, entity) {
+                Some(old) => {
+                    // A new name is no new light.
+                    new.revision = old.revision;
+                    old.name.clone_from(&new.name);
+                    if *old != new {
+                        new.revision = context.revisions.next();
+                        scene.revisions.lights = new.revision;
+                        *old = new;
+                    }
+                }
+                None => {
+                    new.revision = context.revisions.next();
+                    elements.add(entity, new);
+                }
+            }
+        }
+        if elements.apply(&mut scene.lights) {
+            scene.revisions.lights = context.revisions.next();
+        }
+    }
+}
+
+/// The light with parameters in range and without a place. Warns of what had to be changed.
+fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
+    let product = light.color * light.intensity;
+    let is_valid = product.is_finite()
+        && light.intensity >= 0.0
+        && light.color.cmpge(Vec3::ZERO).all();
+    if !is_valid {
+        warn("is a light that gives none: its intensity or colour is negative or not finite");
+    }
+    let mut intensity = if is_valid { product } else { Vec3::ZERO };
+    let shape = match light.kind {
+        LightKind::Directional => LightShape::Directional,
+        LightKind::Point => LightShape::Point,
+        LightKind::Spot { inner, outer } if inner.is_finite() && outer.is_finite() => cone(inner, outer, &mut warn),
+        LightKind::Spot { .. } => {
+            warn("is a light that gives none: an angle of its cone is not finite");
+            intensity = Vec3::ZERO;
+            cone(0.0, 45.0, &mut warn)
+        }
+    };
+    let range = light.range.filter(|r| *r != f32::INFINITY);
+    if range.is_some_and(|r| !(r > 0.0)) {
+        warn("is a light without a range: the one it has is not above zero");
+    }
+    let size = |texels: u32| texels.clamp(1, MAX_MAP_SIZE);
+    if size(light.shadow_size) != light.shadow_size || size(light.rsm_size) != light.rsm_size {
+        warn("is a light with another map size: the edge of its shadow map or RSM is not in 1..=8192 texels");
+    }
+    SceneLight {
+        id: Default::default(),
+        name: String::new(),
+        shape,
+        intensity,
+        position: Vec3::ZERO,
+        direction: Vec3::NEG_Z,
+        range: range.filter(|r| *r > 0.0),
+        casts_shadow: light.casts_shadow,
+        indirect: light.indirect,
+        shadow_size: size(light.shadow_size),
+        rsm_size: size(light.rsm_size),
+        revision: 0,
+    }
+}
+
+/// A cone with 0 ≤ inner < outer ≤ 90° and outer at least 0.01°, from half angles in degrees.
+fn cone(inner: f32, outer: f32, warn: &mut impl FnMut(&'static str)) -> LightShape {
+    let clamped = outer.clamp(0.01, 90.0);
+    // Strictly less: the smoothing between them divides by a difference.
+    let inside = inner.clamp(0.0, 0.9999 * clamped);
+    if clamped != outer || inner < 0.0 || inner > outer {
+        warn("has a cone out of range: angles are clamped to 0 <= inner < outer <= 90 degrees, outer at least 0.01");
+    }
+    let outer = clamped.to_radians().min(std::f32::consts::FRAC_PI_2);
+    LightShape::Spot { inner: inside.to_radians(), outer }
+}
+

@@ -1,0 +1,154 @@
+//! From the world to the scene, by change detection.
+//!
+//! An entity that did not change costs nothing beyond the query that finds out. Arrays stay sorted by [`SceneId`]; a
+//! value that was written but is the same takes no new revision.
+
+mod cameras;
+mod clpv;
+mod lights;
+mod primitives;
+mod sorted;
+#[cfg(test)]
+mod tests;
+
+use super::Scene;
+use crate::world::{GameWorld, Name, SceneSettings, UpdateCount};
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::WorldId;
+use glam::Vec3;
+use std::collections::HashSet;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it starts anew.
+///
+/// Runs once after every [`GameWorld::update`], paused or not.
+pub struct Extractor {
+    log: Log,
+    revisions: Counter,
+    identity: u64,
+    source: Option<Source>,
+}
+
+/// The world that is read, and what is remembered of it.
+struct Source {
+    world: WorldId,
+    updates: u64,
+    primitives: primitives::Primitives,
+    lights: lights::Lights,
+    cameras: cameras::Cameras,
+    clpv: clpv::Clpvs,
+}
+
+impl Source {
+    fn new(world: &mut World) -> Self {
+        Self {
+            world: world.id(),
+            updates: updates(world),
+            primitives: primitives::Primitives::new(world),
+            lights: lights::Lights::new(world),
+            cameras: cameras::Cameras::new(world),
+            clpv: clpv::Clpvs::new(world),
+        }
+    }
+}
+
+fn updates(world: &World) -> u64 {
+    world.get_resource::<UpdateCount>().map_or(0, |count| count.0)
+}
+
+/// The revision counter of a scene.
+#[derive(Debug, Default)]
+struct Counter(u64);
+
+impl Counter {
+    fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// Warnings, each given once an entity.
+#[derive(Debug, Default)]
+struct Log(HashSet<(Entity, &'static str)>);
+
+impl Log {
+    fn warn(&mut self, entity: Entity, name: Option<&Name>, message: &'static str) {
+        if self.0.insert((entity, message)) {
+            log::warn!("`{}`: {message}", name_or_id(entity, name));
+        }
+    }
+
+    /// Forgets an entity, so that it is warned of again.
+    fn forget(&mut self, entity: Entity) {
+        if !self.0.is_empty() {
+            self.0.retain(|(e, _)| *e != entity);
+        }
+    }
+}
+
+fn name_or_id(entity: Entity, name: Option<&Name>) -> String {
+    name.map_or_else(|| entity.to_string(), |n| n.0.clone())
+}
+
+/// What the parts of an extraction share.
+struct Context<'a> {
+    log: &'a mut Log,
+    revisions: &'a mut Counter,
+    /// Removal events may have expired: look whether everything is still there.
+    is_late: bool,
+}
+
+impl Default for Extractor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Extractor {
+    /// An extractor with a scene identity of its own.
+    pub fn new() -> Self {
+        Self { log: Log::default(), revisions: Counter::default(), identity: fresh_identity(), source: None }
+    }
+
+    /// Brings the scene up to date with the world.
+    pub fn extract(&mut self, game_world: &mut GameWorld, scene: &mut Scene) {
+        let world = &mut game_world.ecs;
+        let source = match self.source.take() {
+            Some(source) if source.world == world.id() && scene.identity == self.identity => source,
+            other => {
+                if other.is_some() {
+                    self.identity = fresh_identity();
+                }
+                *scene = Scene { identity: self.identity, ..Scene::default() };
+                Source::new(world)
+            }
+        };
+        let source = self.source.insert(source);
+        let now = updates(world);
+        let is_late = now > source.updates + 1;
+        source.updates = now;
+        let context = &mut Context { log: &mut self.log, revisions: &mut self.revisions, is_late };
+        source.primitives.extract(world, scene, context);
+        source.lights.extract(world, scene, context);
+        source.cameras.extract(world, scene, context);
+        source.clpv.extract(world, scene, context);
+        extract_sky(world, scene, context.revisions);
+    }
+}
+
+fn fresh_identity() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+fn extract_sky(world: &World, scene: &mut Scene, revisions: &mut Counter) {
+    let wanted = world.get_resource::<SceneSettings>().map_or(Vec3::ZERO, |s| s.sky);
+    let sky = if wanted.is_finite() && wanted.cmpge(Vec3::ZERO).all() { wanted } else { Vec3::ZERO };
+    if sky != scene.sky || scene.revisions.settings == 0 {
+        if sky != wanted {
+            log::warn!("the sky's radiance {wanted} is negative or not finite; it is black now");
+        }
+        scene.sky = sky;
+        scene.revisions.settings = revisions.next();
+    }
+}

@@ -1,0 +1,99 @@
+//! Primitives: places, meshes and materials.
+
+use super::sorted::Elements;
+use super::Context;
+use crate::scene::{Primitive, Scene};
+use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+use std::sync::Arc;
+
+type Row = (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static MeshRenderer);
+type IsChanged = Or<(Changed<GlobalTransform>, Changed<MeshRenderer>, Added<Identity>)>;
+type Params = (
+    Query<'static, 'static, Row, IsChanged>,
+    Query<'static, 'static, (), (With<MeshRenderer>, With<GlobalTransform>)>,
+    RemovedComponents<'static, 'static, MeshRenderer>,
+    RemovedComponents<'static, 'static, GlobalTransform>,
+);
+
+/// What is remembered of the world's primitives.
+pub(super) struct Primitives {
+    state: SystemState<Params>,
+    elements: Elements<Primitive>,
+}
+
+impl Primitives {
+    pub fn new(world: &mut World) -> Self {
+        Self { state: SystemState::new(world), elements: Elements::default() }
+    }
+
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
+        let Ok((changed, living, mut no_mesh, mut no_place)) = self.state.get_mut(world) else { return };
+        let elements = &mut self.elements;
+        let mut gone: Vec<Entity> = no_mesh.read().chain(no_place.read()).filter(|e| !living.contains(*e)).collect();
+        if context.is_late {
+            gone.extend(elements.entities().filter(|e| !living.contains(*e)));
+        }
+        for entity in gone {
+            elements.remove(entity);
+            context.log.forget(entity);
+        }
+        for (entity, identity, name, place, renderer) in &changed {
+            let is_finite = place.0.is_finite();
+            if !is_finite {
+                context.log.warn(entity, name, "is not drawn: its place in the world is not finite");
+            }
+            if !is_finite || !renderer.visible {
+                elements.remove(entity);
+            } else if let Some(primitive) = elements.get(&mut scene.primitives, entity) {
+                let revisions = &mut scene.revisions;
+                if change_geometry(primitive, place, renderer) {
+                    primitive.geometry_revision = context.revisions.next();
+                    revisions.geometry = primitive.geometry_revision;
+                }
+                if !Arc::ptr_eq(&primitive.material, &renderer.material) {
+                    primitive.material = renderer.material.clone();
+                    primitive.material_revision = context.revisions.next();
+                    revisions.materials = primitive.material_revision;
+                }
+            } else {
+                let revision = context.revisions.next();
+                elements.add(entity, primitive(identity, place, renderer, revision));
+                scene.revisions.materials = revision;
+            }
+        }
+        if elements.apply(&mut scene.primitives) {
+            scene.revisions.geometry = context.revisions.next();
+        }
+    }
+}
+
+fn primitive(identity: &Identity, place: &GlobalTransform, renderer: &MeshRenderer, revision: u64) -> Primitive {
+    Primitive {
+        id: identity.id(),
+        mesh: renderer.mesh.clone(),
+        material: renderer.material.clone(),
+        world_from_object: place.0,
+        bounds: renderer.mesh.bounds.transformed(&place.0),
+        casts_shadow: renderer.casts_shadow,
+        geometry_revision: revision,
+        material_revision: revision,
+    }
+}
+
+/// True if place, mesh or shadow casting differ.
+fn change_geometry(primitive: &mut Primitive, place: &GlobalTransform, renderer: &MeshRenderer) -> bool {
+    let bits = |m: &glam::Affine3A| m.to_cols_array().map(f32::to_bits);
+    if bits(&primitive.world_from_object) == bits(&place.0)
+        && Arc::ptr_eq(&primitive.mesh, &renderer.mesh)
+        && primitive.casts_shadow == renderer.casts_shadow
+    {
+        return false;
+    }
+    primitive.world_from_object = place.0;
+    primitive.mesh = renderer.mesh.clone();
+    primitive.bounds = renderer.mesh.bounds.transformed(&place.0);
+    primitive.casts_shadow = renderer.casts_shadow;
+    true
+}

@@ -1,0 +1,170 @@
+//! The world that a game plays in.
+
+use super::identity::{Identities, Identity, identify};
+use super::{
+    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate, hierarchy,
+    transform,
+};
+use crate::scene::SceneId;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::ScheduleSystem;
+
+/// Entities to despawn at the end of the frame. Systems push to it; [`GameWorld::despawn_later`] does the same.
+#[derive(Resource, Debug, Default)]
+pub struct DespawnQueue(Vec<Entity>);
+
+impl DespawnQueue {
+    /// Despawns the entity and all below it at the end of the frame. Twice is once.
+    pub fn push(&mut self, entity: Entity) {
+        self.0.push(entity);
+    }
+}
+
+/// Number of updates so far, so that whoever reads removals can tell that some have expired.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct UpdateCount(pub u64);
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Behaviours;
+
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Frame;
+
+/// Entities, their components, the clock and the systems that bring them from one frame to the next.
+pub struct GameWorld {
+    /// Entities, components and resources. Removal events expire with every second [`GameWorld::update`]; do not call
+    /// `clear_trackers`, update does.
+    pub ecs: World,
+    behaviours: Schedule,
+    frame: Schedule,
+}
+
+impl Default for GameWorld {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl GameWorld {
+    /// An empty world at time zero with default settings.
+    pub fn new() -> Self {
+        let mut ecs = World::new();
+        // Registered now, so that worlds can be queried by shared reference.
+        ecs.register_component::<Identity>();
+        ecs.register_component::<Name>();
+        ecs.register_component::<Transform>();
+        ecs.register_component::<ChildOf>();
+        ecs.register_component::<Children>();
+        ecs.register_component::<MeshRenderer>();
+        ecs.register_component::<Light>();
+        ecs.register_component::<Camera>();
+        ecs.register_component::<Clpv>();
+        ecs.register_component::<Animation>();
+        ecs.init_resource::<Identities>();
+        ecs.init_resource::<DespawnQueue>();
+        ecs.init_resource::<UpdateCount>();
+        ecs.init_resource::<SceneSettings>();
+        ecs.insert_resource(Clock::at_tick(0, SceneSettings::default().frame_rate));
+        ecs.add_observer(hierarchy::refuse_cycles);
+        let mut frame = Schedule::new(Frame);
+        frame.add_systems(
+            (identify, animate::put_to_rest, animate::animate, transform::propagate, despawn_queued).chain(),
+        );
+        Self { ecs, behaviours: Schedule::new(Behaviours), frame }
+    }
+
+    /// Adds systems of the game. They run at the start of every update, before animation.
+    pub fn add_systems<M>(&mut self, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) -> &mut Self {
+        self.behaviours.add_systems(systems);
+        self
+    }
+
+    /// Spawns an entity with a name, an identity and a default [`Transform`]; components go in through
+    /// [`GameWorld::ecs`]. The name should be new among the siblings: [`GameWorld::unique_name`] makes one. A parent
+    /// that does not exist is taken for none.
+    pub fn spawn(&mut self, name: &str, parent: Option<Entity>) -> Entity {
+        let identity = self.ecs.resource_mut::<Identities>().fresh();
+        self.spawn_as(identity, name, parent)
+    }
+
+    /// Spawns with a given identity, for undo and for whoever must keep the order.
+    ///
+    /// # Errors
+    /// When a living entity holds that identity.
+    pub fn spawn_with_id(&mut self, name: &str, parent: Option<Entity>, id: SceneId) -> Result<Entity, WorldError> {
+        let claimed = self.ecs.resource_mut::<Identities>().claim(id);
+        let identity = claimed.map_err(|holder| WorldError::IdentityTaken { id, holder: self.path(holder) })?;
+        Ok(self.spawn_as(identity, name, parent))
+    }
+
+    fn spawn_as(&mut self, identity: Identity, name: &str, parent: Option<Entity>) -> Entity {
+        let parent = parent.filter(|p| self.ecs.get_entity(*p).is_ok());
+        let mut entity = self.ecs.spawn((Name(name.to_owned()), Transform::default(), identity));
+        if let Some(parent) = parent {
+            entity.insert(ChildOf(parent));
+        }
+        entity.id()
+    }
+
+    /// The living entity with an identity.
+    pub fn entity(&self, id: SceneId) -> Option<Entity> {
+        self.ecs.resource::<Identities>().holder(id)
+    }
+
+    /// The entity's identity.
+    pub fn id(&self, entity: Entity) -> Option<SceneId> {
+        self.ecs.get::<Identity>(entity).map(Identity::id)
+    }
+
+    /// Despawns the entity and all below it at the end of the frame, that is, of the next update.
+    pub fn despawn_later(&mut self, entity: Entity) {
+        self.ecs.resource_mut::<DespawnQueue>().push(entity);
+    }
+
+    /// The clock.
+    pub fn clock(&self) -> Clock {
+        *self.ecs.resource::<Clock>()
+    }
+
+    /// Sets the clock to a tick of [`SceneSettings::frame_rate`]. What follows from it comes with the next update.
+    pub fn set_tick(&mut self, tick: u64) {
+        let rate = self.ecs.resource::<SceneSettings>().frame_rate;
+        self.ecs.insert_resource(Clock::at_tick(tick, rate));
+    }
+
+    /// Sets the clock to a time [s], which may lie between two ticks.
+    pub fn set_seconds(&mut self, seconds: f64) {
+        let rate = self.ecs.resource::<SceneSettings>().frame_rate;
+        self.ecs.insert_resource(Clock::at_seconds(seconds, rate));
+    }
+
+    /// Advances the clock by some ticks.
+    pub fn advance(&mut self, ticks: u64) {
+        let rate = self.ecs.resource::<SceneSettings>().frame_rate;
+        let clock = self.clock().with_rate(rate).advanced(ticks);
+        self.ecs.insert_resource(clock);
+    }
+
+    /// Length of the scene's loop in ticks, rounded, at least one; none if it has none.
+    pub fn loop_ticks(&self) -> Option<u64> {
+        let settings = self.ecs.resource::<SceneSettings>();
+        let duration = settings.duration.filter(|d| d.is_finite() && *d > 0.0)?;
+        Some(((f64::from(duration) * f64::from(settings.frame_rate)).round() as u64).max(1))
+    }
+
+    /// One frame: behaviours, animation at the clock's time, transform propagation, deferred despawn.
+    pub fn update(&mut self) {
+        self.ecs.clear_trackers();
+        self.ecs.resource_mut::<UpdateCount>().0 += 1;
+        self.behaviours.run(&mut self.ecs);
+        self.frame.run(&mut self.ecs);
+    }
+}
+
+fn despawn_queued(world: &mut World) {
+    for entity in std::mem::take(&mut world.resource_mut::<DespawnQueue>().0) {
+        // Gone already if it stood below another of the queue.
+        let _ = world.try_despawn(entity);
+    }
+}

@@ -1,0 +1,137 @@
+//! Parents and children by bevy's own relations: look-up by name, new parents, clones of subtrees.
+
+use super::identity::{Identities, Identity};
+use super::{GameWorld, Name, WorldError};
+use crate::scene::SceneId;
+use bevy_ecs::entity::EntityCloner;
+use bevy_ecs::prelude::*;
+
+impl GameWorld {
+    /// Entities without a parent, by identity.
+    pub fn roots(&self) -> Vec<Entity> {
+        let Some(mut query) = self.ecs.try_query_filtered::<(&Identity, Entity), Without<ChildOf>>() else {
+            return Vec::new();
+        };
+        let mut roots: Vec<(SceneId, Entity)> = query.iter(&self.ecs).map(|(i, e)| (i.id(), e)).collect();
+        roots.sort_unstable();
+        roots.into_iter().map(|(_, entity)| entity).collect()
+    }
+
+    /// The entity's children, in their order.
+    pub fn children(&self, entity: Entity) -> Vec<Entity> {
+        self.ecs.get::<Children>(entity).map(|c| c.to_vec()).unwrap_or_default()
+    }
+
+    /// The entity's parent.
+    pub fn parent(&self, entity: Entity) -> Option<Entity> {
+        self.ecs.get::<ChildOf>(entity).map(ChildOf::parent)
+    }
+
+    /// The first child of a name.
+    pub fn child(&self, parent: Entity, name: &str) -> Option<Entity> {
+        let children = self.ecs.get::<Children>(parent)?;
+        children.iter().find(|child| self.name(*child) == name)
+    }
+
+    /// The entity's name; empty if it has none.
+    pub fn name(&self, entity: Entity) -> &str {
+        self.ecs.get::<Name>(entity).map_or("", |n| n.0.as_str())
+    }
+
+    /// The entity at a path of names from a root, separated by `/`: `lamp/bulb`.
+    pub fn find(&self, path: &str) -> Option<Entity> {
+        let mut names = path.split('/');
+        let first = names.next()?;
+        let root = self.roots().into_iter().find(|root| self.name(*root) == first)?;
+        names.try_fold(root, |parent, name| self.child(parent, name))
+    }
+
+    /// The entity's path of names, as [`GameWorld::find`] takes it.
+    pub fn path(&self, entity: Entity) -> String {
+        let mut names: Vec<&str> =
+            std::iter::successors(Some(entity), |e| self.parent(*e)).map(|e| self.name(e)).collect();
+        names.reverse();
+        names.join("/")
+    }
+
+    /// The name, or the name with the first number from 2 that makes it new among the parent's children (among the
+    /// roots if there is no parent).
+    pub fn unique_name(&self, parent: Option<Entity>, name: &str) -> String {
+        let siblings = parent.map_or_else(|| self.roots(), |p| self.children(p));
+        let taken: std::collections::HashSet<&str> = siblings.into_iter().map(|s| self.name(s)).collect();
+        let numbered = (2..).map(|n| format!("{name} {n}"));
+        std::iter::once(name.to_owned()).chain(numbered).find(|n| !taken.contains(n.as_str())).unwrap_or_default()
+    }
+
+    /// Gives the entity another parent, or none. Its transform stays and is relative to the new parent from then
+    /// on. The name becomes a new one if the new siblings have it already.
+    ///
+    /// # Errors
+    /// When one of them does not exist, or the parent stands below the child.
+    pub fn set_parent(&mut self, child: Entity, parent: Option<Entity>) -> Result<(), WorldError> {
+        for entity in [Some(child), parent].into_iter().flatten() {
+            self.ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
+        }
+        if self.parent(child) == parent {
+            return Ok(());
+        }
+        if let Some(parent) = parent.filter(|p| stands_below(&self.ecs, *p, child)) {
+            return Err(WorldError::Cycle { child: self.path(child), parent: self.path(parent) });
+        }
+        let name = self.ecs.get::<Name>(child).map(|n| self.unique_name(parent, &n.0));
+        let mut child = self.ecs.entity_mut(child);
+        if let Some(name) = name.filter(|n| child.get::<Name>().is_some_and(|old| old.0 != *n)) {
+            child.insert(Name(name));
+        }
+        match parent {
+            Some(parent) => child.insert(ChildOf(parent)),
+            None => child.remove::<ChildOf>(),
+        };
+        Ok(())
+    }
+
+    /// Clones the entity with all below it: every component that is `Clone`, those of the game too. The clone stands
+    /// beside the original under the same parent; it has new identities, and its root a new name.
+    ///
+    /// # Errors
+    /// When the entity does not exist.
+    pub fn clone_subtree(&mut self, entity: Entity) -> Result<Entity, WorldError> {
+        self.ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
+        let name = self.ecs.get::<Name>(entity).map(|n| self.unique_name(self.parent(entity), &n.0));
+        let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
+        cloner.linked_cloning(true);
+        let mut cloner = cloner.finish();
+        let clone = cloner.spawn_clone(&mut self.ecs, entity);
+        if let Some(name) = name {
+            self.ecs.entity_mut(clone).insert(Name(name));
+        }
+        let mut pending = vec![clone];
+        while let Some(entity) = pending.pop() {
+            let identity = self.ecs.resource_mut::<Identities>().fresh();
+            self.ecs.entity_mut(entity).insert(identity);
+            pending.extend(self.children(entity).into_iter().rev());
+        }
+        Ok(clone)
+    }
+}
+
+/// Whether `entity` is `above`, or stands somewhere below it.
+fn stands_below(world: &World, entity: Entity, above: Entity) -> bool {
+    std::iter::successors(Some(entity), |e| world.get::<ChildOf>(*e).map(ChildOf::parent)).any(|e| e == above)
+}
+
+/// Takes back a parent that was set through the ECS alone and would close a cycle, before anything runs in circles.
+pub(super) fn refuse_cycles(
+    inserted: On<Insert<ChildOf>>,
+    parents: Query<&ChildOf>,
+    names: Query<&Name>,
+    mut commands: Commands,
+) {
+    let child = inserted.entity;
+    let parent = |e: Entity| parents.get(e).ok().map(ChildOf::parent);
+    if std::iter::successors(parent(child), |e| parent(*e)).any(|e| e == child) {
+        let name = names.get(child).map_or_else(|_| child.to_string(), |n| format!("`{}`", n.0));
+        log::error!("{name} was given a parent that stands below it; it has no parent now. Use GameWorld::set_parent");
+        commands.entity(child).remove::<ChildOf>();
+    }
+}

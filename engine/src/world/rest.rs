@@ -1,0 +1,92 @@
+//! What an entity is without its animation.
+
+use super::{Camera, GameWorld, Light, MeshRenderer, Transform};
+use crate::assets::Material;
+use bevy_ecs::prelude::*;
+use glam::{Quat, Vec3};
+use std::sync::Arc;
+
+/// The entity's own values of what its [`Animation`](super::Animation) has taken over. It comes with the animation,
+/// and when a value is no longer animated it goes back to its component.
+///
+/// Read and edit through [`GameWorld::rest_transform`] and its like.
+#[derive(Component, Clone, Debug, Default)]
+pub struct RestPose {
+    pub(super) translation: Option<Vec3>,
+    pub(super) rotation: Option<Quat>,
+    pub(super) scale: Option<Vec3>,
+    pub(super) intensity: Option<f32>,
+    pub(super) color: Option<Vec3>,
+    pub(super) fov: Option<f32>,
+    pub(super) material: Option<Arc<Material>>,
+    /// The material that the animation made last; another one in its place was put there by someone else.
+    pub(super) animated_material: Option<Arc<Material>>,
+    /// Whether the animation cannot be played.
+    pub(super) faulty: bool,
+}
+
+impl RestPose {
+    pub(super) fn transform(&self, current: &Transform) -> Transform {
+        Transform {
+            translation: self.translation.unwrap_or(current.translation),
+            rotation: self.rotation.unwrap_or(current.rotation),
+            scale: self.scale.unwrap_or(current.scale),
+        }
+    }
+}
+
+impl GameWorld {
+    /// The transform without animation, as files hold it; the default for an entity without one.
+    pub fn rest_transform(&self, entity: Entity) -> Transform {
+        let current = self.ecs.get::<Transform>(entity).copied().unwrap_or_default();
+        self.ecs.get::<RestPose>(entity).map_or(current, |rest| rest.transform(&current))
+    }
+
+    /// Sets the transform without animation: the way to move an entity that may be animated.
+    pub fn set_rest_transform(&mut self, entity: Entity, transform: Transform) {
+        let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
+        let mut now = transform;
+        if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Transform>().copied()) {
+            now.translation = hold(&mut rest.translation, transform.translation, current.translation);
+            now.rotation = hold(&mut rest.rotation, transform.rotation, current.rotation);
+            now.scale = hold(&mut rest.scale, transform.scale, current.scale);
+            entity.insert(rest);
+        }
+        entity.insert(now);
+    }
+
+    /// The light without animation, as files hold it.
+    pub fn rest_light(&self, entity: Entity) -> Option<Light> {
+        let light = self.ecs.get::<Light>(entity)?.clone();
+        let Some(rest) = self.ecs.get::<RestPose>(entity) else { return Some(light) };
+        let (intensity, color) = (rest.intensity.unwrap_or(light.intensity), rest.color.unwrap_or(light.color));
+        Some(Light { intensity, color, ..light })
+    }
+
+    /// The camera without animation, as files hold it.
+    pub fn rest_camera(&self, entity: Entity) -> Option<Camera> {
+        let camera = self.ecs.get::<Camera>(entity)?.clone();
+        let fov = self.ecs.get::<RestPose>(entity).and_then(|rest| rest.fov).unwrap_or(camera.fov);
+        Some(Camera { fov, ..camera })
+    }
+
+    /// The material without animation, as files hold it.
+    pub fn rest_material(&self, entity: Entity) -> Option<Arc<Material>> {
+        let current = &self.ecs.get::<MeshRenderer>(entity)?.material;
+        let rest = self.ecs.get::<RestPose>(entity);
+        // One that the animation did not make is an edit that it has not seen yet.
+        let animated = rest.filter(|r| r.animated_material.as_ref().is_some_and(|m| Arc::ptr_eq(m, current)));
+        Some(animated.and_then(|r| r.material.clone()).unwrap_or_else(|| current.clone()))
+    }
+}
+
+/// Where the rest value is held apart, changes that and leaves the current one.
+fn hold<T: Copy>(rest: &mut Option<T>, value: T, current: T) -> T {
+    match rest {
+        Some(held) => {
+            *held = value;
+            current
+        }
+        None => value,
+    }
+}

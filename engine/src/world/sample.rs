@@ -1,0 +1,257 @@
+//! The value of an animation at a time.
+//!
+//! Time is reduced to one round in whole flicks before any rounding, so that a time and the same time a round later
+//! give the same bits.
+
+use super::animation::{Animation, Interpolation, KeyValue, Target, Track, Wrap, rotation_from_degrees};
+use super::clock::{FLICKS_PER_SECOND, flicks};
+use super::{Clock, Transform};
+use glam::{Mat3, Quat, Vec3};
+use std::f64::consts::TAU;
+
+/// What an animation says at a time. None: nothing, the entity's own value holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Translation [m].
+    pub translation: Option<Vec3>,
+    /// Unit rotation.
+    pub rotation: Option<Quat>,
+    /// Scale.
+    pub scale: Option<Vec3>,
+    /// Intensity of the light.
+    pub intensity: Option<f32>,
+    /// Colour of the light.
+    pub color: Option<Vec3>,
+    /// Field of view of the camera [degrees].
+    pub fov: Option<f32>,
+    /// Emitted radiance of the material [W/(m² sr)].
+    pub emissive: Option<Vec3>,
+}
+
+impl Animation {
+    /// The animation's values at a time, on top of a rest pose. Nothing where it does not play. All values are finite;
+    /// the animation must be valid ([`Animation::validate`]).
+    pub fn sample(&self, clock: &Clock, rest: &Transform) -> Sample {
+        let mut sample = Sample::default();
+        if self.playing {
+            let time = Time { flicks: clock.flicks(), speed: self.speed, offset: self.offset };
+            for track in &self.tracks {
+                track.apply(&time, rest, &mut sample);
+            }
+        }
+        sample
+    }
+}
+
+/// Time of a track: speed · clock + offset.
+struct Time {
+    flicks: u64,
+    speed: f64,
+    offset: f64,
+}
+
+impl Time {
+    /// Time in a span [s], both as whole flicks of the clock. At speed zero the clock plays no part.
+    fn of(&self, span: f64) -> (i128, i128) {
+        let speed = if self.speed == 0.0 { 1.0 } else { self.speed };
+        let clock = if self.speed == 0.0 { 0 } else { i128::from(self.flicks) };
+        let offset = (self.offset / speed.abs() * FLICKS_PER_SECOND as f64).round() as i128;
+        let round = i128::from(flicks(span / speed.abs()).max(1));
+        (if speed < 0.0 { offset - clock } else { offset + clock }, round)
+    }
+
+    /// Part of a round that has passed, in 0..1. A negative period runs backwards.
+    fn phase(&self, period: f64) -> f64 {
+        let (time, round) = self.of(period.abs());
+        let time = if period < 0.0 { -time } else { time };
+        time.rem_euclid(round) as f64 / round as f64
+    }
+
+    /// Time within a span [s].
+    fn within(&self, span: f64, wrap: Wrap) -> f64 {
+        match wrap {
+            Wrap::Once => {
+                let (time, round) = self.of(span);
+                time.clamp(0, round) as f64 / round as f64 * span
+            }
+            Wrap::Loop => self.phase(span) * span,
+            Wrap::PingPong => {
+                let phase = 2.0 * self.phase(2.0 * span);
+                phase.min(2.0 - phase) * span
+            }
+        }
+    }
+}
+
+impl Track {
+    fn apply(&self, time: &Time, rest: &Transform, out: &mut Sample) {
+        match self {
+            Self::Spin { axis, degrees_per_second } => {
+                let phase = if *degrees_per_second == 0.0 { 0.0 } else { time.phase(360.0 / degrees_per_second) };
+                let base = out.rotation.unwrap_or_else(|| rest.unit_rotation());
+                out.rotation = Some(base * rotation(*axis, phase * TAU));
+            }
+            Self::Orbit { center, axis, radius, period, phase, look_at_center } => {
+                let axis = axis.normalize_or(Vec3::Y);
+                let angle = time.phase(*period) * TAU + f64::from(*phase).to_radians();
+                let outwards = on_circle(axis, angle);
+                set(&mut out.translation, *center + *radius * outwards, Vec3::is_finite);
+                if *look_at_center {
+                    let axes = Mat3::from_cols(axis.cross(outwards), axis, outwards);
+                    set(&mut out.rotation, Quat::from_mat3(&axes).normalize(), Quat::is_finite);
+                }
+            }
+            Self::Keys { target, keys, interpolation, wrap } => {
+                let Some((last, _)) = keys.last() else { return };
+                // A single key at zero spans no time, and says the same at all times.
+                let now = if *last > 0.0 { time.within(*last, *wrap) } else { 0.0 };
+                let curve = Curve { target: *target, keys, interpolation: *interpolation, wrap: *wrap };
+                target.set(curve.at(now), out);
+            }
+        }
+    }
+}
+
+/// The rotation about an axis by an angle [rad].
+fn rotation(axis: Vec3, angle: f64) -> Quat {
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let v = axis.normalize_or_zero() * sin as f32;
+    Quat::from_xyzw(v.x, v.y, v.z, cos as f32)
+}
+
+/// The unit vector at an angle [rad] on the circle about a unit axis.
+fn on_circle(axis: Vec3, angle: f64) -> Vec3 {
+    let start = if axis.x.abs() < 0.999 { Vec3::X } else { Vec3::Z };
+    let u = start.reject_from_normalized(axis).normalize_or(Vec3::Z);
+    let (sin, cos) = angle.sin_cos();
+    u * cos as f32 + axis.cross(u) * sin as f32
+}
+
+fn set<T: Copy>(slot: &mut Option<T>, value: T, is_finite: fn(T) -> bool) {
+    if is_finite(value) {
+        *slot = Some(value);
+    }
+}
+
+type Lanes = [f64; 4];
+
+impl Target {
+    fn set(self, lanes: Lanes, out: &mut Sample) {
+        let [x, y, z, w] = lanes.map(|v| v as f32);
+        let vector = Vec3::new(x, y, z);
+        match self {
+            Self::Translation => set(&mut out.translation, vector, Vec3::is_finite),
+            Self::Rotation => set(&mut out.rotation, Quat::from_xyzw(x, y, z, w), Quat::is_finite),
+            Self::Scale => set(&mut out.scale, vector, Vec3::is_finite),
+            // A spline may swing below zero between keys; light does not.
+            Self::LightIntensity => set(&mut out.intensity, x.max(0.0), f32::is_finite),
+            Self::LightColor => set(&mut out.color, vector.max(Vec3::ZERO), Vec3::is_finite),
+            Self::CameraFov => set(&mut out.fov, x, f32::is_finite),
+            Self::MaterialEmissive => set(&mut out.emissive, vector.max(Vec3::ZERO), Vec3::is_finite),
+        }
+    }
+}
+
+impl KeyValue {
+    /// Numbers to interpolate; a rotation as a unit quaternion, a single number in all lanes.
+    fn lanes(self, target: Target) -> Lanes {
+        let widened = |q: Quat| {
+            let q = q.to_array().map(f64::from);
+            let length = dot(q, q).sqrt();
+            q.map(|v| v / length)
+        };
+        match self {
+            Self::Quaternion(q) => widened(q),
+            Self::Vector(v) if target == Target::Rotation => widened(rotation_from_degrees(v)),
+            Self::Vector(v) => [v.x.into(), v.y.into(), v.z.into(), 0.0],
+            Self::Scalar(v) => [v.into(); 4],
+        }
+    }
+}
+
+/// Keys and the curve through them.
+struct Curve<'a> {
+    target: Target,
+    keys: &'a [(f64, KeyValue)],
+    interpolation: Interpolation,
+    wrap: Wrap,
+}
+
+impl Curve<'_> {
+    fn at(&self, time: f64) -> Lanes {
+        let next = self.keys.partition_point(|(t, _)| *t <= time);
+        if next == 0 {
+            return self.value(0);
+        }
+        let here = next - 1;
+        let (start, value) = (self.keys[here].0, self.value(here));
+        if next == self.keys.len() || start == time || self.interpolation == Interpolation::Step {
+            return value;
+        }
+        let s = (time - start) / (self.keys[next].0 - start);
+        let end = self.aligned(self.value(next), value);
+        match self.interpolation {
+            Interpolation::Cubic => self.cubic(here, value, end, s),
+            _ if self.target == Target::Rotation => slerp(value, end, s),
+            _ => std::array::from_fn(|i| value[i] + s * (end[i] - value[i])),
+        }
+    }
+
+    fn value(&self, key: usize) -> Lanes {
+        self.keys[key].1.lanes(self.target)
+    }
+
+    /// The same rotation, by the quaternion that is nearer to another; other values as they are.
+    fn aligned(&self, value: Lanes, to: Lanes) -> Lanes {
+        if self.target == Target::Rotation && dot(value, to) < 0.0 { value.map(|v| -v) } else { value }
+    }
+
+    /// Hermite spline between keys `here` and `here + 1`, whose values are a and b.
+    fn cubic(&self, here: usize, a: Lanes, b: Lanes, s: f64) -> Lanes {
+        let (t0, t1) = (self.keys[here].0, self.keys[here + 1].0);
+        let span = t1 - t0;
+        let (before_time, before) = self.neighbour(here, -1, a).unwrap_or((t0, a));
+        let (after_time, after) = self.neighbour(here + 1, 1, b).unwrap_or((t1, b));
+        let (s2, s3) = (s * s, s * s * s);
+        let (h00, h10, h01, h11) = (2.0 * s3 - 3.0 * s2 + 1.0, s3 - 2.0 * s2 + s, 3.0 * s2 - 2.0 * s3, s3 - s2);
+        let lanes: Lanes = std::array::from_fn(|i| {
+            let tangent_a = (b[i] - before[i]) / (t1 - before_time);
+            let tangent_b = (after[i] - a[i]) / (after_time - t0);
+            h00 * a[i] + h10 * span * tangent_a + h01 * b[i] + h11 * span * tangent_b
+        });
+        if self.target == Target::Rotation { normalized(lanes, a) } else { lanes }
+    }
+
+    /// Time and value of the key before or after one, over the seam of a closed loop; none at an open end.
+    fn neighbour(&self, key: usize, step: isize, to: Lanes) -> Option<(f64, Lanes)> {
+        if let Some(other) = key.checked_add_signed(step).filter(|k| *k < self.keys.len()) {
+            return Some((self.keys[other].0, self.aligned(self.value(other), to)));
+        }
+        let last = self.keys.len() - 1;
+        let seam = self.aligned(self.value(last), self.value(0)) == self.value(0);
+        if self.wrap != Wrap::Loop || self.keys[0].0 != 0.0 || !seam {
+            return None;
+        }
+        let (other, shift) = if step < 0 { (last - 1, -1.0) } else { (1, 1.0) };
+        Some((self.keys[other].0 + shift * self.keys[last].0, self.aligned(self.value(other), to)))
+    }
+}
+
+fn dot(a: Lanes, b: Lanes) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The unit quaternion, or a fallback for one without direction.
+fn normalized(q: Lanes, fallback: Lanes) -> Lanes {
+    let length = dot(q, q).sqrt();
+    if length > 1e-9 && length.is_finite() { q.map(|v| v / length) } else { fallback }
+}
+
+/// Spherical linear interpolation of unit quaternions (Shoemake 1985).
+fn slerp(a: Lanes, b: Lanes, s: f64) -> Lanes {
+    let angle = dot(a, b).clamp(-1.0, 1.0).acos();
+    let sin = angle.sin();
+    // Nearly the same rotation: the chord is the arc to rounding.
+    let (wa, wb) = if sin < 1e-6 { (1.0 - s, s) } else { (((1.0 - s) * angle).sin() / sin, (s * angle).sin() / sin) };
+    normalized(std::array::from_fn(|i| wa * a[i] + wb * b[i]), a)
+}

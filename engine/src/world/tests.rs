@@ -1,0 +1,6 @@
+//! Tests of the world.
+#![allow(clippy::unwrap_used)]
+
+mod animation;
+mod hierarchy;
+mod keys;
