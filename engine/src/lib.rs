@@ -1,5 +1,6 @@
 //! Lightwell.
 pub mod assets;
+pub mod files;
 pub mod gpu;
 pub mod graph;
 pub mod measure;

@@ -1,0 +1,252 @@
+//! Between what files say and what the engine uses.
+
+use super::format::*;
+use super::load::Context;
+use super::source::SceneInfo;
+use crate::assets::{AlphaMode, Material, Sampling, Texture, Wrap};
+use crate::world::Transform;
+use glam::{EulerRot, Mat3, Quat, Vec3};
+use std::sync::Arc;
+
+impl From<TransformFile> for Transform {
+    fn from(file: TransformFile) -> Self {
+        let rotation = match (file.rotation, file.look_at) {
+            (_, Some(target)) => look_rotation(target - file.translation),
+            (Some(Rotation::Euler(degrees)), _) => {
+                let r = degrees.to_array().map(f32::to_radians);
+                Quat::from_euler(EulerRot::YXZ, r[1], r[0], r[2])
+            }
+            (Some(Rotation::Quaternion(q)), _) => q,
+            (None, None) => Quat::IDENTITY,
+        };
+        let scale = match file.scale {
+            Some(Scale::Uniform(s)) => Vec3::splat(s),
+            Some(Scale::Axes(s)) => s,
+            None => Vec3::ONE,
+        };
+        Self { translation: file.translation, rotation, scale }
+    }
+}
+
+impl From<Transform> for TransformFile {
+    fn from(t: Transform) -> Self {
+        Self {
+            translation: t.translation,
+            rotation: (t.rotation != Quat::IDENTITY).then_some(Rotation::Quaternion(t.rotation)),
+            look_at: None,
+            scale: (t.scale != Vec3::ONE).then_some(Scale::Axes(t.scale)),
+        }
+    }
+}
+
+/// The rotation that turns −Z to the direction, +Y as far up as it goes.
+pub fn look_rotation(direction: Vec3) -> Quat {
+    let Some(forward) = direction.try_normalize() else { return Quat::IDENTITY };
+    let up = if forward.y.abs() > 0.9999 { Vec3::NEG_Z * forward.y.signum() } else { Vec3::Y };
+    let right = forward.cross(up).normalize_or(Vec3::X);
+    Quat::from_mat3(&Mat3::from_cols(right, right.cross(forward), -forward)).normalize()
+}
+
+impl EntityFile {
+    /// The entity's components alone.
+    pub fn components(&self) -> OverrideFile {
+        OverrideFile {
+            transform: self.transform,
+            mesh: self.mesh.clone(),
+            model: self.model.clone(),
+            material: self.material.clone(),
+            casts_shadow: self.casts_shadow,
+            visible: self.visible,
+            light: self.light.clone(),
+            camera: self.camera.clone(),
+            clpv: self.clpv.clone(),
+            animation: self.animation.clone(),
+            ..Default::default()
+        }
+    }
+
+    /// An entity of the components.
+    pub fn with_components(name: String, c: OverrideFile) -> Self {
+        Self {
+            name,
+            transform: c.transform,
+            mesh: c.mesh,
+            model: c.model,
+            material: c.material,
+            casts_shadow: c.casts_shadow,
+            visible: c.visible,
+            light: c.light,
+            camera: c.camera,
+            clpv: c.clpv,
+            animation: c.animation,
+            ..Default::default()
+        }
+    }
+}
+
+/// Calls the macro with the names of all component fields.
+macro_rules! for_components {
+    ($each:ident) => {
+        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, animation)
+    };
+}
+
+impl OverrideFile {
+    /// Takes every component that the other one gives.
+    pub fn replace_with(&mut self, other: &Self) {
+        macro_rules! replace {
+            ($($field:ident),*) => { $(if other.$field.is_some() { self.$field = other.$field.clone(); })* };
+        }
+        for_components!(replace);
+    }
+
+    /// What makes of `base` this one; nothing if they are the same.
+    pub fn changes_from(&self, base: &Self) -> Self {
+        let mut changes = Self::default();
+        macro_rules! compare {
+            ($($field:ident),*) => { $(if self.$field != base.$field { changes.$field = self.$field.clone(); })* };
+        }
+        for_components!(compare);
+        changes.restore_defaults(self, base);
+        let gone = [
+            (ComponentKind::Mesh, base.has_surface() && !self.has_surface()),
+            (ComponentKind::Light, base.light.is_some() && self.light.is_none()),
+            (ComponentKind::Camera, base.camera.is_some() && self.camera.is_none()),
+            (ComponentKind::Clpv, base.clpv.is_some() && self.clpv.is_none()),
+            (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
+        ];
+        changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
+        changes
+    }
+
+    /// Components that are not there mean a default, which an override has to write out.
+    fn restore_defaults(&mut self, now: &Self, base: &Self) {
+        if now.transform.is_none() && base.transform.is_some() {
+            self.transform = Some(TransformFile::default());
+        }
+        if now.casts_shadow.is_none() && base.casts_shadow.is_some() {
+            self.casts_shadow = Some(true);
+        }
+        if now.visible.is_none() && base.visible.is_some() {
+            self.visible = Some(true);
+        }
+    }
+
+    fn has_surface(&self) -> bool {
+        self.mesh.is_some() || self.model.is_some()
+    }
+
+    /// Takes a component away.
+    pub fn take_away(&mut self, kind: ComponentKind) {
+        match kind {
+            ComponentKind::Mesh => (self.mesh, self.model, self.material) = (None, None, None),
+            ComponentKind::Light => self.light = None,
+            ComponentKind::Camera => self.camera = None,
+            ComponentKind::Clpv => self.clpv = None,
+            ComponentKind::Animation => self.animation = None,
+        }
+    }
+}
+
+impl MaterialFile {
+    /// The material without its images.
+    pub fn material(&self, name: &str) -> Material {
+        Material {
+            base_color: self.color.extend(self.alpha),
+            metallic: self.metallic,
+            roughness: self.roughness,
+            specular: self.specular,
+            specular_color: self.specular_color,
+            emissive: self.emissive,
+            normal_scale: self.normal_scale,
+            alpha_mode: match self.alpha_mode {
+                AlphaModeFile::Opaque => AlphaMode::Opaque,
+                AlphaModeFile::Mask(cutoff) => AlphaMode::Mask(cutoff),
+                AlphaModeFile::Blend => AlphaMode::Blend,
+            },
+            double_sided: self.double_sided,
+            ..Material::new(if name.is_empty() { "inline" } else { name })
+        }
+    }
+
+    /// A description of the material; none if one of its images comes from no file that is known.
+    pub(super) fn describe(m: &Material, info: &SceneInfo) -> Option<Self> {
+        let image = |texture: &Option<Arc<Texture>>| match texture {
+            None => Some(None),
+            Some(texture) => info.textures_by_id.get(&texture.id).cloned().map(Some),
+        };
+        Some(Self {
+            color: m.base_color.truncate(),
+            alpha: m.base_color.w,
+            alpha_mode: match m.alpha_mode {
+                AlphaMode::Opaque => AlphaModeFile::Opaque,
+                AlphaMode::Mask(cutoff) => AlphaModeFile::Mask(cutoff),
+                AlphaMode::Blend => AlphaModeFile::Blend,
+            },
+            metallic: m.metallic,
+            roughness: m.roughness,
+            specular: m.specular,
+            specular_color: m.specular_color,
+            emissive: m.emissive,
+            double_sided: m.double_sided,
+            color_texture: image(&m.base_color_texture)?,
+            metallic_roughness_texture: image(&m.metallic_roughness_texture)?,
+            normal_texture: image(&m.normal_texture)?,
+            normal_scale: m.normal_scale,
+            emissive_texture: image(&m.emissive_texture)?,
+        })
+    }
+
+    /// The same as the scene file would say it.
+    pub(super) fn rebased(mut self, context: &Context) -> Self {
+        let images = [
+            &mut self.color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.emissive_texture,
+        ];
+        for image in images.into_iter().flatten() {
+            *image = image.clone().rebased(context);
+        }
+        self
+    }
+}
+
+impl TextureFile {
+    /// Path as written.
+    pub fn path(&self) -> &str {
+        match self {
+            Self::Path(path) | Self::Sampled(SampledTexture { path, .. }) => path,
+        }
+    }
+
+    /// Its sampling.
+    pub fn sampling(&self) -> Sampling {
+        match self {
+            Self::Path(_) => Sampling::default(),
+            Self::Sampled(s) => Sampling { wrap_u: s.wrap_u.into(), wrap_v: s.wrap_v.into(), nearest: s.nearest },
+        }
+    }
+
+    /// The same as the scene file would say it: a path from a prefab in another folder becomes an absolute one.
+    pub(super) fn rebased(mut self, context: &Context) -> Self {
+        let path = match &mut self {
+            Self::Path(path) | Self::Sampled(SampledTexture { path, .. }) => path,
+        };
+        let beside = context.document.folder().join(&*path);
+        if !context.is_root && beside.is_file() {
+            *path = std::path::absolute(&beside).unwrap_or(beside).display().to_string();
+        }
+        self
+    }
+}
+
+impl From<WrapFile> for Wrap {
+    fn from(wrap: WrapFile) -> Self {
+        match wrap {
+            WrapFile::Repeat => Self::Repeat,
+            WrapFile::Mirror => Self::Mirror,
+            WrapFile::Clamp => Self::Clamp,
+        }
+    }
+}

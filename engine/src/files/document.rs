@@ -1,0 +1,243 @@
+//! A text file while it is read: parsed values, and the way from a value back to its line and column.
+
+use super::error::{FileError, FileErrorKind, Place};
+use super::suggest::suggestion;
+use super::tree::{Node, Step, block_comment};
+use ron::error::{Error as Ron, SpannedError};
+use ron::extensions::Extensions;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// How all our RON files are read and written: `Some(…)` need not be written, nor the brackets of newtypes.
+pub fn ron_options() -> ron::Options {
+    let extensions =
+        Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    ron::Options::default().with_default_extension(extensions)
+}
+
+/// A text file with the shape of its values.
+pub struct Document {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    tree: Node,
+}
+
+impl Document {
+    /// Reads and parses a file.
+    pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Self, T), FileError> {
+        let bytes = std::fs::read(path).map_err(|e| io_error(path, "cannot be read", &e))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let valid = e.utf8_error().valid_up_to();
+            let text = String::from_utf8_lossy(e.as_bytes()).into_owned();
+            let place = Place::of(&text, valid);
+            FileError::new(path, FileErrorKind::Syntax, "not valid UTF-8 text")
+                .with_help("scene files are text; save this one as UTF-8")
+                .at(&text, place)
+        })?;
+        Self::parse(path, text)
+    }
+
+    /// Parses a file's text. A byte order mark at the start is passed over.
+    pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(Self, T), FileError> {
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        let value = ron_options().from_str(&text).map_err(|e| syntax_error(path, &text, e))?;
+        let tree = Node::parse(&text);
+        Ok((Self { path: path.to_owned(), text, tree }, value))
+    }
+
+    /// An error about the value at the path.
+    pub fn error(&self, at: &[Step], kind: FileErrorKind, message: impl Into<String>) -> FileError {
+        let place = Place::of(&self.text, self.tree.find(at).span.start);
+        FileError::new(&self.path, kind, message).at(&self.text, place)
+    }
+
+    /// The comments and blank lines before the first value.
+    pub fn header(&self) -> &str {
+        let mut at = 0;
+        loop {
+            let rest = &self.text[at..];
+            let blank = rest.len() - rest.trim_start().len();
+            let rest = &rest[blank..];
+            if rest.starts_with("//") {
+                at += blank + rest.find('\n').map_or(rest.len(), |i| i + 1);
+            } else if rest.starts_with("/*") {
+                at += blank + block_comment(rest);
+            } else {
+                return self.text[..at].trim_end();
+            }
+        }
+    }
+
+    /// The folder that relative paths in the file start from.
+    pub fn folder(&self) -> &Path {
+        folder_of(&self.path)
+    }
+}
+
+/// The folder of a file; `.` for a bare name.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// An error of the file system, as missing file where it is that.
+pub fn io_error(path: &Path, what: &str, error: &std::io::Error) -> FileError {
+    if error.kind() == std::io::ErrorKind::NotFound {
+        let missing = FileError::new(path, FileErrorKind::MissingFile, "there is no such file");
+        return match similar_file(path) {
+            Some(name) => missing.with_help(format!("did you mean `{name}`?")),
+            None => missing,
+        };
+    }
+    FileError::new(path, FileErrorKind::Io, format!("{what}: {error}"))
+}
+
+/// A file in the same folder with a similar name.
+fn similar_file(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_string_lossy().into_owned();
+    let entries = std::fs::read_dir(folder_of(path)).ok()?;
+    let mut names: Vec<String> =
+        entries.flatten().take(10_000).map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    // Only the stems are compared: all scenes end alike.
+    let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let stems: Vec<String> = names.iter().map(|n| stem(n)).collect();
+    let near = super::suggest::nearest(&stem(&wanted), stems.iter().map(String::as_str))?;
+    let same_kind = |name: &&String| stem(name) == near && Path::new(name).extension() == path.extension();
+    let name = names.iter().find(same_kind).or(names.iter().find(|name| stem(name) == near))?;
+    Some(path.with_file_name(name).display().to_string())
+}
+
+fn syntax_error(path: &Path, text: &str, error: SpannedError) -> FileError {
+    let (kind, message, help) = describe(&error.code);
+    let start = error.span.start;
+    let mut place = Place { line: start.line.max(1), column: start.col.max(1) };
+    if matches!(kind, FileErrorKind::WrongType | FileErrorKind::BadValue) {
+        place = place_of_value(text, place);
+    }
+    // ron points behind the offending name; the name itself is what is to be seen.
+    if let Some(name) = offending_name(&error.code) {
+        place = place_of_name(text, Place { line: error.span.end.line, column: error.span.end.col }, name).unwrap_or(place);
+    }
+    let error = FileError::new(path, kind, message).at(text, place);
+    match help {
+        Some(help) => error.with_help(help),
+        None => error,
+    }
+}
+
+fn offending_name(error: &Ron) -> Option<&str> {
+    match error {
+        Ron::NoSuchEnumVariant { found, .. } | Ron::NoSuchStructField { found, .. } => Some(found),
+        Ron::DuplicateStructField { field, .. } => Some(field),
+        Ron::ExpectedDifferentStructName { found, .. } => Some(found),
+        _ => None,
+    }
+}
+
+/// Byte of a place.
+fn byte_of(text: &str, place: Place) -> usize {
+    let line_start: usize = text.split_inclusive('\n').take(place.line.saturating_sub(1)).map(str::len).sum();
+    let line = &text[line_start..];
+    line_start + line.char_indices().nth(place.column.saturating_sub(1)).map_or(line.len(), |(i, _)| i)
+}
+
+/// ron points before the blanks in front of a value or behind its sign: the place of the value itself.
+fn place_of_value(text: &str, place: Place) -> Place {
+    let mut byte = byte_of(text, place);
+    if text[..byte].ends_with(['-', '+']) {
+        byte -= 1;
+    }
+    let rest = &text[byte..];
+    let blank = rest.len() - rest.trim_start().len();
+    if blank < rest.len() { Place::of(text, byte + blank) } else { place }
+}
+
+/// The last occurrence of the name that starts not after `until`.
+fn place_of_name(text: &str, until: Place, name: &str) -> Option<Place> {
+    let end = byte_of(text, until);
+    let mut window = end;
+    loop {
+        let found = text.get(..window)?.rfind(name)?;
+        let word = |c: char| c.is_alphanumeric() || c == '_';
+        let clear_before = !text[..found].ends_with(word);
+        let clear_after = !text[found + name.len()..].starts_with(word);
+        if clear_before && clear_after {
+            return Some(Place::of(text, found));
+        }
+        window = found + name.len() - name.chars().last().map_or(1, char::len_utf8);
+    }
+}
+
+fn within(outer: Option<&String>) -> String {
+    outer.map(|o| format!(" of {o}")).unwrap_or_default()
+}
+
+fn describe(error: &Ron) -> (FileErrorKind, String, Option<String>) {
+    use FileErrorKind as Kind;
+    match error {
+        Ron::NoSuchStructField { expected, found, outer } => (
+            Kind::UnknownField,
+            format!("unknown field `{found}`{}", within(outer.as_ref())),
+            suggestion(found, expected.iter().copied()),
+        ),
+        Ron::NoSuchEnumVariant { expected, found, outer } => (
+            Kind::UnknownVariant,
+            format!("unknown variant `{found}`{}", within(outer.as_ref())),
+            suggestion(found, expected.iter().copied()),
+        ),
+        Ron::MissingStructField { field, outer } => (
+            Kind::MissingField,
+            format!("field `{field}`{} is missing before here", within(outer.as_ref())),
+            Some(format!("add `{field}: …`")),
+        ),
+        Ron::DuplicateStructField { field, outer } => (
+            Kind::DuplicateName,
+            format!("field `{field}`{} is given twice", within(outer.as_ref())),
+            Some("keep one of them".into()),
+        ),
+        Ron::InvalidValueForType { expected, found } => {
+            (Kind::WrongType, format!("expected {expected}, found {found}"), None)
+        }
+        Ron::ExpectedDifferentLength { expected, found } => {
+            (Kind::WrongType, format!("expected {expected}, found {found} elements"), None)
+        }
+        Ron::ExpectedDifferentStructName { expected, found } => {
+            (Kind::WrongType, format!("expected `{expected}(…)`, found `{found}(…)`"), suggestion(found, [*expected]))
+        }
+        Ron::ExceededRecursionLimit => {
+            (Kind::Syntax, "nested too deep".into(), Some("move inner entities into a prefab".into()))
+        }
+        Ron::Message(message) => (Kind::WrongType, message.clone(), None),
+        other => describe_syntax(other),
+    }
+}
+
+fn describe_syntax(error: &Ron) -> (FileErrorKind, String, Option<String>) {
+    use FileErrorKind as Kind;
+    let (kind, help) = match error {
+        Ron::ExpectedFloat => (Kind::WrongType, "write a number here, such as 1.5"),
+        Ron::ExpectedInteger | Ron::InvalidIntegerDigit { .. } => (Kind::WrongType, "write a whole number here"),
+        Ron::IntegerOutOfBounds => (Kind::BadValue, "the number is too large or negative"),
+        Ron::ExpectedString => (Kind::WrongType, "write text in double quotes here"),
+        Ron::ExpectedBoolean => (Kind::WrongType, "write true or false here"),
+        Ron::ExpectedArray => (Kind::WrongType, "write a list here: [ … ]; tuples take ( … )"),
+        Ron::ExpectedMap => (Kind::WrongType, "write a map here: { \"name\": … }"),
+        Ron::ExpectedStructLike | Ron::ExpectedNamedStructLike(_) => (Kind::WrongType, "write ( … ) here"),
+        Ron::ExpectedComma => (Kind::Syntax, "a comma is missing before here"),
+        Ron::ExpectedMapColon => (Kind::Syntax, "write `name: value`"),
+        Ron::Eof | Ron::ExpectedStructLikeEnd | Ron::ExpectedArrayEnd | Ron::ExpectedMapEnd => {
+            (Kind::Syntax, "a bracket that was opened before is not closed, or a comma is missing")
+        }
+        Ron::TrailingCharacters => (Kind::Syntax, "the file holds one Scene(…) or Prefab(…) and nothing after it"),
+        _ => (Kind::Syntax, ""),
+    };
+    let text = error.to_string();
+    let mut chars = text.chars();
+    let message: String = chars.next().into_iter().flat_map(char::to_lowercase).chain(chars).collect();
+    (kind, message, (!help.is_empty()).then(|| help.to_owned()))
+}

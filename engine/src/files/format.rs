@@ -1,0 +1,163 @@
+//! What scene and prefab files are made of, as `serde` reads and writes it.
+//!
+//! Everything has a default that can have one, so that hand-written files say only what matters.
+
+pub use super::parts::*;
+pub use crate::assets::Shape;
+use crate::world::{Animation, Camera, Clpv, Light, SceneSettings};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Method of indirect light that a scene asks for, unless the command line says otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Gi {
+    /// Direct light only.
+    None,
+    /// Cascaded light propagation volumes.
+    #[default]
+    Clpv,
+}
+
+/// A scene file: `Scene(entities: […])`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Scene")]
+pub struct SceneFile {
+    /// What the scene shows, for people.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Method of indirect light.
+    pub gi: Gi,
+    /// Sky, exposure, clock.
+    pub settings: SceneSettings,
+    /// Materials that entities refer to by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// The entities without a parent.
+    pub entities: Vec<EntityFile>,
+}
+
+/// A prefab file: `Prefab(entities: […])`. Its entities become children of the entity that instances it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Prefab")]
+pub struct PrefabFile {
+    /// What it is, for people.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Materials that entities of this file refer to by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// The entities.
+    pub entities: Vec<EntityFile>,
+}
+
+/// An entity with its components and children.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Entity")]
+pub struct EntityFile {
+    /// Name, unique among its siblings; no `/`.
+    pub name: String,
+    /// Place relative to the parent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transform: Option<TransformFile>,
+    /// A primitive shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<Shape>,
+    /// A glTF model, whole or one node with what hangs on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelFile>,
+    /// Surface of the shape, or of the whole model in place of the model's own materials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialRef>,
+    /// Whether the shape or model casts shadows; yes if not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub casts_shadow: Option<bool>,
+    /// Whether the shape or model is drawn; yes if not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub visible: Option<bool>,
+    /// A light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light: Option<Light>,
+    /// A camera.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
+    /// Light propagation volumes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clpv: Option<Clpv>,
+    /// Animation of the transform.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<Animation>,
+    /// A prefab whose entities become children; its path is relative to this file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prefab: Option<String>,
+    /// Changes to the prefab's entities by their path below this one, such as `"Pole/Bulb"`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub overrides: BTreeMap<String, OverrideFile>,
+    /// Children.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub children: Vec<EntityFile>,
+}
+
+/// What an instance changes of one entity of its prefab. Each component given here replaces the prefab's whole.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Override")]
+pub struct OverrideFile {
+    /// Leaves the entity out, with everything below it.
+    #[serde(skip_serializing_if = "is_false")]
+    pub remove: bool,
+    /// Place relative to the parent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform: Option<TransformFile>,
+    /// Shape.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<Shape>,
+    /// Model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelFile>,
+    /// Surface; names are those of the file that holds the override.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialRef>,
+    /// Whether it casts shadows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub casts_shadow: Option<bool>,
+    /// Whether it is drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visible: Option<bool>,
+    /// Light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<Light>,
+    /// Camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
+    /// Light propagation volumes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clpv: Option<Clpv>,
+    /// Animation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<Animation>,
+    /// Components that the prefab gives and the instance does not want.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<ComponentKind>,
+    /// Children besides those of the prefab.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub children: Vec<EntityFile>,
+}
+
+/// A component that an override can take away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ComponentKind {
+    /// The shape with its material.
+    Mesh,
+    /// The light.
+    Light,
+    /// The camera.
+    Camera,
+    /// The light propagation volumes.
+    Clpv,
+    /// The animation.
+    Animation,
+}
+
+pub(super) fn is_false(value: &bool) -> bool {
+    !value
+}
+

@@ -1,0 +1,462 @@
+//! From files to a world: prefabs are put in, overrides applied, assets loaded, entities spawned.
+
+use super::document::{Document, folder_of, io_error};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::*;
+use super::source::{Origin, SceneInfo, Source};
+use super::suggest::suggestion;
+use super::tree::Step;
+use super::validate::{Fault, Validator};
+use super::{LoadOptions, find};
+use crate::assets::{AssetLibrary, Material, Mesh};
+use crate::world::{GameWorld, MeshRenderer, Transform};
+use bevy_ecs::prelude::Entity;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Loads a scene file into a world of its own.
+pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
+    let (document, file) = Document::read::<SceneFile>(path)?;
+    Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
+    let info = SceneInfo::new(&document, &file);
+    let context = Rc::new(Context { document, materials: file.materials, is_root: true });
+    let mut loader = Loader {
+        library,
+        options,
+        world: GameWorld::new(),
+        info,
+        prefabs: HashMap::new(),
+        chain: vec![canonical(path)],
+        levels: Vec::new(),
+        named: HashMap::new(),
+        count: 0,
+    };
+    for (i, entity) in file.entities.iter().enumerate() {
+        loader.entity(entity, &context, None, &[Step::Key("entities".into()), Step::Index(i)])?;
+    }
+    let Loader { mut world, info, .. } = loader;
+    world.ecs.insert_resource(file.settings);
+    world.ecs.insert_resource(info);
+    world.update();
+    Ok(world)
+}
+
+pub(super) fn fault_error(document: &Document, fault: Fault) -> FileError {
+    let error = document.error(&fault.path, fault.kind, fault.message);
+    match fault.help {
+        Some(help) => error.with_help(help),
+        None => error,
+    }
+}
+
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+/// A file that entities are read from.
+pub(super) struct Context {
+    pub document: Document,
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// Whether it is the scene file itself.
+    pub is_root: bool,
+}
+
+/// A prefab instance that is being spawned.
+struct Level {
+    overrides: BTreeMap<String, OverrideFile>,
+    context: Rc<Context>,
+    /// Path of the overrides in their file.
+    at: Vec<Step>,
+    /// Names from the instance down to the present entity.
+    trail: Vec<String>,
+    /// Every path met so far.
+    members: Vec<String>,
+}
+
+/// The components of an entity with the files that they come from.
+struct Resolved {
+    components: OverrideFile,
+    /// File and path that give the material, and those that give the mesh or model, for errors.
+    material: (Rc<Context>, Vec<Step>),
+    surface: (Rc<Context>, Vec<Step>),
+    origin: Origin,
+    /// Children that overrides add.
+    added: Vec<(Vec<EntityFile>, Rc<Context>, Vec<Step>)>,
+    removed: bool,
+}
+
+pub(super) struct Loader<'a> {
+    pub library: &'a mut AssetLibrary,
+    pub options: &'a LoadOptions,
+    pub world: GameWorld,
+    pub info: SceneInfo,
+    prefabs: HashMap<PathBuf, Rc<(Rc<Context>, Vec<EntityFile>)>>,
+    /// Files that are being read, the scene first.
+    chain: Vec<PathBuf>,
+    /// Instances that the present entity is inside of, the outermost first.
+    levels: Vec<Level>,
+    /// Named materials by file and name.
+    named: HashMap<(PathBuf, String), Arc<Material>>,
+    /// Entities spawned so far.
+    count: usize,
+}
+
+/// Prefabs that instance prefabs multiply; beyond this a file is taken for a mistake.
+const MAX_ENTITIES: usize = 200_000;
+const MAX_PREFAB_DEPTH: usize = 32;
+
+/// The path with more steps.
+fn extended(path: &[Step], steps: &[Step]) -> Vec<Step> {
+    path.iter().chain(steps).cloned().collect()
+}
+
+fn key(name: &str) -> Step {
+    Step::Key(name.to_owned())
+}
+
+impl Loader<'_> {
+    fn entity(
+        &mut self,
+        file: &EntityFile,
+        context: &Rc<Context>,
+        parent: Option<Entity>,
+        at: &[Step],
+    ) -> Result<(), FileError> {
+        self.count += 1;
+        if self.count > MAX_ENTITIES || self.chain.len() > MAX_PREFAB_DEPTH {
+            let message = format!("more than {MAX_ENTITIES} entities, or prefabs nested more than {MAX_PREFAB_DEPTH} deep");
+            let error = context.document.error(at, Kind::BadValue, message);
+            return Err(error.with_help("instance fewer prefabs inside each other"));
+        }
+        for level in &mut self.levels {
+            level.trail.push(file.name.clone());
+            level.members.push(level.trail.join("/"));
+        }
+        let result = self.entity_inside(file, context, parent, at);
+        for level in &mut self.levels {
+            level.trail.pop();
+        }
+        result
+    }
+
+    fn entity_inside(
+        &mut self,
+        file: &EntityFile,
+        context: &Rc<Context>,
+        parent: Option<Entity>,
+        at: &[Step],
+    ) -> Result<(), FileError> {
+        let resolved = self.resolve(file, context, at);
+        if resolved.removed {
+            return Ok(());
+        }
+        let entity = self.world.spawn(&file.name, parent);
+        let material = self.insert_components(entity, &resolved)?;
+        let mut source = Source {
+            components: resolved.components,
+            material,
+            prefab: file.prefab.clone(),
+            members: Vec::new(),
+            origin: resolved.origin,
+        };
+        if file.prefab.is_some() {
+            source.members = self.instance(file, context, entity, at)?;
+        }
+        self.world.ecs.entity_mut(entity).insert(source);
+        for (i, child) in file.children.iter().enumerate() {
+            self.entity(child, context, Some(entity), &extended(at, &[key("children"), Step::Index(i)]))?;
+        }
+        for (children, context, at) in &resolved.added {
+            self.added(entity, children, context, at)?;
+        }
+        Ok(())
+    }
+
+    /// Children that an override adds belong to the file of the override: no instance's overrides reach them.
+    fn added(&mut self, parent: Entity, children: &[EntityFile], context: &Rc<Context>, at: &[Step]) -> Result<(), FileError> {
+        let outer = if context.is_root { std::mem::take(&mut self.levels) } else { Vec::new() };
+        let taken = context.is_root;
+        let mut result = Ok(());
+        for (i, child) in children.iter().enumerate() {
+            let at = extended(at, &[key("children"), Step::Index(i)]);
+            if self.world.child(parent, &child.name).is_some() {
+                let error = context.document.error(
+                    &extended(&at, &[key("name")]),
+                    Kind::DuplicateName,
+                    format!("the prefab has a child named `{}` there already", child.name),
+                );
+                result = Err(error.with_help("give the added child another name"));
+            } else {
+                result = self.entity(child, context, Some(parent), &at);
+            }
+            if result.is_err() {
+                break;
+            }
+        }
+        if taken {
+            self.levels = outer;
+        }
+        result
+    }
+
+    /// Applies the overrides of all instances around the entity, the innermost first.
+    fn resolve(&mut self, file: &EntityFile, context: &Rc<Context>, at: &[Step]) -> Resolved {
+        let here = (context.clone(), at.to_vec());
+        let mut resolved = Resolved {
+            components: file.components(),
+            material: here.clone(),
+            surface: here,
+            origin: Origin::File,
+            added: Vec::new(),
+            removed: false,
+        };
+        for (depth, level) in self.levels.iter().enumerate().rev() {
+            let path = level.trail.join("/");
+            if depth == 0 {
+                resolved.origin = Origin::Prefab {
+                    path: path.clone(),
+                    base: Box::new(resolved.components.clone()),
+                    material_overridden: level.overrides.get(&path).is_some_and(|o| o.material.is_some()),
+                };
+            }
+            if let Some(patch) = level.overrides.get(&path) {
+                resolved.apply(patch, (level.context.clone(), extended(&level.at, &[key(&path)])));
+            }
+        }
+        resolved
+    }
+
+    /// Spawns the entities of a prefab below the instance; gives their paths.
+    fn instance(
+        &mut self,
+        file: &EntityFile,
+        context: &Rc<Context>,
+        entity: Entity,
+        at: &[Step],
+    ) -> Result<Vec<String>, FileError> {
+        let written = file.prefab.as_deref().unwrap_or_default();
+        let place = extended(at, &[key("prefab")]);
+        let (path, prefab) = self.prefab(written, context, &place)?;
+        self.chain.push(path);
+        self.levels.push(Level {
+            overrides: file.overrides.clone(),
+            context: context.clone(),
+            at: extended(at, &[key("overrides")]),
+            trail: Vec::new(),
+            members: Vec::new(),
+        });
+        for (i, child) in prefab.1.iter().enumerate() {
+            self.entity(child, &prefab.0, Some(entity), &[key("entities"), Step::Index(i)])?;
+        }
+        self.chain.pop();
+        let level = self.levels.pop();
+        let members = level.map(|l| l.members).unwrap_or_default();
+        check_overrides(file, context, at, written, &members)?;
+        check_children(file, context, at, &prefab.1)?;
+        Ok(members)
+    }
+
+    fn prefab(
+        &mut self,
+        written: &str,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<(PathBuf, Rc<(Rc<Context>, Vec<EntityFile>)>), FileError> {
+        let path = context.document.folder().join(written);
+        let identity = canonical(&path);
+        if let Some(start) = self.chain.iter().position(|p| *p == identity) {
+            return Err(cycle_error(&self.chain[start..], &identity, context, at));
+        }
+        if let Some(known) = self.prefabs.get(&identity) {
+            return Ok((identity, known.clone()));
+        }
+        if !path.is_file() {
+            let looked = io_error(&path, "", &std::io::ErrorKind::NotFound.into());
+            let message = format!("there is no prefab `{written}` (looked for {})", path.display());
+            let error = context.document.error(at, Kind::MissingFile, message);
+            let help = looked.help.unwrap_or_else(|| "paths of prefabs start at the folder of this file".into());
+            return Err(error.with_help(help));
+        }
+        let (document, file) = Document::read::<PrefabFile>(&path)?;
+        Validator::prefab(&file).map_err(|fault| fault_error(&document, *fault))?;
+        let context = Rc::new(Context { document, materials: file.materials, is_root: false });
+        let prefab = Rc::new((context, file.entities));
+        self.prefabs.insert(identity.clone(), prefab.clone());
+        Ok((identity, prefab))
+    }
+
+    /// Puts the components on the entity; gives the material of its shape.
+    fn insert_components(&mut self, entity: Entity, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
+        let c = &r.components;
+        let transform = c.transform.map(Transform::from).unwrap_or_default();
+        self.world.ecs.entity_mut(entity).insert(transform);
+        let mut material = None;
+        if c.material.is_some() || c.mesh.is_some() {
+            material = self.material_of(r)?;
+        }
+        if let Some(shape) = &c.mesh {
+            let mesh = self.library.shape(shape).map_err(|e| {
+                r.surface.0.document.error(&extended(&r.surface.1, &[key("mesh")]), Kind::BadValue, e.to_string())
+            })?;
+            self.info.shapes.insert(mesh.id, shape.clone());
+            let material = material.get_or_insert_with(|| self.info.default_material.clone()).clone();
+            self.world.ecs.entity_mut(entity).insert(renderer(c, mesh, material));
+        }
+        if let Some(model) = &c.model {
+            let at = extended(&r.surface.1, &[key("model")]);
+            self.model(entity, model, material.as_ref(), c, &r.surface.0.clone(), &at)?;
+        }
+        let mut target = self.world.ecs.entity_mut(entity);
+        if let Some(light) = &c.light {
+            target.insert(light.clone());
+        }
+        if let Some(camera) = &c.camera {
+            target.insert(camera.clone());
+        }
+        if let Some(clpv) = &c.clpv {
+            target.insert(clpv.clone());
+        }
+        if let Some(animation) = &c.animation {
+            target.insert(animation.clone());
+        }
+        Ok(material)
+    }
+
+    fn material_of(&mut self, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
+        let (context, at) = &r.material;
+        let at = extended(at, &[key("material")]);
+        match &r.components.material {
+            None => Ok(None),
+            Some(MaterialRef::Inline(file)) => self.material("", file, context, &at).map(Some),
+            Some(MaterialRef::Named(name)) => {
+                let identity = (context.document.path.clone(), name.clone());
+                if let Some(known) = self.named.get(&identity) {
+                    return Ok(Some(known.clone()));
+                }
+                let Some(file) = context.materials.get(name) else {
+                    let error = context.document.error(&at, Kind::UnknownName, format!("there is no material `{name}`"));
+                    return Err(error);
+                };
+                let material = self.material(name, file, context, &[key("materials"), key(name)])?;
+                self.named.insert(identity, material.clone());
+                Ok(Some(material))
+            }
+        }
+    }
+
+    fn material(&mut self, name: &str, file: &MaterialFile, context: &Context, at: &[Step]) -> Result<Arc<Material>, FileError> {
+        let mut load = |field: &str, texture: &Option<TextureFile>, srgb: bool| {
+            let Some(texture) = texture else { return Ok(None) };
+            self.texture(texture, srgb, context, &extended(at, &[key(field)])).map(Some)
+        };
+        let mut material = file.material(name);
+        material.base_color_texture = load("color_texture", &file.color_texture, true)?;
+        material.metallic_roughness_texture =
+            load("metallic_roughness_texture", &file.metallic_roughness_texture, false)?;
+        material.normal_texture = load("normal_texture", &file.normal_texture, false)?;
+        material.emissive_texture = load("emissive_texture", &file.emissive_texture, true)?;
+        let material = Arc::new(material);
+        let described = match context.is_root && !name.is_empty() {
+            true => MaterialRef::Named(name.to_owned()),
+            false => MaterialRef::Inline(Box::new(file.clone().rebased(context))),
+        };
+        self.info.materials_by_id.insert(material.id, described);
+        Ok(material)
+    }
+
+    fn texture(
+        &mut self,
+        file: &TextureFile,
+        srgb: bool,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<Arc<crate::assets::Texture>, FileError> {
+        let written = file.path();
+        let Some(path) = find(written, context.document.folder(), self.options) else {
+            let error = context.document.error(at, Kind::MissingFile, format!("there is no image `{written}`"));
+            return Err(error.with_help("paths start at the folder of this file, or at the one given by --models"));
+        };
+        let texture = self
+            .library
+            .texture(&path, srgb, file.sampling())
+            .map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        self.info.textures_by_id.insert(texture.id, file.clone().rebased(context));
+        Ok(texture)
+    }
+}
+
+/// A renderer as the components say.
+pub(super) fn renderer(c: &OverrideFile, mesh: Arc<Mesh>, material: Arc<Material>) -> MeshRenderer {
+    let (casts_shadow, visible) = (c.casts_shadow.unwrap_or(true), c.visible.unwrap_or(true));
+    MeshRenderer { mesh, material, casts_shadow, visible }
+}
+
+impl Resolved {
+    fn apply(&mut self, patch: &OverrideFile, place: (Rc<Context>, Vec<Step>)) {
+        let c = &mut self.components;
+        self.removed |= patch.remove;
+        for kind in &patch.without {
+            c.take_away(*kind);
+        }
+        if patch.material.is_some() {
+            self.material = place.clone();
+        }
+        if patch.mesh.is_some() || patch.model.is_some() {
+            (c.mesh, c.model) = (None, None);
+            self.surface = place.clone();
+        }
+        c.replace_with(patch);
+        if !patch.children.is_empty() {
+            self.added.push((patch.children.clone(), place.0, place.1));
+        }
+    }
+}
+
+fn check_overrides(
+    file: &EntityFile,
+    context: &Context,
+    at: &[Step],
+    prefab: &str,
+    members: &[String],
+) -> Result<(), FileError> {
+    let known: HashSet<&str> = members.iter().map(String::as_str).collect();
+    for path in file.overrides.keys() {
+        if known.contains(path.as_str()) {
+            continue;
+        }
+        let at = extended(at, &[key("overrides"), key(path)]);
+        let error = context.document.error(&at, Kind::UnknownName, format!("`{prefab}` has no entity `{path}`"));
+        return Err(match suggestion(path, members.iter().map(String::as_str)) {
+            Some(help) => error.with_help(help),
+            None => error,
+        });
+    }
+    Ok(())
+}
+
+/// An instance's own children must not bear the names of the prefab's.
+fn check_children(file: &EntityFile, context: &Context, at: &[Step], prefab: &[EntityFile]) -> Result<(), FileError> {
+    for (i, child) in file.children.iter().enumerate() {
+        if prefab.iter().any(|p| p.name == child.name) {
+            let at = extended(at, &[key("children"), Step::Index(i), key("name")]);
+            let message = format!("the prefab has a child named `{}` already", child.name);
+            let error = context.document.error(&at, Kind::DuplicateName, message);
+            return Err(error.with_help("give it another name, or change the prefab's child under `overrides`"));
+        }
+    }
+    Ok(())
+}
+
+fn cycle_error(chain: &[PathBuf], again: &Path, context: &Context, at: &[Step]) -> FileError {
+    let names: Vec<String> =
+        chain.iter().map(PathBuf::as_path).chain([again]).map(|p| short_name(p, folder_of(again))).collect();
+    let message = format!("the prefab contains itself: {}", names.join(" → "));
+    let error = context.document.error(at, Kind::PrefabCycle, message);
+    error.with_help("take one of these instances out")
+}
+
+fn short_name(path: &Path, folder: &Path) -> String {
+    path.strip_prefix(folder).unwrap_or(path).display().to_string()
+}

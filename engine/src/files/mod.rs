@@ -1,0 +1,79 @@
+//! Scene and prefab files.
+//!
+//! A scene is a `.scene.ron` file: settings, materials and a tree of named entities with their components. A prefab,
+//! `.prefab.ron`, is such a tree to be instanced; an instance may override components by the path of an entity.
+//! `.gltf` and `.glb` files open as scenes too.
+//!
+//! ```ron
+//! Scene(
+//!     description: "A red ball over a floor",
+//!     settings: (duration: 4),
+//!     materials: { "red": (color: (0.6, 0.05, 0.05), specular: 0) },
+//!     entities: [
+//!         (name: "Camera", transform: (translation: (0, 1, 4), look_at: (0, 0.5, 0)), camera: (fov: 45)),
+//!         (name: "Sun", transform: (rotation: (-60, 30, 0)), light: (kind: Directional, intensity: 3)),
+//!         (name: "Ball", transform: (translation: (0, 1, 0)), mesh: Sphere(radius: 0.5), material: "red"),
+//!         (name: "Lamp", prefab: "../prefabs/lamp.prefab.ron", overrides: {
+//!             "Head/Bulb": (light: (kind: Point, intensity: 2)),
+//!         }),
+//!         (name: "Hall", model: (path: "sponza/Sponza.gltf", source: "https://…", stand_in: "courtyard")),
+//!     ],
+//! )
+//! ```
+//!
+//! Angles are degrees, lengths metres, colours linear Rec. 709. `Some(…)` need not be written. Paths of prefabs and
+//! images start at the folder of the file that names them; those of models at the folder given by `--models`, or
+//! else at the file's.
+//!
+//! Every error names file, line and column, what is wrong and what to do ([`FileError`]). A load makes a new world,
+//! so that one that fails leaves the running one alone.
+//!
+//! [`save_scene`] writes the rest pose and not the animated one, replaces the file in one step, and keeps the one
+//! before as `NAME.bak`. The comments at the head of the file are kept; comments inside it are not, they stay in the
+//! backup of the first save.
+
+mod convert;
+mod document;
+mod error;
+mod format;
+mod load;
+mod model;
+mod parts;
+mod save;
+mod source;
+mod suggest;
+mod tree;
+mod validate;
+
+#[cfg(test)]
+mod tests;
+
+pub use convert::look_rotation;
+pub use error::{FileError, FileErrorKind, Place};
+pub use format::*;
+pub use save::save_scene;
+pub use source::{Origin, SceneInfo, Source};
+
+use crate::assets::AssetLibrary;
+use crate::world::GameWorld;
+use model::find;
+use std::path::{Path, PathBuf};
+
+/// How scenes are loaded.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Folder of third-party models (`--models`).
+    pub models: Option<PathBuf>,
+}
+
+/// Loads a scene: a `.scene.ron` file, or a glTF file as a scene of its own.
+///
+/// # Errors
+/// Whatever is wrong with the file, a prefab or an asset that it names. No world is changed.
+pub fn load_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "gltf" | "glb" => model::load_gltf_scene(path, library),
+        _ => load::load(path, library, options),
+    }
+}

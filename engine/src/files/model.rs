@@ -1,0 +1,229 @@
+//! glTF models in scenes, and glTF files opened as scenes.
+
+use super::LoadOptions;
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::*;
+use super::load::{Context, Loader, renderer};
+use super::source::{Origin, SceneInfo, Source};
+use super::suggest::suggestion;
+use super::tree::Step;
+use crate::assets::{AssetLibrary, Gltf, GltfNode, Material};
+use crate::scene::Aabb;
+use crate::world::{Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform};
+use bevy_ecs::prelude::Entity;
+use glam::Vec3;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The file in the models' folder, or else in the folder of the file that names it.
+pub fn find(written: &str, folder: &Path, options: &LoadOptions) -> Option<PathBuf> {
+    let models = options.models.as_ref().map(|models| models.join(written));
+    models.into_iter().chain([folder.join(written)]).find(|path| path.is_file())
+}
+
+/// What to take from a model.
+struct Take<'a> {
+    lights: bool,
+    cameras: bool,
+    material: Option<&'a Arc<Material>>,
+    components: &'a OverrideFile,
+}
+
+impl Loader<'_> {
+    /// Spawns a model's nodes below the entity.
+    pub(super) fn model(
+        &mut self,
+        entity: Entity,
+        file: &ModelFile,
+        material: Option<&Arc<Material>>,
+        components: &OverrideFile,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<(), FileError> {
+        let details = file.details();
+        let Some(path) = find(&details.path, context.document.folder(), self.options) else {
+            return Err(self.missing_model(&details, context, at));
+        };
+        let gltf =
+            self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        let take = Take { lights: details.lights, cameras: details.cameras, material, components };
+        let Some(name) = &details.node else {
+            spawn_nodes(&mut self.world, &gltf, &gltf.roots, entity, &take);
+            return Ok(());
+        };
+        let Some(index) = gltf.nodes.iter().position(|node| node.name == *name) else {
+            let names = gltf.nodes.iter().map(|n| n.name.as_str());
+            let message = format!("the model {} has no node `{name}`", path.display());
+            let error = context.document.error(at, Kind::UnknownName, message);
+            return Err(match suggestion(name, names) {
+                Some(help) => error.with_help(help),
+                None => error,
+            });
+        };
+        // The node's ancestors place it; they come along without what they draw.
+        let mut holder = entity;
+        for ancestor in ancestors(&gltf, index) {
+            let node = &gltf.nodes[ancestor];
+            holder = self.world.spawn(&node.name.replace('/', "_"), Some(holder));
+            self.world.ecs.entity_mut(holder).insert((node.local, model_source()));
+        }
+        spawn_nodes(&mut self.world, &gltf, &[index], holder, &take);
+        Ok(())
+    }
+
+    fn missing_model(&self, details: &ModelDetails, context: &Context, at: &[Step]) -> FileError {
+        let looked = match &self.options.models {
+            Some(models) => format!("in {} and beside this file", models.display()),
+            None => "beside this file".to_owned(),
+        };
+        let message = format!("the model `{}` is not there (looked {looked})", details.path);
+        let mut help = String::new();
+        if let Some(source) = &details.source {
+            help += &format!("get it from {source}; ");
+        }
+        help += &format!("put it at DIR/{} and pass `--models DIR` (or set LIGHTWELL_MODELS)", details.path);
+        if let Some(stand_in) = &details.stand_in {
+            help += &format!("; or play its stand-in {stand_in}");
+        }
+        context.document.error(at, Kind::MissingFile, message).with_help(help)
+    }
+}
+
+fn model_source() -> Source {
+    Source {
+        components: OverrideFile::default(),
+        material: None,
+        prefab: None,
+        members: Vec::new(),
+        origin: Origin::Model,
+    }
+}
+
+/// The nodes above a node, the root first.
+fn ancestors(gltf: &Gltf, index: usize) -> Vec<usize> {
+    let mut chain: Vec<usize> = std::iter::successors(gltf.nodes[index].parent, |i| gltf.nodes[*i].parent).collect();
+    chain.reverse();
+    chain
+}
+
+/// Spawns nodes with all below them. Iterative: models may nest deeper than the stack.
+fn spawn_nodes(world: &mut GameWorld, gltf: &Gltf, roots: &[usize], parent: Entity, take: &Take) {
+    let mut names = Names::default();
+    let mut pending: Vec<(usize, Entity)> = roots.iter().rev().map(|r| (*r, parent)).collect();
+    while let Some((index, parent)) = pending.pop() {
+        let node = &gltf.nodes[index];
+        let name = names.unique(parent, &node.name);
+        let entity = world.spawn(&name, Some(parent));
+        world.ecs.entity_mut(entity).insert((node.local, model_source()));
+        spawn_primitives(world, node, entity, &mut names, take);
+        if let Some(light) = node.light.as_ref().filter(|_| take.lights) {
+            world.ecs.entity_mut(entity).insert(light.light());
+        }
+        if let Some(camera) = node.camera.as_ref().filter(|_| take.cameras) {
+            world.ecs.entity_mut(entity).insert(camera.camera());
+        }
+        pending.extend(node.children.iter().rev().map(|c| (*c, entity)));
+    }
+}
+
+fn spawn_primitives(world: &mut GameWorld, node: &GltfNode, entity: Entity, names: &mut Names, take: &Take) {
+    for (i, (mesh, material)) in node.primitives.iter().enumerate() {
+        let material = take.material.unwrap_or(material).clone();
+        let renderer = renderer(take.components, mesh.clone(), material);
+        if node.primitives.len() == 1 {
+            world.ecs.entity_mut(entity).insert(renderer);
+        } else {
+            let name = names.unique(entity, &format!("primitive {i}"));
+            let part = world.spawn(&name, Some(entity));
+            world.ecs.entity_mut(part).insert((renderer, model_source()));
+        }
+    }
+}
+
+/// Makes names unique among siblings, and free of `/`.
+#[derive(Default)]
+struct Names(HashSet<(Entity, String)>);
+
+impl Names {
+    fn unique(&mut self, parent: Entity, name: &str) -> String {
+        let base = name.replace('/', "_");
+        let mut name = base.clone();
+        let mut count = 2;
+        while !self.0.insert((parent, name.clone())) {
+            name = format!("{base} {count}");
+            count += 1;
+        }
+        name
+    }
+}
+
+/// Opens a glTF file as a scene: all of it, a camera that frames it if it has none, and a light if it has none.
+pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWorld, FileError> {
+    if !path.is_file() {
+        return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
+    }
+    let gltf = library.gltf(path).map_err(|e| FileError::new(path, Kind::Asset, e.to_string()))?;
+    let mut world = GameWorld::new();
+    let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
+    let model = world.spawn(&name.replace('/', "_"), None);
+    let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string();
+    let details = ModelDetails { path: file, lights: true, cameras: true, ..Default::default() };
+    let components = OverrideFile { model: Some(ModelFile::Detailed(details)), ..Default::default() };
+    let source = Source { components: components.clone(), origin: Origin::File, ..model_source() };
+    world.ecs.entity_mut(model).insert(source);
+    let take = Take { lights: true, cameras: true, material: None, components: &components };
+    spawn_nodes(&mut world, &gltf, &gltf.roots, model, &take);
+    world.ecs.insert_resource(SceneSettings::default());
+    world.ecs.insert_resource(SceneInfo { description: format!("{}", path.display()), ..SceneInfo::default() });
+    world.update();
+    complete(&mut world, path);
+    world.update();
+    Ok(world)
+}
+
+/// Adds what a scene needs and the model lacks.
+fn complete(world: &mut GameWorld, path: &Path) {
+    let mut bounds = Aabb::EMPTY;
+    for (place, renderer) in world.ecs.query::<(&GlobalTransform, &MeshRenderer)>().iter(&world.ecs) {
+        bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.0));
+    }
+    if world.ecs.query::<&Camera>().iter(&world.ecs).next().is_none() {
+        log::warn!("{}: the file has no camera; one that frames the whole model is added", path.display());
+        let (transform, camera) = framing_camera(&bounds);
+        let entity = world.spawn("framing camera", None);
+        let components = OverrideFile { transform: Some(transform), camera: Some(camera.clone()), ..Default::default() };
+        let source = Source { components, origin: Origin::File, ..model_source() };
+        world.ecs.entity_mut(entity).insert((Transform::from(transform), camera, source));
+    }
+    if world.ecs.query::<&Light>().iter(&world.ecs).next().is_none() {
+        log::warn!("{}: the file has no light; a directional light is added", path.display());
+        let transform = TransformFile {
+            translation: bounds.center() + Vec3::Y * bounds.size().length(),
+            rotation: Some(Rotation::Euler(Vec3::new(-55.0, 30.0, 0.0))),
+            ..Default::default()
+        };
+        let light = Light { kind: LightKind::Directional, intensity: 3.0, ..Default::default() };
+        let entity = world.spawn("default light", None);
+        let components = OverrideFile { transform: Some(transform), light: Some(light.clone()), ..Default::default() };
+        let source = Source { components, origin: Origin::File, ..model_source() };
+        world.ecs.entity_mut(entity).insert((Transform::from(transform), light, source));
+    }
+    let entity = world.spawn("light volumes", None);
+    let transform = TransformFile { translation: bounds.center(), ..Default::default() };
+    let components =
+        OverrideFile { transform: Some(transform), clpv: Some(Clpv::default()), ..Default::default() };
+    let source = Source { components, origin: Origin::File, ..model_source() };
+    world.ecs.entity_mut(entity).insert((Transform::from(transform), Clpv::default(), source));
+}
+
+/// A camera before the box, a little above and aside, that sees all of it.
+fn framing_camera(bounds: &Aabb) -> (TransformFile, Camera) {
+    let camera = Camera { fov: 45.0, primary: true, ..Default::default() };
+    let radius = (0.5 * bounds.size().length()).max(1e-3);
+    let distance = 1.05 * radius / (0.5 * camera.fov).to_radians().sin();
+    let center = bounds.center();
+    let translation = center + Vec3::new(0.45, 0.35, 1.0).normalize() * distance;
+    let camera = Camera { near: (1e-3 * distance).max(1e-6), ..camera };
+    (TransformFile { translation, look_at: Some(center), ..Default::default() }, camera)
+}

@@ -1,0 +1,343 @@
+//! From a world to a scene file.
+
+use super::document::{folder_of, ron_options};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::*;
+use super::source::{Origin, SceneInfo, Source};
+use super::tree::{Node, Step};
+use super::validate::Validator;
+use crate::world::{Animation, Camera, Clpv, GameWorld, Light, MeshRenderer, Name, SceneSettings, Transform};
+use bevy_ecs::prelude::{Entity, World};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes the world as a scene file: the rest pose, entities and assets as they were described where they have not
+/// changed. The file is replaced in one step; the one before is kept as `NAME.bak`.
+///
+/// # Errors
+/// When the world holds something that has no form in a file (a mesh made by code, a value that is not finite), or
+/// when the file cannot be written. The file is untouched then.
+pub fn save_scene(world: &GameWorld, path: &Path) -> Result<(), FileError> {
+    let text = scene_text(world, path)?;
+    write_atomically(path, &text)
+}
+
+/// The text of the scene file.
+pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    let writer = Writer { world, info, path };
+    let file = SceneFile {
+        description: info.description.clone(),
+        gi: info.gi,
+        settings: world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default(),
+        materials: info.materials.clone(),
+        entities: writer.entities(&world.roots())?,
+    };
+    Validator::scene(&file).map_err(|fault| {
+        let place = readable(&file, &fault.path);
+        let error = FileError::new(path, Kind::Unsavable, format!("cannot save {place}: {}", fault.message));
+        match fault.help {
+            Some(help) => error.with_help(help),
+            None => error,
+        }
+    })?;
+    let body = to_text(&file).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    let header = if info.header.is_empty() { String::new() } else { format!("{}\n", info.header) };
+    Ok(format!("{header}{body}\n"))
+}
+
+/// The path with entities by their names.
+fn readable(file: &SceneFile, path: &[Step]) -> String {
+    let mut entities = &file.entities;
+    let mut words: Vec<String> = Vec::new();
+    for pair in path.iter().enumerate() {
+        match pair {
+            (_, Step::Index(i)) if entities.len() > *i && words.last().is_some_and(|w| w == "entities" || w == "children") => {
+                words.pop();
+                words.push(format!("`{}`", entities[*i].name));
+                entities = &entities[*i].children;
+            }
+            (_, Step::Index(i)) => words.push(i.to_string()),
+            (_, Step::Key(key)) => words.push(key.clone()),
+        }
+    }
+    words.join(", ")
+}
+
+/// The file's text, without the fields that say what is the default anyway.
+pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
+    let mut tree = Node::parse(&ron_options().to_string(file)?);
+    let defaults = Defaults::new()?;
+    let whole = defaults.scene.clone();
+    tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
+    tree.drop_defaults(&whole, &["entities", "gi"]);
+    let body = tree.pretty();
+    Ok(format!("Scene{body}"))
+}
+
+/// How the defaults of components look in a file.
+struct Defaults {
+    scene: Node,
+    components: BTreeMap<&'static str, Node>,
+    material: Node,
+}
+
+impl Defaults {
+    fn new() -> Result<Self, ron::Error> {
+        fn node(value: &impl Serialize) -> Result<Node, ron::Error> {
+            Ok(Node::parse(&ron_options().to_string(value)?))
+        }
+        let components = BTreeMap::from([
+            ("light", node(&Light::default())?),
+            ("camera", node(&Camera::default())?),
+            ("clpv", node(&Clpv::default())?),
+        ]);
+        let mut scene = node(&SceneFile::default())?;
+        scene.for_each_field(&mut |key, value| {
+            if key == "settings" {
+                let all = value.clone();
+                value.drop_defaults(&all, &[]);
+            }
+        });
+        Ok(Self { scene, components, material: node(&MaterialFile::default())? })
+    }
+
+    fn drop_from(&self, key: &str, node: &mut Node) {
+        match key {
+            "gi" => node.unraw(),
+            "material" => node.drop_defaults(&self.material, &[]),
+            "materials" => node.for_each_field(&mut |_, material| material.drop_defaults(&self.material, &[])),
+            "settings" => {
+                let settings = SceneSettings::default();
+                if let Ok(text) = ron_options().to_string(&settings) {
+                    node.drop_defaults(&Node::parse(&text), &[]);
+                }
+            }
+            _ => {
+                if let Some(default) = self.components.get(key) {
+                    node.drop_defaults(default, &["kind", "intensity"]);
+                }
+            }
+        }
+    }
+}
+
+struct Writer<'a> {
+    world: &'a GameWorld,
+    info: &'a SceneInfo,
+    path: &'a Path,
+}
+
+impl Writer<'_> {
+    fn ecs(&self) -> &World {
+        &self.world.ecs
+    }
+
+    fn source(&self, entity: Entity) -> Option<&Source> {
+        self.ecs().get::<Source>(entity)
+    }
+
+    fn name(&self, entity: Entity) -> String {
+        self.ecs().get::<Name>(entity).map(|n| n.0.clone()).unwrap_or_default()
+    }
+
+    /// All that are to be written of these siblings.
+    fn entities(&self, siblings: &[Entity]) -> Result<Vec<EntityFile>, FileError> {
+        let written = siblings.iter().filter(|e| !self.is_from_model(**e));
+        written.map(|entity| self.entity(*entity)).collect()
+    }
+
+    fn is_from_model(&self, entity: Entity) -> bool {
+        self.source(entity).is_some_and(|s| matches!(s.origin, Origin::Model))
+    }
+
+    fn entity(&self, entity: Entity) -> Result<EntityFile, FileError> {
+        let mut file = EntityFile::with_components(self.name(entity), self.components(entity)?);
+        let mut children = self.world.children(entity);
+        // An instance that was taken out of another prefab is written out in full.
+        let instance = |s: &&Source| s.prefab.is_some() && matches!(s.origin, Origin::File);
+        if let Some(source) = self.source(entity).filter(instance) {
+            file.prefab = source.prefab.clone();
+            let mut found = Vec::new();
+            self.overrides(entity, "", &mut file.overrides, &mut found)?;
+            for member in source.members.iter().filter(|m| !found.contains(m)) {
+                // What lies below a removed entity goes with it.
+                let above = member.rsplit_once('/').map(|(above, _)| above.to_owned());
+                if above.is_none_or(|above| found.contains(&above)) {
+                    file.overrides.insert(member.clone(), OverrideFile { remove: true, ..Default::default() });
+                }
+            }
+            children.retain(|child| !self.is_member(*child, ""));
+        }
+        file.children = self.entities(&children)?;
+        Ok(file)
+    }
+
+    /// Whether the entity still stands where its prefab put it: below `parent`, a path within the instance.
+    fn is_member(&self, entity: Entity, parent: &str) -> bool {
+        self.source(entity).is_some_and(|source| {
+            matches!(&source.origin, Origin::Prefab { path, .. } if *path == join(parent, &self.name(entity)))
+        })
+    }
+
+    /// What differs below an instance from what its prefab says.
+    fn overrides(
+        &self,
+        entity: Entity,
+        path: &str,
+        overrides: &mut BTreeMap<String, OverrideFile>,
+        found: &mut Vec<String>,
+    ) -> Result<(), FileError> {
+        for child in self.world.children(entity) {
+            if !self.is_member(child, path) {
+                continue;
+            }
+            let Some(source) = self.source(child) else { continue };
+            let Origin::Prefab { base, material_overridden, .. } = &source.origin else { continue };
+            let path = join(path, &self.name(child));
+            let now = self.components(child)?;
+            let mut changes = now.changes_from(base);
+            // A name may mean another material in the prefab's own file.
+            if *material_overridden {
+                changes.material = now.material.clone();
+            }
+            let mut added = self.world.children(child);
+            added.retain(|grandchild| !self.is_member(*grandchild, &path));
+            changes.children = self.entities(&added)?;
+            if changes != OverrideFile::default() {
+                overrides.insert(path.clone(), changes);
+            }
+            found.push(path.clone());
+            self.overrides(child, &path, overrides, found)?;
+        }
+        Ok(())
+    }
+
+    /// The entity's components: as described where nothing has changed.
+    fn components(&self, entity: Entity) -> Result<OverrideFile, FileError> {
+        let described = self.source(entity).map(|s| s.components.clone()).unwrap_or_default();
+        let mut now = OverrideFile {
+            transform: self.transform(entity, described.transform),
+            light: self.ecs().get::<Light>(entity).cloned(),
+            camera: self.ecs().get::<Camera>(entity).cloned(),
+            clpv: self.ecs().get::<Clpv>(entity).cloned(),
+            animation: self.ecs().get::<Animation>(entity).cloned(),
+            model: described.model.clone(),
+            ..Default::default()
+        };
+        if let Some(renderer) = self.ecs().get::<MeshRenderer>(entity) {
+            self.surface(entity, renderer, &described, &mut now)?;
+        } else if described.model.is_some() {
+            now.material = described.material;
+            (now.casts_shadow, now.visible) = (described.casts_shadow, described.visible);
+        }
+        Ok(now)
+    }
+
+    fn transform(&self, entity: Entity, described: Option<TransformFile>) -> Option<TransformFile> {
+        let rest: Transform = self.world.rest_transform(entity);
+        if Transform::from(described.unwrap_or_default()) == rest {
+            return described;
+        }
+        Some(TransformFile::from(rest))
+    }
+
+    fn surface(
+        &self,
+        entity: Entity,
+        renderer: &MeshRenderer,
+        described: &OverrideFile,
+        now: &mut OverrideFile,
+    ) -> Result<(), FileError> {
+        let Some(shape) = self.info.shapes.get(&renderer.mesh.id) else {
+            let message = format!("`{}` has a mesh that comes from no file: `{}`", self.name(entity), renderer.mesh.name);
+            let error = FileError::new(self.path, Kind::Unsavable, message);
+            return Err(error.with_help("use a shape, or a model from a file"));
+        };
+        now.mesh = Some(shape.clone());
+        now.material = self.material(entity, renderer, described)?;
+        let flag = |now: bool, described: Option<bool>| if now == described.unwrap_or(true) { described } else { Some(now) };
+        now.casts_shadow = flag(renderer.casts_shadow, described.casts_shadow);
+        now.visible = flag(renderer.visible, described.visible);
+        Ok(())
+    }
+
+    fn material(
+        &self,
+        entity: Entity,
+        renderer: &MeshRenderer,
+        described: &OverrideFile,
+    ) -> Result<Option<MaterialRef>, FileError> {
+        let material = &renderer.material;
+        let source = self.source(entity);
+        let loaded = source.and_then(|s| s.material.as_ref());
+        let in_place = match source.map(|s| &s.origin) {
+            // Described in terms of the prefab: true only as long as the entity stands in it.
+            Some(Origin::Prefab { .. }) => self.stands_in_prefab(entity),
+            _ => true,
+        };
+        if in_place && loaded.is_some_and(|loaded| loaded.id == material.id) {
+            return Ok(described.material.clone());
+        }
+        if material.id == self.info.default_material.id {
+            return Ok(None);
+        }
+        if let Some(known) = self.info.materials_by_id.get(&material.id) {
+            return Ok(Some(known.clone()));
+        }
+        let Some(file) = MaterialFile::describe(material, self.info) else {
+            let message = format!("the material `{}` of `{}` has an image that comes from no file", material.name, self.name(entity));
+            return Err(FileError::new(self.path, Kind::Unsavable, message));
+        };
+        Ok(Some(MaterialRef::Inline(Box::new(file))))
+    }
+
+    fn stands_in_prefab(&self, entity: Entity) -> bool {
+        let Some(Origin::Prefab { path, .. }) = self.source(entity).map(|s| &s.origin) else { return false };
+        let mut node = Some(entity);
+        for name in path.rsplit('/') {
+            let Some(here) = node else { return false };
+            if self.name(here) != name {
+                return false;
+            }
+            node = self.world.parent(here);
+        }
+        node.and_then(|n| self.source(n)).is_some_and(|s| s.prefab.is_some())
+    }
+}
+
+fn join(parent: &str, name: &str) -> String {
+    if parent.is_empty() { name.to_owned() } else { format!("{parent}/{name}") }
+}
+
+fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
+    let failed = |what: &str, e: &std::io::Error| {
+        FileError::new(path, Kind::Io, format!("{what}: {e}")).with_help("check the folder's permissions and free space")
+    };
+    let name = path.file_name().ok_or_else(|| FileError::new(path, Kind::Io, "the path names no file"))?;
+    let folder = folder_of(path);
+    let with_suffix = |suffix: &str| {
+        let mut name = name.to_owned();
+        name.push(suffix);
+        folder.join(name)
+    };
+    let temporary = with_suffix(&format!(".{}.tmp", std::process::id()));
+    let write = || -> std::io::Result<()> {
+        let mut file = std::fs::File::create(&temporary)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    };
+    let result = write().map_err(|e| failed("cannot write beside it", &e)).and_then(|()| {
+        if path.exists() {
+            std::fs::copy(path, with_suffix(".bak")).map_err(|e| failed("cannot keep the file before as backup", &e))?;
+        }
+        std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e))
+    });
+    if result.is_err() {
+        let _ = std::fs::remove_file(&temporary);
+    }
+    result
+}

@@ -1,0 +1,87 @@
+//! Where entities and assets come from, kept in the world so that a save writes them as they were described.
+
+use super::document::Document;
+use super::format::{Gi, MaterialFile, MaterialRef, OverrideFile, SceneFile, Shape, TextureFile};
+use crate::assets::{AssetId, Material};
+use bevy_ecs::prelude::{Component, Resource};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// How a file described the entity. What has changed since is written by its present value, all else as described.
+#[derive(Component, Clone, Debug)]
+pub struct Source {
+    /// The components, overrides of prefab instances included.
+    pub components: OverrideFile,
+    /// The material that loading made from `components.material`.
+    pub material: Option<Arc<Material>>,
+    /// The prefab that the entity is an instance of, as the file names it.
+    pub prefab: Option<String>,
+    /// For an instance in the scene file: the paths of all of the prefab's entities below it.
+    pub members: Vec<String>,
+    /// Where the entity stands in the files.
+    pub origin: Origin,
+}
+
+/// Which file an entity is described in.
+#[derive(Clone, Debug)]
+pub enum Origin {
+    /// In the scene file itself.
+    File,
+    /// In a prefab.
+    Prefab {
+        /// Names from the instance in the scene file down to it.
+        path: String,
+        /// Its components without the overrides of the scene file.
+        base: Box<OverrideFile>,
+        /// Whether the scene file overrides its material.
+        material_overridden: bool,
+    },
+    /// Made from a node of a glTF model; never written.
+    Model,
+}
+
+/// What belongs to a scene file as a whole, besides its settings; and the descriptions of the assets it uses.
+#[derive(Resource, Clone, Debug)]
+pub struct SceneInfo {
+    /// What the scene shows, for people.
+    pub description: String,
+    /// Method of indirect light that it asks for.
+    pub gi: Gi,
+    /// Named materials.
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// Shapes by the identity of their mesh. A world edited by code may add what it has made of shapes.
+    pub shapes: HashMap<AssetId, Shape>,
+    /// Material of shapes that are given none.
+    pub default_material: Arc<Material>,
+    /// Comments at the start of the file.
+    pub(super) header: String,
+    pub(super) materials_by_id: HashMap<AssetId, MaterialRef>,
+    pub(super) textures_by_id: HashMap<AssetId, TextureFile>,
+}
+
+impl Default for SceneInfo {
+    fn default() -> Self {
+        Self {
+            description: String::new(),
+            gi: Gi::default(),
+            materials: BTreeMap::new(),
+            shapes: HashMap::new(),
+            default_material: Arc::new(Material::new("default")),
+            header: String::new(),
+            materials_by_id: HashMap::new(),
+            textures_by_id: HashMap::new(),
+        }
+    }
+}
+
+impl SceneInfo {
+    pub(super) fn new(document: &Document, file: &SceneFile) -> Self {
+        Self {
+            description: file.description.clone(),
+            gi: file.gi,
+            materials: file.materials.clone(),
+            header: document.header().to_owned(),
+            ..Self::default()
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Prefab instances and their overrides.
+
+use super::*;
+use crate::assets::Mesh;
+use crate::world::{Light, MeshRenderer, Transform};
+use glam::{Quat, Vec3};
+use std::sync::Arc;
+
+const LAMP: &str = r#"Prefab(
+    materials: { "metal": (color: (0.2, 0.2, 0.2)), "glass": (color: (0.9, 0.9, 0.9)) },
+    entities: [
+        (name: "Pole", mesh: Box(size: (0.1, 2, 0.1)), material: "metal", children: [
+            (name: "Bulb", transform: (translation: (0, 1, 0)), mesh: Box(size: (0.2, 0.2, 0.2)), material: "glass",
+                light: (kind: Point, intensity: 3)),
+            (name: "Sign", mesh: Box(size: (0.3, 0.2, 0.01))),
+        ]),
+    ],
+)"#;
+
+const PAIR: &str = r#"(entities: [
+    (name: "Left", prefab: "lamp.prefab.ron"),
+    (name: "Right", prefab: "lamp.prefab.ron", overrides: { "Pole/Bulb": (light: (kind: Point, intensity: 5)) }),
+])"#;
+
+const SCENE: &str = r#"(
+    materials: { "glass": (color: (0, 0, 1)) },
+    entities: [
+        (name: "Street", prefab: "pair.prefab.ron", transform: (translation: (0, 0, -4)), overrides: {
+            "Right/Pole/Bulb": (transform: (translation: (0, 0.5, 0)), material: "glass"),
+            "Right/Pole/Sign": (remove: true),
+            "Left/Pole/Bulb": (without: [Light], children: [(name: "Fly")]),
+        }, children: [(name: "Post")]),
+    ],
+)"#;
+
+fn street() -> Folder {
+    Folder::new(&[("lamp.prefab.ron", LAMP), ("pair.prefab.ron", PAIR), ("street.scene.ron", SCENE)])
+}
+
+fn color(world: &GameWorld, path: &str) -> Vec3 {
+    let entity = at(world, path).unwrap();
+    world.ecs.get::<MeshRenderer>(entity).unwrap().material.base_color.truncate()
+}
+
+fn intensity(world: &GameWorld, path: &str) -> Option<f32> {
+    world.ecs.get::<Light>(at(world, path).unwrap()).map(|l| l.intensity)
+}
+
+fn check_street(world: &GameWorld) {
+    assert_eq!(intensity(world, "Street/Left/Pole/Bulb"), None);
+    assert_eq!(intensity(world, "Street/Right/Pole/Bulb"), Some(5.0));
+    assert_eq!(color(world, "Street/Left/Pole/Bulb"), Vec3::splat(0.9));
+    assert_eq!(color(world, "Street/Right/Pole/Bulb"), Vec3::Z);
+    assert!(at(world, "Street/Right/Pole/Sign").is_none() && at(world, "Street/Left/Pole/Sign").is_some());
+    assert!(at(world, "Street/Left/Pole/Bulb/Fly").is_some() && at(world, "Street/Post").is_some());
+    let bulb = world.ecs.get::<Transform>(at(world, "Street/Right/Pole/Bulb").unwrap()).unwrap();
+    assert_eq!(bulb.translation, Vec3::new(0.0, 0.5, 0.0));
+}
+
+#[test]
+fn overrides_reach_nested_instances_and_survive_a_save() {
+    let folder = street();
+    let world = folder.load("street.scene.ron").unwrap();
+    check_street(&world);
+    save_scene(&world, &folder.path("saved.scene.ron")).unwrap();
+    let saved = folder.read("saved.scene.ron");
+    assert!(saved.contains("prefab: \"pair.prefab.ron\"") && !saved.contains("metal"), "{saved}");
+    let again = folder.load("saved.scene.ron").unwrap_or_else(|e| panic!("{e}\n{saved}"));
+    check_street(&again);
+    save_scene(&again, &folder.path("twice.scene.ron")).unwrap();
+    assert_eq!(folder.read("twice.scene.ron"), saved);
+}
+
+#[test]
+fn equal_shapes_and_named_materials_are_shared() {
+    let world = street().load("street.scene.ron").unwrap();
+    let mesh = |path: &str| -> Arc<Mesh> { world.ecs.get::<MeshRenderer>(at(&world, path).unwrap()).unwrap().mesh.clone() };
+    assert!(Arc::ptr_eq(&mesh("Street/Left/Pole"), &mesh("Street/Right/Pole")));
+}
+
+#[test]
+fn edits_inside_an_instance_become_overrides() {
+    let folder = street();
+    let mut world = folder.load("street.scene.ron").unwrap();
+    let pole = at(&world, "Street/Left/Pole").unwrap();
+    let mut material = (*world.ecs.get::<MeshRenderer>(pole).unwrap().material).clone();
+    material.roughness = 0.25;
+    material.id = crate::assets::AssetId::fresh();
+    world.ecs.get_mut::<MeshRenderer>(pole).unwrap().material = Arc::new(material);
+    let sign = at(&world, "Street/Left/Pole/Sign").unwrap();
+    world.ecs.despawn(sign);
+    let right = at(&world, "Street/Right").unwrap();
+    let turned = Transform { rotation: Quat::from_rotation_y(1.0), ..Default::default() };
+    world.ecs.entity_mut(right).insert(turned);
+    save_scene(&world, &folder.path("saved.scene.ron")).unwrap();
+    let again = folder.load("saved.scene.ron").unwrap();
+    assert_eq!(again.ecs.get::<MeshRenderer>(at(&again, "Street/Left/Pole").unwrap()).unwrap().material.roughness, 0.25);
+    assert!(at(&again, "Street/Left/Pole/Sign").is_none());
+    assert_eq!(*again.ecs.get::<Transform>(at(&again, "Street/Right").unwrap()).unwrap(), turned);
+    assert_eq!(intensity(&again, "Street/Right/Pole/Bulb"), Some(5.0));
+}
+
+#[test]
+fn a_mesh_made_by_code_cannot_be_saved_and_leaves_the_file_alone() {
+    let folder = street();
+    let mut world = folder.load("street.scene.ron").unwrap();
+    let entity = world.spawn("Code", None);
+    let renderer = MeshRenderer {
+        mesh: Arc::new(Mesh::new("made", Vec::new(), Vec::new())),
+        material: Arc::new(crate::assets::Material::new("m")),
+        casts_shadow: true,
+        visible: true,
+    };
+    world.ecs.entity_mut(entity).insert(renderer);
+    let error = save_scene(&world, &folder.path("street.scene.ron")).unwrap_err();
+    assert_eq!(error.kind, FileErrorKind::Unsavable);
+    assert!(error.message.contains("`Code`"), "{error}");
+    assert_eq!(folder.read("street.scene.ron"), SCENE);
+    world.ecs.entity_mut(entity).remove::<MeshRenderer>();
+    world.ecs.entity_mut(entity).insert(Light { intensity: f32::NAN, ..Default::default() });
+    let error = save_scene(&world, &folder.path("street.scene.ron")).unwrap_err();
+    assert!(error.message.contains("`Code`, light, intensity"), "{error}");
+}

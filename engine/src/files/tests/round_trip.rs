@@ -1,0 +1,170 @@
+//! Load → save → load is the identity; saves are atomic and keep what they replace.
+
+use super::super::document::Document;
+use super::super::save::{scene_text, to_text};
+use super::*;
+use crate::world::{Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings, Transform};
+use glam::{Quat, Vec3};
+use proptest::collection::vec;
+use proptest::option::of;
+use proptest::prelude::*;
+
+const SCENE: &str = r#"// A scene.
+/* Second line. */
+
+Scene(
+    gi: None,
+    settings: (sky: (0.1, 0.2, 0.3), duration: 4),
+    materials: { "red": (color: (1, 0, 0), specular: 0), "unused": () },
+    entities: [
+        // An inner comment.
+        (name: "Ball", transform: (rotation: (10, 20, 30), scale: 2), mesh: Sphere(radius: 0.5), material: "red",
+            children: [(name: "Box", mesh: Box(size: (1, 2, 3)), material: (color: (0, 1, 0)), casts_shadow: false)]),
+        (name: "Eye", transform: (translation: (0, 1, 4), look_at: (0, 0, 0)), camera: (fov: 45)),
+        (name: "Sun", light: (kind: Directional, intensity: 3)),
+    ],
+)
+"#;
+
+#[test]
+fn a_save_keeps_the_description_the_header_and_a_backup() {
+    let folder = Folder::new(&[("a.scene.ron", SCENE)]);
+    let world = folder.load("a.scene.ron").unwrap();
+    save_scene(&world, &folder.path("a.scene.ron")).unwrap();
+    let saved = folder.read("a.scene.ron");
+    assert!(saved.starts_with("// A scene.\n/* Second line. */\nScene(\n"), "{saved}");
+    for kept in ["rotation: (10.0, 20.0, 30.0)", "scale: 2.0", "look_at: (0.0, 0.0, 0.0)", "\"unused\": ()", "gi: None", "material: \"red\""] {
+        assert!(saved.contains(kept), "{kept} in\n{saved}");
+    }
+    assert!(!saved.contains("rsm_size"), "defaults are left out:\n{saved}");
+    assert_eq!(folder.read("a.scene.ron.bak"), SCENE);
+    let again = folder.load("a.scene.ron").unwrap();
+    save_scene(&again, &folder.path("a.scene.ron")).unwrap();
+    assert_eq!(folder.read("a.scene.ron"), saved);
+    let names: Vec<_> = std::fs::read_dir(folder.path("")).unwrap().flatten().map(|e| e.file_name()).collect();
+    assert_eq!(names.len(), 2, "no temporary file is left: {names:?}");
+}
+
+#[test]
+fn a_moved_entity_is_saved_where_it_stands() {
+    let folder = Folder::new(&[("a.scene.ron", SCENE)]);
+    let mut world = folder.load("a.scene.ron").unwrap();
+    let ball = at(&world, "Ball").unwrap();
+    let place = Transform { translation: Vec3::new(0.1, 1.0 / 3.0, -7.0), rotation: Quat::from_rotation_x(0.3), scale: Vec3::new(1.0, -1.0, 0.0) };
+    world.ecs.entity_mut(ball).insert(place);
+    save_scene(&world, &folder.path("b.scene.ron")).unwrap();
+    let again = folder.load("b.scene.ron").unwrap();
+    assert_eq!(*again.ecs.get::<Transform>(at(&again, "Ball").unwrap()).unwrap(), place);
+}
+
+#[test]
+fn a_failed_write_leaves_the_file() {
+    let folder = Folder::new(&[("a.scene.ron", SCENE)]);
+    let world = folder.load("a.scene.ron").unwrap();
+    let error = save_scene(&world, &folder.path("nowhere/a.scene.ron")).unwrap_err();
+    assert!(matches!(error.kind, FileErrorKind::Io), "{error}");
+    assert_eq!(folder.read("a.scene.ron"), SCENE);
+}
+
+#[test]
+fn shipped_scenes_survive_a_round_trip() {
+    for name in ["cornell", "prefabs"] {
+        let path = shipped(&format!("scenes/{name}.scene.ron"));
+        let load = |p: &Path| load_scene(p, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let world = load(&path);
+        let text = scene_text(&world, &path).unwrap();
+        let (_, before) = Document::read::<SceneFile>(&path).unwrap();
+        let (_, after) = Document::parse::<SceneFile>(&path, text.clone()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(before, after, "{text}");
+    }
+}
+
+fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![-100.0f32..100.0, (-20i32..20).prop_map(|i| i as f32), Just(1e-6), Just(1.0 / 3.0)]
+}
+
+fn vector() -> impl Strategy<Value = Vec3> {
+    [number(), number(), number()].prop_map(Vec3::from)
+}
+
+fn transform() -> impl Strategy<Value = TransformFile> {
+    let rotation = prop_oneof![
+        vector().prop_map(Rotation::Euler),
+        [0.1f32..1.0, -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(|q| Rotation::Quaternion(Quat::from_array(q))),
+    ];
+    let scale = prop_oneof![number().prop_map(Scale::Uniform), vector().prop_map(Scale::Axes)];
+    (vector(), of(rotation), of(scale), any::<bool>()).prop_map(|(translation, rotation, scale, look)| TransformFile {
+        translation,
+        rotation: rotation.filter(|_| !look),
+        look_at: look.then_some(translation + Vec3::new(1.0, 2.0, -3.0)),
+        scale,
+    })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let kind = prop_oneof![
+        Just(LightKind::Directional),
+        Just(LightKind::Point),
+        (0.0f32..40.0, 41.0f32..90.0).prop_map(|(inner, outer)| LightKind::Spot { inner, outer }),
+    ];
+    (kind, 0.0f32..1e4, of(0.1f32..50.0), any::<bool>(), 16u32..4096)
+        .prop_map(|(kind, intensity, range, casts_shadow, shadow_size)| Light { kind, intensity, range, casts_shadow, shadow_size, ..Default::default() })
+}
+
+fn clpv() -> impl Strategy<Value = Clpv> {
+    let placement = prop_oneof![Just(ClpvPlacement::Fixed), (0.0f32..1.0).prop_map(|ahead| ClpvPlacement::Camera { ahead })];
+    let size = prop_oneof![Just(CellSize::Auto), (0.01f32..10.0).prop_map(CellSize::Meters)];
+    (placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024)
+        .prop_map(|(placement, cascades, cells, cell_size, steps)| Clpv { placement, cascades, cells, cell_size, steps, ..Default::default() })
+}
+
+fn material() -> impl Strategy<Value = MaterialRef> {
+    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>()).prop_map(|(color, roughness, double_sided)| {
+        MaterialRef::Inline(Box::new(MaterialFile { color: color.into(), roughness, double_sided, ..Default::default() }))
+    });
+    prop_oneof![Just(MaterialRef::Named("a \"b\" \\ ü".into())), inline]
+}
+
+fn entity() -> impl Strategy<Value = EntityFile> {
+    let mesh = [0.01f32..10.0, 0.01f32..10.0, 0.01f32..10.0].prop_map(|size| Shape::Box { size });
+    let camera = (1.0f32..179.0, 0.001f32..1.0, of(2.0f32..1e3), any::<bool>()).prop_map(|(fov, near, far, primary)| Camera { fov, near, far, primary });
+    let leaf = ("[^/]{1,12}", of(transform()), of((mesh, of(material()), of(any::<bool>()))), of(light()), of(camera), of(clpv()));
+    let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(|(name, transform, surface, light, camera, clpv)| {
+        let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
+        EntityFile { name, transform, mesh, material, casts_shadow, light, camera, clpv, ..Default::default() }
+    });
+    leaf.prop_recursive(4, 24, 4, |inner| {
+        (inner.clone(), vec(inner, 0..4)).prop_map(|(mut parent, children)| {
+            parent.children = unique(children);
+            parent
+        })
+    })
+}
+
+fn unique(mut entities: Vec<EntityFile>) -> Vec<EntityFile> {
+    let mut names = std::collections::HashSet::new();
+    entities.retain(|e| names.insert(e.name.clone()));
+    entities
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+    #[test]
+    fn generated_scenes_survive_a_round_trip(entities in vec(entity(), 0..5), exposure in number(), sky in 0.0f32..10.0) {
+        let file = SceneFile {
+            description: "line\nbreak \"quoted\" // no comment".into(),
+            settings: SceneSettings { exposure, sky: Vec3::splat(sky), ..Default::default() },
+            materials: [("a \"b\" \\ ü".to_owned(), MaterialFile { metallic: 1.0, ..Default::default() })].into(),
+            entities: unique(entities),
+            ..Default::default()
+        };
+        let text = to_text(&file).unwrap();
+        let path = Path::new("x.scene.ron");
+        let (_, parsed) = Document::parse::<SceneFile>(path, text.clone()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        prop_assert_eq!(&parsed, &file, "{}", text);
+        let folder = Folder::new(&[("x.scene.ron", &text)]);
+        let world = folder.load("x.scene.ron").unwrap_or_else(|e| panic!("{e}"));
+        let saved = scene_text(&world, path).unwrap();
+        prop_assert_eq!(saved, text + "\n");
+    }
+}

@@ -1,0 +1,336 @@
+//! The shape of a RON text: where each value stands, and a writer that keeps short groups on one line.
+//!
+//! `ron` gives the place of a syntax error, but a value that is well formed and still wrong (a negative size, a name
+//! given twice) is found later, when only the values are left. The tree finds the place again by the value's path.
+
+use std::ops::Range;
+
+/// One step from a value to a value inside it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Field of a structure, or key of a map.
+    Key(String),
+    /// Element of a list or tuple.
+    Index(usize),
+}
+
+/// A value in a RON text.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Bytes that it covers.
+    pub span: Range<usize>,
+    /// A literal, or the name before a group's bracket, may be empty.
+    head: String,
+    /// The bracketed rest, if any.
+    group: Option<Group>,
+}
+
+#[derive(Clone, Debug)]
+struct Group {
+    open: char,
+    items: Vec<Item>,
+}
+
+#[derive(Clone, Debug)]
+struct Item {
+    key: Option<String>,
+    key_text: String,
+    node: Node,
+}
+
+/// Longest line that the writer makes where it has a choice [characters].
+const WIDTH: usize = 110;
+
+impl Node {
+    /// Reads the shape of a text that `ron` has accepted. Anything else gives some tree, but never a panic.
+    pub fn parse(text: &str) -> Self {
+        let mut scanner = Scanner { text, at: 0 };
+        scanner.value(0)
+    }
+
+    /// The value at the path, or the innermost one on the way there.
+    pub fn find(&self, path: &[Step]) -> &Node {
+        let mut node = self;
+        for step in path {
+            match node.child(step) {
+                Some(child) => node = child,
+                None => break,
+            }
+        }
+        node
+    }
+
+    fn child(&self, step: &Step) -> Option<&Node> {
+        let items = &self.group.as_ref()?.items;
+        match step {
+            Step::Index(index) => items.get(*index).map(|item| &item.node),
+            Step::Key(key) => items.iter().find(|item| item.key.as_deref() == Some(key)).map(|item| &item.node),
+        }
+    }
+
+    /// Drops the fields of this group that say the same as `default`, and the whole `key: value` of empty groups.
+    pub fn drop_defaults(&mut self, default: &Node, keep: &[&str]) {
+        let (Some(group), Some(other)) = (&mut self.group, &default.group) else { return };
+        group.items.retain(|item| {
+            let Some(key) = &item.key else { return true };
+            let same = other.items.iter().any(|d| d.key.as_ref() == Some(key) && d.node.compact() == item.node.compact());
+            keep.contains(&key.as_str()) || !same
+        });
+    }
+
+    /// Writes a plain `None` where `ron` writes the raw name `r#None` for a variant that is not the option's.
+    pub fn unraw(&mut self) {
+        if let Some(plain) = self.head.strip_prefix("r#").filter(|_| self.group.is_none()) {
+            self.head = plain.to_owned();
+        }
+    }
+
+    /// Calls `f` with the key of every field in the tree and its value, outermost first.
+    pub fn for_each_field(&mut self, f: &mut impl FnMut(&str, &mut Node)) {
+        let Some(group) = &mut self.group else { return };
+        for item in &mut group.items {
+            if let Some(key) = &item.key {
+                f(key, &mut item.node);
+            }
+            item.node.for_each_field(f);
+        }
+    }
+
+    /// The value on one line.
+    pub fn compact(&self) -> String {
+        let Some(group) = &self.group else { return self.head.clone() };
+        let items: Vec<String> = group.items.iter().map(Item::compact).collect();
+        let newtype = group.open == '(' && items.len() == 1 && group.items[0].key.is_none() && self.head.is_empty();
+        let comma = if newtype { "," } else { "" };
+        format!("{}{}{}{comma}{}", self.head, group.open, items.join(", "), closing(group.open))
+    }
+
+    /// The value over as many lines as it needs.
+    pub fn pretty(&self) -> String {
+        let mut out = String::new();
+        self.write(&mut out, 0, 0);
+        out
+    }
+
+    fn write(&self, out: &mut String, indent: usize, used: usize) {
+        let compact = self.compact();
+        let Some(group) = &self.group else {
+            out.push_str(&compact);
+            return;
+        };
+        // Lists of structures read best one a line, even if short; the outermost group is always opened.
+        let is_list = group.open == '[' && group.items.iter().any(|i| i.node.group.is_some());
+        if indent > 0 && !is_list && used + compact.chars().count() < WIDTH || group.items.is_empty() {
+            out.push_str(&compact);
+            return;
+        }
+        out.push_str(&self.head);
+        out.push(group.open);
+        out.push('\n');
+        for item in &group.items {
+            let pad = 4 * (indent + 1);
+            out.push_str(&" ".repeat(pad));
+            let key = item.prefix();
+            out.push_str(&key);
+            item.node.write(out, indent + 1, pad + key.chars().count());
+            out.push_str(",\n");
+        }
+        out.push_str(&" ".repeat(4 * indent));
+        out.push(closing(group.open));
+    }
+}
+
+impl Item {
+    fn prefix(&self) -> String {
+        if self.key.is_some() { format!("{}: ", self.key_text) } else { String::new() }
+    }
+
+    fn compact(&self) -> String {
+        self.prefix() + &self.node.compact()
+    }
+}
+
+fn closing(open: char) -> char {
+    match open {
+        '(' => ')',
+        '[' => ']',
+        _ => '}',
+    }
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+/// Beyond what `ron` reads (128), so that only texts that it refuses are cut short.
+const MAX_DEPTH: usize = 200;
+
+impl Scanner<'_> {
+    fn value(&mut self, depth: usize) -> Node {
+        self.skip_blank();
+        while self.rest().starts_with("#!") {
+            let end = self.rest().find(']').map_or(self.rest().len(), |i| i + 1);
+            self.at += end;
+            self.skip_blank();
+        }
+        let start = self.at;
+        let head = self.head();
+        let mut end = self.at;
+        self.skip_blank();
+        let mut group = None;
+        if let Some(open) = self.peek().filter(|c| matches!(c, '(' | '[' | '{')) {
+            if depth < MAX_DEPTH {
+                self.at += 1;
+                group = Some(Group { open, items: self.items(closing(open), depth + 1) });
+            } else {
+                self.at = self.text.len();
+            }
+            end = self.at;
+        }
+        Node { span: start..end.max(start), head, group }
+    }
+
+    fn items(&mut self, close: char, depth: usize) -> Vec<Item> {
+        let mut items = Vec::new();
+        loop {
+            self.skip_blank();
+            match self.peek() {
+                None => return items,
+                Some(c) if c == close => {
+                    self.at += 1;
+                    return items;
+                }
+                Some(c @ (',' | ')' | ']' | '}' | ':')) => {
+                    self.at += c.len_utf8();
+                    continue;
+                }
+                Some(_) => {}
+            }
+            let before = self.at;
+            let first = self.value(depth);
+            self.skip_blank();
+            if self.peek() == Some(':') {
+                self.at += 1;
+                let key_text = self.text[first.span.clone()].to_owned();
+                let key = unquote(&key_text);
+                let node = self.value(depth);
+                items.push(Item { key: Some(key), key_text, node });
+            } else {
+                items.push(Item { key: None, key_text: String::new(), node: first });
+            }
+            if self.at == before {
+                self.at += self.peek().map_or(1, char::len_utf8);
+            }
+        }
+    }
+
+    /// A string, number or name.
+    fn head(&mut self) -> String {
+        let start = self.at;
+        let rest = self.rest();
+        let raw = rest.strip_prefix('r').map(|r| (r.len() - r.trim_start_matches('#').len(), r));
+        match raw {
+            Some((hashes, r)) if r[hashes..].starts_with('"') => {
+                let end = format!("\"{}", "#".repeat(hashes));
+                let body = &r[hashes + 1..];
+                let length = body.find(&end).map_or(body.len(), |i| i + end.len());
+                self.at += 2 + hashes + length;
+            }
+            _ if rest.starts_with('"') => self.quoted('"'),
+            _ if rest.starts_with('\'') => self.quoted('\''),
+            _ => {
+                let stop = |c: char| c.is_whitespace() || "()[]{},:\"/".contains(c);
+                self.at += rest.find(stop).unwrap_or(rest.len());
+            }
+        }
+        self.text[start..self.at].to_owned()
+    }
+
+    fn quoted(&mut self, quote: char) {
+        let mut escaped = false;
+        for (i, c) in self.rest().char_indices().skip(1) {
+            if c == quote && !escaped {
+                self.at += i + 1;
+                return;
+            }
+            escaped = c == '\\' && !escaped;
+        }
+        self.at = self.text.len();
+    }
+
+    fn skip_blank(&mut self) {
+        loop {
+            let rest = self.rest();
+            self.at += rest.len() - rest.trim_start().len();
+            let rest = self.rest();
+            if rest.starts_with("//") {
+                self.at += rest.find('\n').unwrap_or(rest.len());
+            } else if rest.starts_with("/*") {
+                self.at += block_comment(rest);
+            } else {
+                return;
+            }
+        }
+    }
+
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+}
+
+/// Length of the block comment (they nest) that the text starts with.
+pub fn block_comment(text: &str) -> usize {
+    let (mut depth, mut i, bytes) = (0usize, 0, text.as_bytes());
+    while i + 1 < bytes.len() {
+        match &bytes[i..i + 2] {
+            b"/*" => depth += 1,
+            b"*/" if depth == 1 => return i + 2,
+            b"*/" => depth = depth.saturating_sub(1),
+            _ => {
+                i += 1;
+                continue;
+            }
+        }
+        i += 2;
+    }
+    text.len()
+}
+
+/// The text of a string literal as the file means it; other text stays as it is.
+fn unquote(text: &str) -> String {
+    ron::from_str::<String>(text).unwrap_or_else(|_| text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(k: &str) -> Step {
+        Step::Key(k.into())
+    }
+
+    #[test]
+    fn finds_values_by_path_past_comments_and_strings() {
+        let text = "// c ( [\n(a: \"x, (\", /* ) */ b: [ (c: Box(size: (1, -2, 3))), 7 ], m: {\"k /*\": 5})";
+        let tree = Node::parse(text);
+        let at = |path: &[Step]| &text[tree.find(path).span.clone()];
+        assert_eq!(at(&[key("a")]), "\"x, (\"");
+        assert_eq!(at(&[key("b"), Step::Index(0), key("c"), key("size"), Step::Index(1)]), "-2");
+        assert_eq!(at(&[key("b"), Step::Index(1)]), "7");
+        assert_eq!(at(&[key("m"), key("k /*")]), "5");
+        assert_eq!(at(&[key("b"), key("nothing")]), "[ (c: Box(size: (1, -2, 3))), 7 ]");
+    }
+
+    #[test]
+    fn writes_short_groups_on_one_line_and_reads_its_own_text() {
+        let text = format!("(a:[(x:1,y:(2,3)),(x:4)],long:[{}],e:())", "(name:\"some name\"),".repeat(12));
+        let pretty = Node::parse(&text).pretty();
+        assert!(pretty.contains("        (x: 1, y: (2, 3)),\n"), "{pretty}");
+        assert_eq!(Node::parse(&pretty).pretty(), pretty);
+    }
+}

@@ -1,0 +1,260 @@
+//! What values a file may hold: ranges, finite numbers, unique names.
+
+use super::error::FileErrorKind as Kind;
+use super::format::*;
+use super::suggest::suggestion;
+use super::tree::Step;
+use crate::assets::AssetError;
+use crate::world::{Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
+use glam::Vec3;
+use std::collections::{BTreeMap, HashSet};
+
+/// What is wrong with a value, and which.
+#[derive(Debug)]
+pub struct Fault {
+    /// Path of the value in the file.
+    pub path: Vec<Step>,
+    /// Kind.
+    pub kind: Kind,
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+type Checked = Result<(), Box<Fault>>;
+
+/// Walks a file's values and keeps the path.
+#[derive(Default)]
+pub struct Validator {
+    path: Vec<Step>,
+    materials: Vec<String>,
+}
+
+impl Validator {
+    /// Checks a scene file.
+    pub fn scene(file: &SceneFile) -> Checked {
+        let mut v = Self { path: Vec::new(), materials: file.materials.keys().cloned().collect() };
+        v.field("settings", |v| v.settings(&file.settings))?;
+        v.field("materials", |v| v.materials(&file.materials))?;
+        v.field("entities", |v| v.siblings(&file.entities))
+    }
+
+    /// Checks a prefab file.
+    pub fn prefab(file: &PrefabFile) -> Checked {
+        let mut v = Self { path: Vec::new(), materials: file.materials.keys().cloned().collect() };
+        v.field("materials", |v| v.materials(&file.materials))?;
+        v.field("entities", |v| v.siblings(&file.entities))
+    }
+
+    fn field(&mut self, name: &str, check: impl FnOnce(&mut Self) -> Checked) -> Checked {
+        self.step(Step::Key(name.to_owned()), check)
+    }
+
+    fn step(&mut self, step: Step, check: impl FnOnce(&mut Self) -> Checked) -> Checked {
+        self.path.push(step);
+        let result = check(self);
+        self.path.pop();
+        result
+    }
+
+    fn fault(&self, field: &str, kind: Kind, message: impl Into<String>, help: impl Into<String>) -> Box<Fault> {
+        let mut path = self.path.clone();
+        if !field.is_empty() {
+            path.push(Step::Key(field.to_owned()));
+        }
+        Box::new(Fault { path, kind, message: message.into(), help: Some(help.into()).filter(|h| !h.is_empty()) })
+    }
+
+    fn require(&self, ok: bool, field: &str, message: impl Into<String>, help: &str) -> Checked {
+        if ok { Ok(()) } else { Err(self.fault(field, Kind::BadValue, message, help)) }
+    }
+
+    fn number(&self, field: &str, value: f32, low: f32, high: f32) -> Checked {
+        let ok = value.is_finite() && value >= low && value <= high;
+        self.require(ok, field, format!("`{field}` is {value}"), &range_help(low, high))
+    }
+
+    fn color(&self, field: &str, value: Vec3, high: f32) -> Checked {
+        let ok = value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= high;
+        self.require(ok, field, format!("`{field}` is ({}, {}, {})", value.x, value.y, value.z), &range_help(0.0, high))
+    }
+
+    fn finite(&self, field: &str, value: &[f32]) -> Checked {
+        let ok = value.iter().all(|v| v.is_finite());
+        self.require(ok, field, format!("`{field}` is not finite: {value:?}"), "use finite numbers")
+    }
+
+    fn settings(&mut self, s: &SceneSettings) -> Checked {
+        self.color("sky", s.sky, f32::MAX)?;
+        self.number("exposure", s.exposure, -100.0, 100.0)?;
+        self.number("move_speed", s.move_speed, 0.0, f32::MAX)?;
+        if let Some(duration) = s.duration {
+            self.require(duration.is_finite() && duration > 0.0, "duration", format!("`duration` is {duration}"), "use a time above zero [s], or leave it out for no loop")?;
+        }
+        self.require((1..=1000).contains(&s.frame_rate), "frame_rate", format!("`frame_rate` is {}", s.frame_rate), "use 1 to 1000 frames a second")
+    }
+
+    fn materials(&mut self, materials: &BTreeMap<String, MaterialFile>) -> Checked {
+        for (name, material) in materials {
+            self.field(name, |v| v.material(material))?;
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, m: &MaterialFile) -> Checked {
+        self.color("color", m.color, 1.0)?;
+        self.number("alpha", m.alpha, 0.0, 1.0)?;
+        if let AlphaModeFile::Mask(cutoff) = m.alpha_mode {
+            self.require((0.0..=1.0).contains(&cutoff), "alpha_mode", format!("the cutoff is {cutoff}"), "use a cutoff from 0 to 1")?;
+        }
+        self.number("metallic", m.metallic, 0.0, 1.0)?;
+        self.number("roughness", m.roughness, 0.0, 1.0)?;
+        self.number("specular", m.specular, 0.0, 1.0)?;
+        self.color("specular_color", m.specular_color, f32::MAX)?;
+        self.color("emissive", m.emissive, f32::MAX)?;
+        self.finite("normal_scale", &[m.normal_scale])
+    }
+
+    fn siblings(&mut self, entities: &[EntityFile]) -> Checked {
+        let mut names = HashSet::new();
+        for (i, entity) in entities.iter().enumerate() {
+            self.step(Step::Index(i), |v| {
+                v.name(&entity.name)?;
+                if !names.insert(entity.name.as_str()) {
+                    let message = format!("two siblings are named `{}`", entity.name);
+                    return Err(v.fault("name", Kind::DuplicateName, message, "give each child of one parent its own name"));
+                }
+                v.entity(entity)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn name(&self, name: &str) -> Checked {
+        self.require(!name.trim().is_empty(), "name", "the name is empty", "name every entity")?;
+        self.require(!name.contains('/'), "name", format!("the name `{name}` holds a `/`"), "`/` divides the names of a path; use another sign")
+    }
+
+    fn entity(&mut self, e: &EntityFile) -> Checked {
+        self.components(&e.components())?;
+        if e.mesh.is_some() && e.model.is_some() {
+            return Err(self.fault("model", Kind::BadValue, "an entity has either a mesh or a model", "put the model on a child"));
+        }
+        if let Some(path) = &e.prefab {
+            self.require(!path.is_empty(), "prefab", "the path is empty", "name the prefab's file")?;
+        } else if !e.overrides.is_empty() {
+            return Err(self.fault("overrides", Kind::BadValue, "overrides without a prefab", "say `prefab: \"….prefab.ron\"` too"));
+        }
+        for (path, patch) in &e.overrides {
+            self.field("overrides", |v| v.field(path, |v| {
+                v.components(patch)?;
+                v.field("children", |v| v.siblings(&patch.children))
+            }))?;
+        }
+        self.field("children", |v| v.siblings(&e.children))
+    }
+
+    fn components(&mut self, c: &OverrideFile) -> Checked {
+        if let Some(t) = &c.transform {
+            self.field("transform", |v| v.transform(t))?;
+        }
+        if let Some(shape) = &c.mesh {
+            self.field("mesh", |v| {
+                shape.validate().map_err(|e| match &e {
+                    AssetError::Shape { field, .. } => v.fault(field, Kind::BadValue, e.to_string(), ""),
+                    _ => v.fault("", Kind::BadValue, e.to_string(), ""),
+                })
+            })?;
+        }
+        match &c.material {
+            Some(MaterialRef::Inline(material)) => self.field("material", |v| v.material(material))?,
+            Some(MaterialRef::Named(name)) if !self.materials.contains(name) => {
+                let help = suggestion(name, self.materials.iter().map(String::as_str));
+                let help = help.unwrap_or_else(|| "this file has no `materials: { … }`; add one".into());
+                return Err(self.fault("material", Kind::UnknownName, format!("there is no material `{name}` in this file"), help));
+            }
+            _ => {}
+        }
+        if let Some(light) = &c.light {
+            self.field("light", |v| v.light(light))?;
+        }
+        if let Some(camera) = &c.camera {
+            self.field("camera", |v| v.camera(camera))?;
+        }
+        if let Some(clpv) = &c.clpv {
+            self.field("clpv", |v| v.clpv(clpv))?;
+        }
+        if let Some(animation) = &c.animation {
+            animation.validate().map_err(|e| self.fault("animation", Kind::BadValue, e, ""))?;
+        }
+        Ok(())
+    }
+
+    fn transform(&mut self, t: &TransformFile) -> Checked {
+        self.finite("translation", &t.translation.to_array())?;
+        match t.rotation {
+            Some(Rotation::Euler(v)) => self.finite("rotation", &v.to_array())?,
+            Some(Rotation::Quaternion(q)) => {
+                self.finite("rotation", &q.to_array())?;
+                self.require(q.length_squared() > 1e-12, "rotation", "the quaternion is zero", "no rotation is (0, 0, 0, 1)")?;
+            }
+            None => {}
+        }
+        match t.scale {
+            Some(Scale::Uniform(s)) => self.finite("scale", &[s])?,
+            Some(Scale::Axes(s)) => self.finite("scale", &s.to_array())?,
+            None => {}
+        }
+        let Some(target) = t.look_at else { return Ok(()) };
+        self.finite("look_at", &target.to_array())?;
+        self.require(t.rotation.is_none(), "look_at", "both `rotation` and `look_at` are given", "keep one of them")?;
+        self.require(target != t.translation, "look_at", "the entity looks at its own place", "use another point")
+    }
+
+    fn light(&mut self, l: &Light) -> Checked {
+        self.color("color", l.color, f32::MAX)?;
+        self.number("intensity", l.intensity, 0.0, f32::MAX)?;
+        if let Some(range) = l.range {
+            self.require(range.is_finite() && range > 0.0, "range", format!("`range` is {range}"), "use a distance above zero [m], or leave it out for no bound")?;
+        }
+        if let LightKind::Spot { inner, outer } = l.kind {
+            let ok = inner >= 0.0 && inner < outer && outer <= 90.0;
+            self.require(ok, "kind", format!("the cone goes from {inner}° to {outer}°"), "use half angles 0 ≤ inner < outer ≤ 90 degrees")?;
+        }
+        let size = |s: u32, low: u32, high: u32| (low..=high).contains(&s);
+        self.require(size(l.shadow_size, 16, 8192), "shadow_size", format!("`shadow_size` is {}", l.shadow_size), "use 16 to 8192 texels")?;
+        self.require(size(l.rsm_size, 4, 2048), "rsm_size", format!("`rsm_size` is {}", l.rsm_size), "use 4 to 2048 texels")
+    }
+
+    fn camera(&mut self, c: &Camera) -> Checked {
+        self.require(c.fov > 0.0 && c.fov < 180.0, "fov", format!("`fov` is {}", c.fov), "use a vertical field of view between 0 and 180 degrees")?;
+        self.require(c.near.is_finite() && c.near > 0.0, "near", format!("`near` is {}", c.near), "use a distance above zero [m]")?;
+        let Some(far) = c.far else { return Ok(()) };
+        self.require(far.is_finite() && far > c.near, "far", format!("`far` is {far}, `near` is {}", c.near), "put the far plane behind the near plane, or leave it out")
+    }
+
+    fn clpv(&mut self, c: &Clpv) -> Checked {
+        if let ClpvPlacement::Camera { ahead } = c.placement {
+            self.require((0.0..=1.0).contains(&ahead), "placement", format!("`ahead` is {ahead}"), "use 0 to 1")?;
+        }
+        self.require((1..=4).contains(&c.cascades), "cascades", format!("`cascades` is {}", c.cascades), "use 1 to 4")?;
+        for (i, n) in c.cells.iter().enumerate() {
+            self.field("cells", |v| v.step(Step::Index(i), |v| v.require((1..=128).contains(n), "", format!("{n} cells along {}", ["x", "y", "z"][i]), "use 1 to 128 cells")))?;
+        }
+        if let CellSize::Meters(h) = c.cell_size {
+            self.require(h.is_finite() && h > 0.0, "cell_size", format!("the cell size is {h}"), "use a length above zero [m], or Auto")?;
+        }
+        self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;
+        self.number("blocker_scale", c.blocker_scale, 0.0, 1e6)?;
+        self.number("gain", c.gain, 0.0, 1e6)?;
+        self.number("border_fade", c.border_fade, 0.0, 128.0)
+    }
+}
+
+fn range_help(low: f32, high: f32) -> String {
+    match (low, high) {
+        (0.0, f32::MAX) => "use finite numbers from zero up".into(),
+        _ => format!("use {low} to {high}"),
+    }
+}
