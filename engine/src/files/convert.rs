@@ -5,17 +5,15 @@ use super::load::Context;
 use super::source::SceneInfo;
 use crate::assets::{AlphaMode, Material, Sampling, Texture, Wrap};
 use crate::world::Transform;
-use glam::{EulerRot, Mat3, Quat, Vec3};
+use crate::world::animation::rotation_from_degrees;
+use glam::{Mat3, Quat, Vec3};
 use std::sync::Arc;
 
 impl From<TransformFile> for Transform {
     fn from(file: TransformFile) -> Self {
         let rotation = match (file.rotation, file.look_at) {
             (_, Some(target)) => look_rotation(target - file.translation),
-            (Some(Rotation::Euler(degrees)), _) => {
-                let r = degrees.to_array().map(f32::to_radians);
-                Quat::from_euler(EulerRot::YXZ, r[1], r[0], r[2])
-            }
+            (Some(Rotation::Euler(degrees)), _) => rotation_from_degrees(degrees),
             (Some(Rotation::Quaternion(q)), _) => q,
             (None, None) => Quat::IDENTITY,
         };

@@ -10,8 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// How all our RON files are read and written: `Some(…)` need not be written, nor the brackets of newtypes.
 pub fn ron_options() -> ron::Options {
-    let extensions =
-        Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
     ron::Options::default().with_default_extension(extensions)
 }
 
@@ -121,7 +120,8 @@ fn syntax_error(path: &Path, text: &str, error: SpannedError) -> FileError {
     }
     // ron points behind the offending name; the name itself is what is to be seen.
     if let Some(name) = offending_name(&error.code) {
-        place = place_of_name(text, Place { line: error.span.end.line, column: error.span.end.col }, name).unwrap_or(place);
+        place =
+            place_of_name(text, Place { line: error.span.end.line, column: error.span.end.col }, name).unwrap_or(place);
     }
     let error = FileError::new(path, kind, message).at(text, place);
     match help {

@@ -160,4 +160,3 @@ pub enum ComponentKind {
 pub(super) fn is_false(value: &bool) -> bool {
     !value
 }
-

@@ -1,5 +1,6 @@
 //! From files to a world: prefabs are put in, overrides applied, assets loaded, entities spawned.
 
+use super::LoadOptions;
 use super::document::{Document, folder_of, io_error};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
@@ -7,9 +8,8 @@ use super::source::{Origin, SceneInfo, Source};
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::validate::{Fault, Validator};
-use super::{LoadOptions, find};
-use crate::assets::{AssetLibrary, Material, Mesh};
-use crate::world::{GameWorld, MeshRenderer, Transform};
+use crate::assets::{AssetLibrary, Material};
+use crate::world::GameWorld;
 use bevy_ecs::prelude::Entity;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -38,6 +38,7 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     }
     let Loader { mut world, info, .. } = loader;
     world.ecs.insert_resource(file.settings);
+    world.set_tick(0);
     world.ecs.insert_resource(info);
     world.update();
     Ok(world)
@@ -63,6 +64,9 @@ pub(super) struct Context {
     pub is_root: bool,
 }
 
+/// A prefab's file and entities.
+type Prefab = (Rc<Context>, Vec<EntityFile>);
+
 /// A prefab instance that is being spawned.
 struct Level {
     overrides: BTreeMap<String, OverrideFile>,
@@ -76,11 +80,11 @@ struct Level {
 }
 
 /// The components of an entity with the files that they come from.
-struct Resolved {
-    components: OverrideFile,
+pub(super) struct Resolved {
+    pub components: OverrideFile,
     /// File and path that give the material, and those that give the mesh or model, for errors.
-    material: (Rc<Context>, Vec<Step>),
-    surface: (Rc<Context>, Vec<Step>),
+    pub material: (Rc<Context>, Vec<Step>),
+    pub surface: (Rc<Context>, Vec<Step>),
     origin: Origin,
     /// Children that overrides add.
     added: Vec<(Vec<EntityFile>, Rc<Context>, Vec<Step>)>,
@@ -92,13 +96,13 @@ pub(super) struct Loader<'a> {
     pub options: &'a LoadOptions,
     pub world: GameWorld,
     pub info: SceneInfo,
-    prefabs: HashMap<PathBuf, Rc<(Rc<Context>, Vec<EntityFile>)>>,
+    prefabs: HashMap<PathBuf, Rc<Prefab>>,
     /// Files that are being read, the scene first.
     chain: Vec<PathBuf>,
     /// Instances that the present entity is inside of, the outermost first.
     levels: Vec<Level>,
     /// Named materials by file and name.
-    named: HashMap<(PathBuf, String), Arc<Material>>,
+    pub named: HashMap<(PathBuf, String), Arc<Material>>,
     /// Entities spawned so far.
     count: usize,
 }
@@ -108,11 +112,11 @@ const MAX_ENTITIES: usize = 200_000;
 const MAX_PREFAB_DEPTH: usize = 32;
 
 /// The path with more steps.
-fn extended(path: &[Step], steps: &[Step]) -> Vec<Step> {
+pub(super) fn extended(path: &[Step], steps: &[Step]) -> Vec<Step> {
     path.iter().chain(steps).cloned().collect()
 }
 
-fn key(name: &str) -> Step {
+pub(super) fn key(name: &str) -> Step {
     Step::Key(name.to_owned())
 }
 
@@ -126,7 +130,8 @@ impl Loader<'_> {
     ) -> Result<(), FileError> {
         self.count += 1;
         if self.count > MAX_ENTITIES || self.chain.len() > MAX_PREFAB_DEPTH {
-            let message = format!("more than {MAX_ENTITIES} entities, or prefabs nested more than {MAX_PREFAB_DEPTH} deep");
+            let message =
+                format!("more than {MAX_ENTITIES} entities, or prefabs nested more than {MAX_PREFAB_DEPTH} deep");
             let error = context.document.error(at, Kind::BadValue, message);
             return Err(error.with_help("instance fewer prefabs inside each other"));
         }
@@ -175,7 +180,13 @@ impl Loader<'_> {
     }
 
     /// Children that an override adds belong to the file of the override: no instance's overrides reach them.
-    fn added(&mut self, parent: Entity, children: &[EntityFile], context: &Rc<Context>, at: &[Step]) -> Result<(), FileError> {
+    fn added(
+        &mut self,
+        parent: Entity,
+        children: &[EntityFile],
+        context: &Rc<Context>,
+        at: &[Step],
+    ) -> Result<(), FileError> {
         let outer = if context.is_root { std::mem::take(&mut self.levels) } else { Vec::new() };
         let taken = context.is_root;
         let mut result = Ok(());
@@ -258,12 +269,7 @@ impl Loader<'_> {
         Ok(members)
     }
 
-    fn prefab(
-        &mut self,
-        written: &str,
-        context: &Context,
-        at: &[Step],
-    ) -> Result<(PathBuf, Rc<(Rc<Context>, Vec<EntityFile>)>), FileError> {
+    fn prefab(&mut self, written: &str, context: &Context, at: &[Step]) -> Result<(PathBuf, Rc<Prefab>), FileError> {
         let path = context.document.folder().join(written);
         let identity = canonical(&path);
         if let Some(start) = self.chain.iter().position(|p| *p == identity) {
@@ -286,111 +292,6 @@ impl Loader<'_> {
         self.prefabs.insert(identity.clone(), prefab.clone());
         Ok((identity, prefab))
     }
-
-    /// Puts the components on the entity; gives the material of its shape.
-    fn insert_components(&mut self, entity: Entity, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
-        let c = &r.components;
-        let transform = c.transform.map(Transform::from).unwrap_or_default();
-        self.world.ecs.entity_mut(entity).insert(transform);
-        let mut material = None;
-        if c.material.is_some() || c.mesh.is_some() {
-            material = self.material_of(r)?;
-        }
-        if let Some(shape) = &c.mesh {
-            let mesh = self.library.shape(shape).map_err(|e| {
-                r.surface.0.document.error(&extended(&r.surface.1, &[key("mesh")]), Kind::BadValue, e.to_string())
-            })?;
-            self.info.shapes.insert(mesh.id, shape.clone());
-            let material = material.get_or_insert_with(|| self.info.default_material.clone()).clone();
-            self.world.ecs.entity_mut(entity).insert(renderer(c, mesh, material));
-        }
-        if let Some(model) = &c.model {
-            let at = extended(&r.surface.1, &[key("model")]);
-            self.model(entity, model, material.as_ref(), c, &r.surface.0.clone(), &at)?;
-        }
-        let mut target = self.world.ecs.entity_mut(entity);
-        if let Some(light) = &c.light {
-            target.insert(light.clone());
-        }
-        if let Some(camera) = &c.camera {
-            target.insert(camera.clone());
-        }
-        if let Some(clpv) = &c.clpv {
-            target.insert(clpv.clone());
-        }
-        if let Some(animation) = &c.animation {
-            target.insert(animation.clone());
-        }
-        Ok(material)
-    }
-
-    fn material_of(&mut self, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
-        let (context, at) = &r.material;
-        let at = extended(at, &[key("material")]);
-        match &r.components.material {
-            None => Ok(None),
-            Some(MaterialRef::Inline(file)) => self.material("", file, context, &at).map(Some),
-            Some(MaterialRef::Named(name)) => {
-                let identity = (context.document.path.clone(), name.clone());
-                if let Some(known) = self.named.get(&identity) {
-                    return Ok(Some(known.clone()));
-                }
-                let Some(file) = context.materials.get(name) else {
-                    let error = context.document.error(&at, Kind::UnknownName, format!("there is no material `{name}`"));
-                    return Err(error);
-                };
-                let material = self.material(name, file, context, &[key("materials"), key(name)])?;
-                self.named.insert(identity, material.clone());
-                Ok(Some(material))
-            }
-        }
-    }
-
-    fn material(&mut self, name: &str, file: &MaterialFile, context: &Context, at: &[Step]) -> Result<Arc<Material>, FileError> {
-        let mut load = |field: &str, texture: &Option<TextureFile>, srgb: bool| {
-            let Some(texture) = texture else { return Ok(None) };
-            self.texture(texture, srgb, context, &extended(at, &[key(field)])).map(Some)
-        };
-        let mut material = file.material(name);
-        material.base_color_texture = load("color_texture", &file.color_texture, true)?;
-        material.metallic_roughness_texture =
-            load("metallic_roughness_texture", &file.metallic_roughness_texture, false)?;
-        material.normal_texture = load("normal_texture", &file.normal_texture, false)?;
-        material.emissive_texture = load("emissive_texture", &file.emissive_texture, true)?;
-        let material = Arc::new(material);
-        let described = match context.is_root && !name.is_empty() {
-            true => MaterialRef::Named(name.to_owned()),
-            false => MaterialRef::Inline(Box::new(file.clone().rebased(context))),
-        };
-        self.info.materials_by_id.insert(material.id, described);
-        Ok(material)
-    }
-
-    fn texture(
-        &mut self,
-        file: &TextureFile,
-        srgb: bool,
-        context: &Context,
-        at: &[Step],
-    ) -> Result<Arc<crate::assets::Texture>, FileError> {
-        let written = file.path();
-        let Some(path) = find(written, context.document.folder(), self.options) else {
-            let error = context.document.error(at, Kind::MissingFile, format!("there is no image `{written}`"));
-            return Err(error.with_help("paths start at the folder of this file, or at the one given by --models"));
-        };
-        let texture = self
-            .library
-            .texture(&path, srgb, file.sampling())
-            .map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
-        self.info.textures_by_id.insert(texture.id, file.clone().rebased(context));
-        Ok(texture)
-    }
-}
-
-/// A renderer as the components say.
-pub(super) fn renderer(c: &OverrideFile, mesh: Arc<Mesh>, material: Arc<Material>) -> MeshRenderer {
-    let (casts_shadow, visible) = (c.casts_shadow.unwrap_or(true), c.visible.unwrap_or(true));
-    MeshRenderer { mesh, material, casts_shadow, visible }
 }
 
 impl Resolved {

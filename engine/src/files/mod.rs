@@ -42,8 +42,10 @@ mod parts;
 mod save;
 mod source;
 mod suggest;
+mod surfaces;
 mod tree;
 mod validate;
+mod write;
 
 #[cfg(test)]
 mod tests;

@@ -3,13 +3,16 @@
 use super::LoadOptions;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::load::{Context, Loader, renderer};
+use super::load::{Context, Loader};
 use super::source::{Origin, SceneInfo, Source};
 use super::suggest::suggestion;
+use super::surfaces::renderer;
 use super::tree::Step;
 use crate::assets::{AssetLibrary, Gltf, GltfNode, Material};
 use crate::scene::Aabb;
-use crate::world::{Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform};
+use crate::world::{
+    Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform,
+};
 use bevy_ecs::prelude::Entity;
 use glam::Vec3;
 use std::collections::HashSet;
@@ -45,8 +48,7 @@ impl Loader<'_> {
         let Some(path) = find(&details.path, context.document.folder(), self.options) else {
             return Err(self.missing_model(&details, context, at));
         };
-        let gltf =
-            self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        let gltf = self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
         let take = Take { lights: details.lights, cameras: details.cameras, material, components };
         let Some(name) = &details.node else {
             spawn_nodes(&mut self.world, &gltf, &gltf.roots, entity, &take);
@@ -192,7 +194,8 @@ fn complete(world: &mut GameWorld, path: &Path) {
         log::warn!("{}: the file has no camera; one that frames the whole model is added", path.display());
         let (transform, camera) = framing_camera(&bounds);
         let entity = world.spawn("framing camera", None);
-        let components = OverrideFile { transform: Some(transform), camera: Some(camera.clone()), ..Default::default() };
+        let components =
+            OverrideFile { transform: Some(transform), camera: Some(camera.clone()), ..Default::default() };
         let source = Source { components, origin: Origin::File, ..model_source() };
         world.ecs.entity_mut(entity).insert((Transform::from(transform), camera, source));
     }
@@ -211,8 +214,7 @@ fn complete(world: &mut GameWorld, path: &Path) {
     }
     let entity = world.spawn("light volumes", None);
     let transform = TransformFile { translation: bounds.center(), ..Default::default() };
-    let components =
-        OverrideFile { transform: Some(transform), clpv: Some(Clpv::default()), ..Default::default() };
+    let components = OverrideFile { transform: Some(transform), clpv: Some(Clpv::default()), ..Default::default() };
     let source = Source { components, origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(entity).insert((Transform::from(transform), Clpv::default(), source));
 }

@@ -1,16 +1,14 @@
 //! From a world to a scene file.
 
-use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::source::{Origin, SceneInfo, Source};
-use super::tree::{Node, Step};
+use super::tree::Step;
 use super::validate::Validator;
-use crate::world::{Animation, Camera, Clpv, GameWorld, Light, MeshRenderer, Name, SceneSettings, Transform};
+use super::write::{to_text, write_atomically};
+use crate::world::{Animation, Clpv, GameWorld, MeshRenderer, Name, SceneSettings, Transform};
 use bevy_ecs::prelude::{Entity, World};
-use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// Writes the world as a scene file: the rest pose, entities and assets as they were described where they have not
@@ -55,7 +53,9 @@ fn readable(file: &SceneFile, path: &[Step]) -> String {
     let mut words: Vec<String> = Vec::new();
     for pair in path.iter().enumerate() {
         match pair {
-            (_, Step::Index(i)) if entities.len() > *i && words.last().is_some_and(|w| w == "entities" || w == "children") => {
+            (_, Step::Index(i))
+                if entities.len() > *i && words.last().is_some_and(|w| w == "entities" || w == "children") =>
+            {
                 words.pop();
                 words.push(format!("`{}`", entities[*i].name));
                 entities = &entities[*i].children;
@@ -65,64 +65,6 @@ fn readable(file: &SceneFile, path: &[Step]) -> String {
         }
     }
     words.join(", ")
-}
-
-/// The file's text, without the fields that say what is the default anyway.
-pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
-    let mut tree = Node::parse(&ron_options().to_string(file)?);
-    let defaults = Defaults::new()?;
-    let whole = defaults.scene.clone();
-    tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
-    tree.drop_defaults(&whole, &["entities", "gi"]);
-    let body = tree.pretty();
-    Ok(format!("Scene{body}"))
-}
-
-/// How the defaults of components look in a file.
-struct Defaults {
-    scene: Node,
-    components: BTreeMap<&'static str, Node>,
-    material: Node,
-}
-
-impl Defaults {
-    fn new() -> Result<Self, ron::Error> {
-        fn node(value: &impl Serialize) -> Result<Node, ron::Error> {
-            Ok(Node::parse(&ron_options().to_string(value)?))
-        }
-        let components = BTreeMap::from([
-            ("light", node(&Light::default())?),
-            ("camera", node(&Camera::default())?),
-            ("clpv", node(&Clpv::default())?),
-        ]);
-        let mut scene = node(&SceneFile::default())?;
-        scene.for_each_field(&mut |key, value| {
-            if key == "settings" {
-                let all = value.clone();
-                value.drop_defaults(&all, &[]);
-            }
-        });
-        Ok(Self { scene, components, material: node(&MaterialFile::default())? })
-    }
-
-    fn drop_from(&self, key: &str, node: &mut Node) {
-        match key {
-            "gi" => node.unraw(),
-            "material" => node.drop_defaults(&self.material, &[]),
-            "materials" => node.for_each_field(&mut |_, material| material.drop_defaults(&self.material, &[])),
-            "settings" => {
-                let settings = SceneSettings::default();
-                if let Ok(text) = ron_options().to_string(&settings) {
-                    node.drop_defaults(&Node::parse(&text), &[]);
-                }
-            }
-            _ => {
-                if let Some(default) = self.components.get(key) {
-                    node.drop_defaults(default, &["kind", "intensity"]);
-                }
-            }
-        }
-    }
 }
 
 struct Writer<'a> {
@@ -178,9 +120,9 @@ impl Writer<'_> {
 
     /// Whether the entity still stands where its prefab put it: below `parent`, a path within the instance.
     fn is_member(&self, entity: Entity, parent: &str) -> bool {
-        self.source(entity).is_some_and(|source| {
-            matches!(&source.origin, Origin::Prefab { path, .. } if *path == join(parent, &self.name(entity)))
-        })
+        self.source(entity).is_some_and(
+            |source| matches!(&source.origin, Origin::Prefab { path, .. } if *path == join(parent, &self.name(entity))),
+        )
     }
 
     /// What differs below an instance from what its prefab says.
@@ -221,8 +163,8 @@ impl Writer<'_> {
         let described = self.source(entity).map(|s| s.components.clone()).unwrap_or_default();
         let mut now = OverrideFile {
             transform: self.transform(entity, described.transform),
-            light: self.ecs().get::<Light>(entity).cloned(),
-            camera: self.ecs().get::<Camera>(entity).cloned(),
+            light: self.world.rest_light(entity),
+            camera: self.world.rest_camera(entity),
             clpv: self.ecs().get::<Clpv>(entity).cloned(),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone(),
@@ -253,13 +195,15 @@ impl Writer<'_> {
         now: &mut OverrideFile,
     ) -> Result<(), FileError> {
         let Some(shape) = self.info.shapes.get(&renderer.mesh.id) else {
-            let message = format!("`{}` has a mesh that comes from no file: `{}`", self.name(entity), renderer.mesh.name);
+            let message =
+                format!("`{}` has a mesh that comes from no file: `{}`", self.name(entity), renderer.mesh.name);
             let error = FileError::new(self.path, Kind::Unsavable, message);
             return Err(error.with_help("use a shape, or a model from a file"));
         };
         now.mesh = Some(shape.clone());
         now.material = self.material(entity, renderer, described)?;
-        let flag = |now: bool, described: Option<bool>| if now == described.unwrap_or(true) { described } else { Some(now) };
+        let flag =
+            |now: bool, described: Option<bool>| if now == described.unwrap_or(true) { described } else { Some(now) };
         now.casts_shadow = flag(renderer.casts_shadow, described.casts_shadow);
         now.visible = flag(renderer.visible, described.visible);
         Ok(())
@@ -271,7 +215,7 @@ impl Writer<'_> {
         renderer: &MeshRenderer,
         described: &OverrideFile,
     ) -> Result<Option<MaterialRef>, FileError> {
-        let material = &renderer.material;
+        let material = self.world.rest_material(entity).unwrap_or_else(|| renderer.material.clone());
         let source = self.source(entity);
         let loaded = source.and_then(|s| s.material.as_ref());
         let in_place = match source.map(|s| &s.origin) {
@@ -288,8 +232,12 @@ impl Writer<'_> {
         if let Some(known) = self.info.materials_by_id.get(&material.id) {
             return Ok(Some(known.clone()));
         }
-        let Some(file) = MaterialFile::describe(material, self.info) else {
-            let message = format!("the material `{}` of `{}` has an image that comes from no file", material.name, self.name(entity));
+        let Some(file) = MaterialFile::describe(&material, self.info) else {
+            let message = format!(
+                "the material `{}` of `{}` has an image that comes from no file",
+                material.name,
+                self.name(entity)
+            );
             return Err(FileError::new(self.path, Kind::Unsavable, message));
         };
         Ok(Some(MaterialRef::Inline(Box::new(file))))
@@ -311,33 +259,4 @@ impl Writer<'_> {
 
 fn join(parent: &str, name: &str) -> String {
     if parent.is_empty() { name.to_owned() } else { format!("{parent}/{name}") }
-}
-
-fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
-    let failed = |what: &str, e: &std::io::Error| {
-        FileError::new(path, Kind::Io, format!("{what}: {e}")).with_help("check the folder's permissions and free space")
-    };
-    let name = path.file_name().ok_or_else(|| FileError::new(path, Kind::Io, "the path names no file"))?;
-    let folder = folder_of(path);
-    let with_suffix = |suffix: &str| {
-        let mut name = name.to_owned();
-        name.push(suffix);
-        folder.join(name)
-    };
-    let temporary = with_suffix(&format!(".{}.tmp", std::process::id()));
-    let write = || -> std::io::Result<()> {
-        let mut file = std::fs::File::create(&temporary)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()
-    };
-    let result = write().map_err(|e| failed("cannot write beside it", &e)).and_then(|()| {
-        if path.exists() {
-            std::fs::copy(path, with_suffix(".bak")).map_err(|e| failed("cannot keep the file before as backup", &e))?;
-        }
-        std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e))
-    });
-    if result.is_err() {
-        let _ = std::fs::remove_file(&temporary);
-    }
-    result
 }

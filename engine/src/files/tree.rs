@@ -68,12 +68,13 @@ impl Node {
         }
     }
 
-    /// Drops the fields of this group that say the same as `default`, and the whole `key: value` of empty groups.
+    /// Drops the fields of this group that say the same as `default`, except those to keep.
     pub fn drop_defaults(&mut self, default: &Node, keep: &[&str]) {
         let (Some(group), Some(other)) = (&mut self.group, &default.group) else { return };
         group.items.retain(|item| {
             let Some(key) = &item.key else { return true };
-            let same = other.items.iter().any(|d| d.key.as_ref() == Some(key) && d.node.compact() == item.node.compact());
+            let same =
+                other.items.iter().any(|d| d.key.as_ref() == Some(key) && d.node.compact() == item.node.compact());
             keep.contains(&key.as_str()) || !same
         });
     }
@@ -85,12 +86,13 @@ impl Node {
         }
     }
 
-    /// Calls `f` with the key of every field in the tree and its value, outermost first.
+    /// Calls `f` with the key of every field in the tree as written (keys of maps in quotes) and its value, outermost
+    /// first.
     pub fn for_each_field(&mut self, f: &mut impl FnMut(&str, &mut Node)) {
         let Some(group) = &mut self.group else { return };
         for item in &mut group.items {
-            if let Some(key) = &item.key {
-                f(key, &mut item.node);
+            if item.key.is_some() {
+                f(&item.key_text, &mut item.node);
             }
             item.node.for_each_field(f);
         }

@@ -5,7 +5,8 @@ use super::format::*;
 use super::suggest::suggestion;
 use super::tree::Step;
 use crate::assets::AssetError;
-use crate::world::{Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
+use crate::world::animation::AnimationError;
+use crate::world::{Animation, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 
@@ -90,9 +91,19 @@ impl Validator {
         self.number("exposure", s.exposure, -100.0, 100.0)?;
         self.number("move_speed", s.move_speed, 0.0, f32::MAX)?;
         if let Some(duration) = s.duration {
-            self.require(duration.is_finite() && duration > 0.0, "duration", format!("`duration` is {duration}"), "use a time above zero [s], or leave it out for no loop")?;
+            self.require(
+                duration.is_finite() && duration > 0.0,
+                "duration",
+                format!("`duration` is {duration}"),
+                "use a time above zero [s], or leave it out for no loop",
+            )?;
         }
-        self.require((1..=1000).contains(&s.frame_rate), "frame_rate", format!("`frame_rate` is {}", s.frame_rate), "use 1 to 1000 frames a second")
+        self.require(
+            (1..=1000).contains(&s.frame_rate),
+            "frame_rate",
+            format!("`frame_rate` is {}", s.frame_rate),
+            "use 1 to 1000 frames a second",
+        )
     }
 
     fn materials(&mut self, materials: &BTreeMap<String, MaterialFile>) -> Checked {
@@ -106,7 +117,12 @@ impl Validator {
         self.color("color", m.color, 1.0)?;
         self.number("alpha", m.alpha, 0.0, 1.0)?;
         if let AlphaModeFile::Mask(cutoff) = m.alpha_mode {
-            self.require((0.0..=1.0).contains(&cutoff), "alpha_mode", format!("the cutoff is {cutoff}"), "use a cutoff from 0 to 1")?;
+            self.require(
+                (0.0..=1.0).contains(&cutoff),
+                "alpha_mode",
+                format!("the cutoff is {cutoff}"),
+                "use a cutoff from 0 to 1",
+            )?;
         }
         self.number("metallic", m.metallic, 0.0, 1.0)?;
         self.number("roughness", m.roughness, 0.0, 1.0)?;
@@ -123,7 +139,12 @@ impl Validator {
                 v.name(&entity.name)?;
                 if !names.insert(entity.name.as_str()) {
                     let message = format!("two siblings are named `{}`", entity.name);
-                    return Err(v.fault("name", Kind::DuplicateName, message, "give each child of one parent its own name"));
+                    return Err(v.fault(
+                        "name",
+                        Kind::DuplicateName,
+                        message,
+                        "give each child of one parent its own name",
+                    ));
                 }
                 v.entity(entity)
             })?;
@@ -133,24 +154,41 @@ impl Validator {
 
     fn name(&self, name: &str) -> Checked {
         self.require(!name.trim().is_empty(), "name", "the name is empty", "name every entity")?;
-        self.require(!name.contains('/'), "name", format!("the name `{name}` holds a `/`"), "`/` divides the names of a path; use another sign")
+        self.require(
+            !name.contains('/'),
+            "name",
+            format!("the name `{name}` holds a `/`"),
+            "`/` divides the names of a path; use another sign",
+        )
     }
 
     fn entity(&mut self, e: &EntityFile) -> Checked {
         self.components(&e.components())?;
         if e.mesh.is_some() && e.model.is_some() {
-            return Err(self.fault("model", Kind::BadValue, "an entity has either a mesh or a model", "put the model on a child"));
+            return Err(self.fault(
+                "model",
+                Kind::BadValue,
+                "an entity has either a mesh or a model",
+                "put the model on a child",
+            ));
         }
         if let Some(path) = &e.prefab {
             self.require(!path.is_empty(), "prefab", "the path is empty", "name the prefab's file")?;
         } else if !e.overrides.is_empty() {
-            return Err(self.fault("overrides", Kind::BadValue, "overrides without a prefab", "say `prefab: \"….prefab.ron\"` too"));
+            return Err(self.fault(
+                "overrides",
+                Kind::BadValue,
+                "overrides without a prefab",
+                "say `prefab: \"….prefab.ron\"` too",
+            ));
         }
         for (path, patch) in &e.overrides {
-            self.field("overrides", |v| v.field(path, |v| {
-                v.components(patch)?;
-                v.field("children", |v| v.siblings(&patch.children))
-            }))?;
+            self.field("overrides", |v| {
+                v.field(path, |v| {
+                    v.components(patch)?;
+                    v.field("children", |v| v.siblings(&patch.children))
+                })
+            })?;
         }
         self.field("children", |v| v.siblings(&e.children))
     }
@@ -172,7 +210,12 @@ impl Validator {
             Some(MaterialRef::Named(name)) if !self.materials.contains(name) => {
                 let help = suggestion(name, self.materials.iter().map(String::as_str));
                 let help = help.unwrap_or_else(|| "this file has no `materials: { … }`; add one".into());
-                return Err(self.fault("material", Kind::UnknownName, format!("there is no material `{name}` in this file"), help));
+                return Err(self.fault(
+                    "material",
+                    Kind::UnknownName,
+                    format!("there is no material `{name}` in this file"),
+                    help,
+                ));
             }
             _ => {}
         }
@@ -186,9 +229,27 @@ impl Validator {
             self.field("clpv", |v| v.clpv(clpv))?;
         }
         if let Some(animation) = &c.animation {
-            animation.validate().map_err(|e| self.fault("animation", Kind::BadValue, e, ""))?;
+            self.field("animation", |v| v.animation(animation))?;
         }
         Ok(())
+    }
+
+    fn animation(&mut self, a: &Animation) -> Checked {
+        use AnimationError as E;
+        let Err(error) = a.validate() else { return Ok(()) };
+        let (track, key, field) = match &error {
+            E::Timing { field, .. } => return Err(self.fault(field, Kind::BadValue, error.to_string(), "")),
+            E::Axis { track, .. } => (*track, None, "axis"),
+            E::Number { track, field, .. } => (*track, None, *field),
+            E::NoKeys { track } => (*track, None, "keys"),
+            E::Unsorted { track, key, .. } | E::Time { track, key, .. } | E::Value { track, key, .. } => {
+                (*track, Some(*key), "keys")
+            }
+        };
+        let mut fault = self.fault("tracks", Kind::BadValue, error.to_string(), "");
+        fault.path.extend([Step::Index(track), Step::Key(field.to_owned())]);
+        fault.path.extend(key.map(Step::Index));
+        Err(fault)
     }
 
     fn transform(&mut self, t: &TransformFile) -> Checked {
@@ -197,7 +258,12 @@ impl Validator {
             Some(Rotation::Euler(v)) => self.finite("rotation", &v.to_array())?,
             Some(Rotation::Quaternion(q)) => {
                 self.finite("rotation", &q.to_array())?;
-                self.require(q.length_squared() > 1e-12, "rotation", "the quaternion is zero", "no rotation is (0, 0, 0, 1)")?;
+                self.require(
+                    q.length_squared() > 1e-12,
+                    "rotation",
+                    "the quaternion is zero",
+                    "no rotation is (0, 0, 0, 1)",
+                )?;
             }
             None => {}
         }
@@ -216,22 +282,57 @@ impl Validator {
         self.color("color", l.color, f32::MAX)?;
         self.number("intensity", l.intensity, 0.0, f32::MAX)?;
         if let Some(range) = l.range {
-            self.require(range.is_finite() && range > 0.0, "range", format!("`range` is {range}"), "use a distance above zero [m], or leave it out for no bound")?;
+            self.require(
+                range.is_finite() && range > 0.0,
+                "range",
+                format!("`range` is {range}"),
+                "use a distance above zero [m], or leave it out for no bound",
+            )?;
         }
         if let LightKind::Spot { inner, outer } = l.kind {
             let ok = inner >= 0.0 && inner < outer && outer <= 90.0;
-            self.require(ok, "kind", format!("the cone goes from {inner}° to {outer}°"), "use half angles 0 ≤ inner < outer ≤ 90 degrees")?;
+            self.require(
+                ok,
+                "kind",
+                format!("the cone goes from {inner}° to {outer}°"),
+                "use half angles 0 ≤ inner < outer ≤ 90 degrees",
+            )?;
         }
         let size = |s: u32, low: u32, high: u32| (low..=high).contains(&s);
-        self.require(size(l.shadow_size, 16, 8192), "shadow_size", format!("`shadow_size` is {}", l.shadow_size), "use 16 to 8192 texels")?;
-        self.require(size(l.rsm_size, 4, 2048), "rsm_size", format!("`rsm_size` is {}", l.rsm_size), "use 4 to 2048 texels")
+        self.require(
+            size(l.shadow_size, 16, 8192),
+            "shadow_size",
+            format!("`shadow_size` is {}", l.shadow_size),
+            "use 16 to 8192 texels",
+        )?;
+        self.require(
+            size(l.rsm_size, 4, 2048),
+            "rsm_size",
+            format!("`rsm_size` is {}", l.rsm_size),
+            "use 4 to 2048 texels",
+        )
     }
 
     fn camera(&mut self, c: &Camera) -> Checked {
-        self.require(c.fov > 0.0 && c.fov < 180.0, "fov", format!("`fov` is {}", c.fov), "use a vertical field of view between 0 and 180 degrees")?;
-        self.require(c.near.is_finite() && c.near > 0.0, "near", format!("`near` is {}", c.near), "use a distance above zero [m]")?;
+        self.require(
+            c.fov > 0.0 && c.fov < 180.0,
+            "fov",
+            format!("`fov` is {}", c.fov),
+            "use a vertical field of view between 0 and 180 degrees",
+        )?;
+        self.require(
+            c.near.is_finite() && c.near > 0.0,
+            "near",
+            format!("`near` is {}", c.near),
+            "use a distance above zero [m]",
+        )?;
         let Some(far) = c.far else { return Ok(()) };
-        self.require(far.is_finite() && far > c.near, "far", format!("`far` is {far}, `near` is {}", c.near), "put the far plane behind the near plane, or leave it out")
+        self.require(
+            far.is_finite() && far > c.near,
+            "far",
+            format!("`far` is {far}, `near` is {}", c.near),
+            "put the far plane behind the near plane, or leave it out",
+        )
     }
 
     fn clpv(&mut self, c: &Clpv) -> Checked {
@@ -240,10 +341,24 @@ impl Validator {
         }
         self.require((1..=4).contains(&c.cascades), "cascades", format!("`cascades` is {}", c.cascades), "use 1 to 4")?;
         for (i, n) in c.cells.iter().enumerate() {
-            self.field("cells", |v| v.step(Step::Index(i), |v| v.require((1..=128).contains(n), "", format!("{n} cells along {}", ["x", "y", "z"][i]), "use 1 to 128 cells")))?;
+            self.field("cells", |v| {
+                v.step(Step::Index(i), |v| {
+                    v.require(
+                        (1..=128).contains(n),
+                        "",
+                        format!("{n} cells along {}", ["x", "y", "z"][i]),
+                        "use 1 to 128 cells",
+                    )
+                })
+            })?;
         }
         if let CellSize::Meters(h) = c.cell_size {
-            self.require(h.is_finite() && h > 0.0, "cell_size", format!("the cell size is {h}"), "use a length above zero [m], or Auto")?;
+            self.require(
+                h.is_finite() && h > 0.0,
+                "cell_size",
+                format!("the cell size is {h}"),
+                "use a length above zero [m], or Auto",
+            )?;
         }
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;
         self.number("blocker_scale", c.blocker_scale, 0.0, 1e6)?;

@@ -8,13 +8,23 @@ use proptest::prelude::*;
 
 /// A scene whose wrong part begins at `‸`, the kind of error, part of its message, and part of its help.
 const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
-    ("Scene(\n  entities: [\n    (name: \"A\", ‸tranform: ()),\n  ],\n)", Kind::UnknownField, "`tranform`", "`transform`"),
+    (
+        "Scene(\n  entities: [\n    (name: \"A\", ‸tranform: ()),\n  ],\n)",
+        Kind::UnknownField,
+        "`tranform`",
+        "`transform`",
+    ),
     ("(entities: [(name: \"A\", transform: (‸lookat: (0, 0, 0)))])", Kind::UnknownField, "`lookat`", "`look_at`"),
     ("(‸entity: [])", Kind::UnknownField, "`entity` of Scene", "`entities`"),
     ("(gi: ‸Clvp)", Kind::UnknownVariant, "`Clvp`", "`Clpv`"),
     ("(entities: [(name: \"A\", material: (‸metalic: 1))])", Kind::UnknownField, "`metalic`", "`metallic`"),
     ("(entities: [(name: \"A\", mesh: ‸Spere(radius: 1))])", Kind::UnknownVariant, "`Spere`", "`Sphere`"),
-    ("(entities: [(name: \"A\", light: (kind: ‸Sport(inner: 1, outer: 2), intensity: 1))])", Kind::UnknownVariant, "`Sport`", "`Spot`"),
+    (
+        "(entities: [(name: \"A\", light: (kind: ‸Sport(inner: 1, outer: 2), intensity: 1))])",
+        Kind::UnknownVariant,
+        "`Sport`",
+        "`Spot`",
+    ),
     ("(entities: [(name: \"A\", light: (kind: Point‸))])", Kind::MissingField, "`intensity`", "add `intensity"),
     ("(entities: [(‸)])", Kind::MissingField, "`name`", "add `name"),
     ("(entities: [(name: \"A\", camera: (fov: ‸\"wide\"))])", Kind::WrongType, "float", "number"),
@@ -31,31 +41,88 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ("(entities: [(name: \"A\", transform: (rotation: ‸(0, 0, 0, 0)))])", Kind::BadValue, "quaternion", "(0, 0, 0, 1)"),
     ("(entities: [(name: \"A\", transform: (scale: ‸inf))])", Kind::BadValue, "scale", "finite"),
     ("(entities: [(name: \"A\", transform: (look_at: ‸(0, 0, 0)))])", Kind::BadValue, "own place", "another point"),
-    ("(entities: [(name: \"A\", transform: (rotation: (0, 1, 0), look_at: ‸(0, 0, 1)))])", Kind::BadValue, "both", "keep one"),
+    (
+        "(entities: [(name: \"A\", transform: (rotation: (0, 1, 0), look_at: ‸(0, 0, 1)))])",
+        Kind::BadValue,
+        "both",
+        "keep one",
+    ),
     ("(entities: [(name: \"A\", mesh: Box(size: ‸(1, -2, 1)))])", Kind::BadValue, "size", ""),
-    ("(entities: [(name: \"A\", mesh: Box(size: (1, 1, 1)), material: ‸\"rde\")], materials: {\"red\": ()})", Kind::UnknownName, "`rde`", "`red`"),
-    ("(entities: [(name: \"A\", mesh: Box(size: (1, 1, 1)), material: ‸\"red\")])", Kind::UnknownName, "`red`", "materials"),
+    (
+        "(entities: [(name: \"A\", mesh: Box(size: (1, 1, 1)), material: ‸\"rde\")], materials: {\"red\": ()})",
+        Kind::UnknownName,
+        "`rde`",
+        "`red`",
+    ),
+    (
+        "(entities: [(name: \"A\", mesh: Box(size: (1, 1, 1)), material: ‸\"red\")])",
+        Kind::UnknownName,
+        "`red`",
+        "materials",
+    ),
     ("(materials: {\"red\": (color: ‸(1, -1, 0))})", Kind::BadValue, "color", "use 0 to 1"),
     ("(materials: {\"red\": (roughness: ‸1.5)})", Kind::BadValue, "roughness", "use 0 to 1"),
     ("(entities: [(name: \"A\", light: (kind: Point, intensity: ‸-1))])", Kind::BadValue, "intensity", "zero up"),
-    ("(entities: [(name: \"A\", light: (kind: ‸Spot(inner: 40, outer: 30), intensity: 1))])", Kind::BadValue, "40", "inner < outer"),
-    ("(entities: [(name: \"A\", light: (kind: Point, intensity: 1, rsm_size: ‸0))])", Kind::BadValue, "rsm_size", "4 to 2048"),
+    (
+        "(entities: [(name: \"A\", light: (kind: ‸Spot(inner: 40, outer: 30), intensity: 1))])",
+        Kind::BadValue,
+        "40",
+        "inner < outer",
+    ),
+    (
+        "(entities: [(name: \"A\", light: (kind: Point, intensity: 1, rsm_size: ‸0))])",
+        Kind::BadValue,
+        "rsm_size",
+        "4 to 2048",
+    ),
     ("(entities: [(name: \"A\", camera: (fov: ‸180))])", Kind::BadValue, "fov", "180"),
     ("(entities: [(name: \"A\", camera: (near: 1, far: ‸0.5))])", Kind::BadValue, "far", "behind"),
     ("(entities: [(name: \"A\", clpv: (cells: (8, ‸0, 8)))])", Kind::BadValue, "along y", "1 to 128"),
     ("(entities: [(name: \"A\", clpv: (cascades: ‸5))])", Kind::BadValue, "cascades", "1 to 4"),
     ("(entities: [(name: \"A\", clpv: (cell_size: ‸Meters(0)))])", Kind::BadValue, "cell size", "Auto"),
+    ("(entities: [(name: \"A\", animation: (tracks: [Spin(axis: (0, 1, 0), degrees_per_second: 9), Spin(axis: ‸(0, 0, 0), degrees_per_second: 1)]))])", Kind::BadValue, "axis", ""),
+    ("(entities: [(name: \"A\", animation: (tracks: [Keys(target: Translation, keys: [(0, (0, 0, 0)), ‸(0, (1, 0, 0))])]))])", Kind::BadValue, "time 0", ""),
     ("(settings: (duration: ‸0))", Kind::BadValue, "duration", "above zero"),
     ("(settings: (frame_rate: ‸0))", Kind::BadValue, "frame_rate", "1 to 1000"),
     ("(entities: [(name: \"A\", overrides: ‸{\"B\": ()})])", Kind::BadValue, "without a prefab", "prefab"),
     ("(entities: [(name: \"A\", prefab: ‸\"nothing.prefab.ron\")])", Kind::MissingFile, "nothing.prefab.ron", "folder"),
     ("(entities: [(name: \"A\", prefab: ‸\"lmp.prefab.ron\")])", Kind::MissingFile, "lmp", "lamp.prefab.ron"),
-    ("(entities: [(name: \"A\", prefab: \"lamp.prefab.ron\", overrides: {\"Blub\": ‸()})])", Kind::UnknownName, "`Blub`", "`Bulb`"),
-    ("(entities: [(name: \"A\", prefab: \"lamp.prefab.ron\", children: [(name: ‸\"Bulb\")])])", Kind::DuplicateName, "`Bulb`", "overrides"),
-    ("(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])", Kind::MissingFile, "x.glb", "SOURCE"),
-    ("(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])", Kind::MissingFile, "x.glb", "--models DIR"),
-    ("(entities: [(name: \"A\", model: ‸(path: \"x.glb\", stand_in: \"STAND\"))])", Kind::MissingFile, "x.glb", "STAND"),
-    ("(entities: [(name: \"A\", material: (color_texture: ‸\"no.png\"), mesh: Box(size: (1, 1, 1)))])", Kind::MissingFile, "no.png", "--models"),
+    (
+        "(entities: [(name: \"A\", prefab: \"lamp.prefab.ron\", overrides: {\"Blub\": ‸()})])",
+        Kind::UnknownName,
+        "`Blub`",
+        "`Bulb`",
+    ),
+    (
+        "(entities: [(name: \"A\", prefab: \"lamp.prefab.ron\", children: [(name: ‸\"Bulb\")])])",
+        Kind::DuplicateName,
+        "`Bulb`",
+        "overrides",
+    ),
+    (
+        "(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])",
+        Kind::MissingFile,
+        "x.glb",
+        "SOURCE",
+    ),
+    (
+        "(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])",
+        Kind::MissingFile,
+        "x.glb",
+        "--models DIR",
+    ),
+    (
+        "(entities: [(name: \"A\", model: ‸(path: \"x.glb\", stand_in: \"STAND\"))])",
+        Kind::MissingFile,
+        "x.glb",
+        "STAND",
+    ),
+    (
+        "(entities: [(name: \"A\", material: (color_texture: ‸\"no.png\"), mesh: Box(size: (1, 1, 1)))])",
+        Kind::MissingFile,
+        "no.png",
+        "--models",
+    ),
 ];
 
 const LAMP: &str = "Prefab(entities: [(name: \"Bulb\", light: (kind: Point, intensity: 1))])";
@@ -78,7 +145,10 @@ fn bad_scenes_give_place_and_suggestion() {
                     && e.help.clone().unwrap_or_default().contains(help)
                     && shown.contains(&format!("bad.scene.ron:{}:{}: ", place.line, place.column));
                 if !good {
-                    wrong.push(format!("expected {kind:?} at {place:?}, `{message}`, `{help}`, got {:?}\n{shown}", e.kind));
+                    wrong.push(format!(
+                        "expected {kind:?} at {place:?}, `{message}`, `{help}`, got {:?}\n{shown}",
+                        e.kind
+                    ));
                 }
             }
         }
@@ -89,7 +159,17 @@ fn bad_scenes_give_place_and_suggestion() {
 #[test]
 fn syntax_errors_give_a_place() {
     let folder = Folder::new(&[]);
-    for text in ["", "(", "(entities: [", "(entities: [(name: \"A\" light: ())])", "Scene()x", "Sceen()", "[1]", "(a: 'x)", "/* open"] {
+    for text in [
+        "",
+        "(",
+        "(entities: [",
+        "(entities: [(name: \"A\" light: ())])",
+        "Scene()x",
+        "Sceen()",
+        "[1]",
+        "(a: 'x)",
+        "/* open",
+    ] {
         folder.write("bad.scene.ron", text.as_bytes());
         let error = folder.load("bad.scene.ron").err().unwrap_or_else(|| panic!("accepted {text:?}"));
         assert!(error.place.is_some(), "{error}");
@@ -138,7 +218,9 @@ fn prefabs_that_multiply_are_stopped() {
     let folder = Folder::new(&[("a.scene.ron", "(entities: [(name: \"A\", prefab: \"0.prefab.ron\")])")]);
     for i in 0..20 {
         let next = format!("prefab: \"{}.prefab.ron\"", i + 1);
-        let text = format!("(entities: [(name: \"a\", {next}), (name: \"b\", {next}), (name: \"c\", {next}), (name: \"d\", {next})])");
+        let text = format!(
+            "(entities: [(name: \"a\", {next}), (name: \"b\", {next}), (name: \"c\", {next}), (name: \"d\", {next})])"
+        );
         folder.write(&format!("{i}.prefab.ron"), text.as_bytes());
     }
     folder.write("20.prefab.ron", b"()");

@@ -74,7 +74,8 @@ fn overrides_reach_nested_instances_and_survive_a_save() {
 #[test]
 fn equal_shapes_and_named_materials_are_shared() {
     let world = street().load("street.scene.ron").unwrap();
-    let mesh = |path: &str| -> Arc<Mesh> { world.ecs.get::<MeshRenderer>(at(&world, path).unwrap()).unwrap().mesh.clone() };
+    let mesh =
+        |path: &str| -> Arc<Mesh> { world.ecs.get::<MeshRenderer>(at(&world, path).unwrap()).unwrap().mesh.clone() };
     assert!(Arc::ptr_eq(&mesh("Street/Left/Pole"), &mesh("Street/Right/Pole")));
 }
 
@@ -94,7 +95,10 @@ fn edits_inside_an_instance_become_overrides() {
     world.ecs.entity_mut(right).insert(turned);
     save_scene(&world, &folder.path("saved.scene.ron")).unwrap();
     let again = folder.load("saved.scene.ron").unwrap();
-    assert_eq!(again.ecs.get::<MeshRenderer>(at(&again, "Street/Left/Pole").unwrap()).unwrap().material.roughness, 0.25);
+    assert_eq!(
+        again.ecs.get::<MeshRenderer>(at(&again, "Street/Left/Pole").unwrap()).unwrap().material.roughness,
+        0.25
+    );
     assert!(at(&again, "Street/Left/Pole/Sign").is_none());
     assert_eq!(*again.ecs.get::<Transform>(at(&again, "Street/Right").unwrap()).unwrap(), turned);
     assert_eq!(intensity(&again, "Street/Right/Pole/Bulb"), Some(5.0));

@@ -146,7 +146,9 @@ fn an_opened_model_saves_as_a_scene() {
 
 #[test]
 fn sponza_says_where_to_get_its_model() {
-    let error = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &LoadOptions::default()).err().unwrap();
+    let error = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &LoadOptions::default())
+        .err()
+        .unwrap();
     assert_eq!(error.kind, FileErrorKind::MissingFile, "{error}");
     let text = error.to_string();
     for part in ["sponza/Sponza.gltf", "glTF-Sample-Assets", "--models", "courtyard"] {
@@ -161,7 +163,8 @@ fn real_models_open() {
         return;
     };
     let options = LoadOptions { models: Some(models) };
-    let mut world = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &options).unwrap_or_else(|e| panic!("{e}"));
+    let mut world = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &options)
+        .unwrap_or_else(|e| panic!("{e}"));
     let triangles: usize = all::<MeshRenderer>(&mut world).iter().map(|r| r.mesh.triangle_count()).sum();
     assert!((262_267..300_000).contains(&triangles), "{triangles}");
 }
@@ -172,7 +175,8 @@ fn reference_scenes_open_with_their_camera_and_light() {
         eprintln!("skipped: LIGHTWELL_REFERENCE is not set");
         return;
     };
-    let mut world = load_scene(&folder.join("cornell/scene.glb"), &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut world = load_scene(&folder.join("cornell/scene.glb"), &mut AssetLibrary::new(), &LoadOptions::default())
+        .unwrap_or_else(|e| panic!("{e}"));
     assert!(at(&world, "framing camera").is_none() && at(&world, "default light").is_none());
     assert!(!all::<Camera>(&mut world).is_empty() && !all::<Light>(&mut world).is_empty());
 }

@@ -1,9 +1,11 @@
 //! Load → save → load is the identity; saves are atomic and keep what they replace.
 
 use super::super::document::Document;
-use super::super::save::{scene_text, to_text};
+use super::super::save::scene_text;
+use super::super::write::to_text;
 use super::*;
-use crate::world::{Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings, Transform};
+use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
+use crate::world::{Animation, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings, Transform};
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
 use proptest::option::of;
@@ -33,7 +35,14 @@ fn a_save_keeps_the_description_the_header_and_a_backup() {
     save_scene(&world, &folder.path("a.scene.ron")).unwrap();
     let saved = folder.read("a.scene.ron");
     assert!(saved.starts_with("// A scene.\n/* Second line. */\nScene(\n"), "{saved}");
-    for kept in ["rotation: (10.0, 20.0, 30.0)", "scale: 2.0", "look_at: (0.0, 0.0, 0.0)", "\"unused\": ()", "gi: None", "material: \"red\""] {
+    for kept in [
+        "rotation: (10.0, 20.0, 30.0)",
+        "scale: 2.0",
+        "look_at: (0.0, 0.0, 0.0)",
+        "\"unused\": ()",
+        "gi: None",
+        "material: \"red\"",
+    ] {
         assert!(saved.contains(kept), "{kept} in\n{saved}");
     }
     assert!(!saved.contains("rsm_size"), "defaults are left out:\n{saved}");
@@ -50,11 +59,45 @@ fn a_moved_entity_is_saved_where_it_stands() {
     let folder = Folder::new(&[("a.scene.ron", SCENE)]);
     let mut world = folder.load("a.scene.ron").unwrap();
     let ball = at(&world, "Ball").unwrap();
-    let place = Transform { translation: Vec3::new(0.1, 1.0 / 3.0, -7.0), rotation: Quat::from_rotation_x(0.3), scale: Vec3::new(1.0, -1.0, 0.0) };
+    let place = Transform {
+        translation: Vec3::new(0.1, 1.0 / 3.0, -7.0),
+        rotation: Quat::from_rotation_x(0.3),
+        scale: Vec3::new(1.0, -1.0, 0.0),
+    };
     world.ecs.entity_mut(ball).insert(place);
     save_scene(&world, &folder.path("b.scene.ron")).unwrap();
     let again = folder.load("b.scene.ron").unwrap();
     assert_eq!(*again.ecs.get::<Transform>(at(&again, "Ball").unwrap()).unwrap(), place);
+}
+
+#[test]
+fn the_rest_pose_is_saved_not_the_animated_one() {
+    let path = shipped("scenes/cornell.scene.ron");
+    let mut world = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap();
+    let before = scene_text(&world, &path).unwrap();
+    let block = at(&world, "Tall block").unwrap();
+    let rest = *world.ecs.get::<Transform>(block).unwrap();
+    world.set_tick(37);
+    world.update();
+    assert_ne!(*world.ecs.get::<Transform>(block).unwrap(), rest, "it moves");
+    assert_eq!(scene_text(&world, &path).unwrap(), before);
+}
+
+#[test]
+fn the_cornell_box_is_84_triangles_in_a_closed_loop() {
+    let path = shipped("scenes/cornell.scene.ron");
+    let mut world = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap();
+    let renderers = world.ecs.query::<&crate::world::MeshRenderer>().iter(&world.ecs).map(|r| r.mesh.triangle_count()).sum::<usize>();
+    assert_eq!(renderers, 84);
+    let light = at(&world, "Swing/Spot light").unwrap();
+    let mut place_at = |tick: u64| {
+        world.set_tick(tick);
+        world.update();
+        world.ecs.get::<crate::world::GlobalTransform>(light).unwrap().0
+    };
+    let (start, end) = (place_at(0), place_at(180));
+    assert_eq!(start, end);
+    assert!(place_at(45).translation.x > 0.4 && place_at(135).translation.x < -0.4);
 }
 
 #[test]
@@ -70,7 +113,9 @@ fn a_failed_write_leaves_the_file() {
 fn shipped_scenes_survive_a_round_trip() {
     for name in ["cornell", "prefabs"] {
         let path = shipped(&format!("scenes/{name}.scene.ron"));
-        let load = |p: &Path| load_scene(p, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let load = |p: &Path| {
+            load_scene(p, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+        };
         let world = load(&path);
         let text = scene_text(&world, &path).unwrap();
         let (_, before) = Document::read::<SceneFile>(&path).unwrap();
@@ -107,32 +152,78 @@ fn light() -> impl Strategy<Value = Light> {
         Just(LightKind::Point),
         (0.0f32..40.0, 41.0f32..90.0).prop_map(|(inner, outer)| LightKind::Spot { inner, outer }),
     ];
-    (kind, 0.0f32..1e4, of(0.1f32..50.0), any::<bool>(), 16u32..4096)
-        .prop_map(|(kind, intensity, range, casts_shadow, shadow_size)| Light { kind, intensity, range, casts_shadow, shadow_size, ..Default::default() })
+    (kind, 0.0f32..1e4, of(0.1f32..50.0), any::<bool>(), 16u32..4096).prop_map(
+        |(kind, intensity, range, casts_shadow, shadow_size)| Light {
+            kind,
+            intensity,
+            range,
+            casts_shadow,
+            shadow_size,
+            ..Default::default()
+        },
+    )
 }
 
 fn clpv() -> impl Strategy<Value = Clpv> {
-    let placement = prop_oneof![Just(ClpvPlacement::Fixed), (0.0f32..1.0).prop_map(|ahead| ClpvPlacement::Camera { ahead })];
+    let placement =
+        prop_oneof![Just(ClpvPlacement::Fixed), (0.0f32..1.0).prop_map(|ahead| ClpvPlacement::Camera { ahead })];
     let size = prop_oneof![Just(CellSize::Auto), (0.01f32..10.0).prop_map(CellSize::Meters)];
-    (placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024)
-        .prop_map(|(placement, cascades, cells, cell_size, steps)| Clpv { placement, cascades, cells, cell_size, steps, ..Default::default() })
+    (placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
+        |(placement, cascades, cells, cell_size, steps)| Clpv {
+            placement,
+            cascades,
+            cells,
+            cell_size,
+            steps,
+            ..Default::default()
+        },
+    )
+}
+
+fn animation() -> impl Strategy<Value = Animation> {
+    let axis = vector().prop_filter("an axis has a direction", |a| a.length() > 0.1);
+    let spin = (axis, -90.0f64..90.0).prop_map(|(axis, speed)| Track::Spin { axis, degrees_per_second: speed.round() });
+    let keys = vec(vector(), 1..5).prop_map(|values| Track::Keys {
+        target: Target::Translation,
+        keys: values.into_iter().enumerate().map(|(i, v)| (0.3 + i as f64, KeyValue::Vector(v))).collect(),
+        interpolation: Interpolation::Cubic,
+        wrap: Wrap::PingPong,
+    });
+    (vec(prop_oneof![spin, keys], 0..3), number()).prop_map(|(tracks, offset)| Animation { tracks, offset: offset.into(), ..Default::default() })
 }
 
 fn material() -> impl Strategy<Value = MaterialRef> {
-    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>()).prop_map(|(color, roughness, double_sided)| {
-        MaterialRef::Inline(Box::new(MaterialFile { color: color.into(), roughness, double_sided, ..Default::default() }))
-    });
+    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>()).prop_map(
+        |(color, roughness, double_sided)| {
+            MaterialRef::Inline(Box::new(MaterialFile {
+                color: color.into(),
+                roughness,
+                double_sided,
+                ..Default::default()
+            }))
+        },
+    );
     prop_oneof![Just(MaterialRef::Named("a \"b\" \\ ü".into())), inline]
 }
 
 fn entity() -> impl Strategy<Value = EntityFile> {
     let mesh = [0.01f32..10.0, 0.01f32..10.0, 0.01f32..10.0].prop_map(|size| Shape::Box { size });
-    let camera = (1.0f32..179.0, 0.001f32..1.0, of(2.0f32..1e3), any::<bool>()).prop_map(|(fov, near, far, primary)| Camera { fov, near, far, primary });
-    let leaf = ("[^/]{1,12}", of(transform()), of((mesh, of(material()), of(any::<bool>()))), of(light()), of(camera), of(clpv()));
-    let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(|(name, transform, surface, light, camera, clpv)| {
-        let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
-        EntityFile { name, transform, mesh, material, casts_shadow, light, camera, clpv, ..Default::default() }
-    });
+    let camera = (1.0f32..179.0, 0.001f32..1.0, of(2.0f32..1e3), any::<bool>())
+        .prop_map(|(fov, near, far, primary)| Camera { fov, near, far, primary });
+    let leaf = (
+        "[^/]{1,12}",
+        of(transform()),
+        of((mesh, of(material()), of(any::<bool>()))),
+        of(light()),
+        of(camera),
+        of(clpv()),
+    );
+    let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(
+        |(name, transform, surface, light, camera, clpv, animation)| {
+            let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
+            EntityFile { name, transform, mesh, material, casts_shadow, light, camera, clpv, ..Default::default() }
+        },
+    );
     leaf.prop_recursive(4, 24, 4, |inner| {
         (inner.clone(), vec(inner, 0..4)).prop_map(|(mut parent, children)| {
             parent.children = unique(children);
