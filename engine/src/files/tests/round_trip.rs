@@ -87,7 +87,12 @@ fn the_rest_pose_is_saved_not_the_animated_one() {
 fn the_cornell_box_is_84_triangles_in_a_closed_loop() {
     let path = shipped("scenes/cornell.scene.ron");
     let mut world = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap();
-    let renderers = world.ecs.query::<&crate::world::MeshRenderer>().iter(&world.ecs).map(|r| r.mesh.triangle_count()).sum::<usize>();
+    let renderers = world
+        .ecs
+        .query::<&crate::world::MeshRenderer>()
+        .iter(&world.ecs)
+        .map(|r| r.mesh.triangle_count())
+        .sum::<usize>();
     assert_eq!(renderers, 84);
     let light = at(&world, "Swing/Spot light").unwrap();
     let mut place_at = |tick: u64| {
@@ -189,7 +194,11 @@ fn animation() -> impl Strategy<Value = Animation> {
         interpolation: Interpolation::Cubic,
         wrap: Wrap::PingPong,
     });
-    (vec(prop_oneof![spin, keys], 0..3), number()).prop_map(|(tracks, offset)| Animation { tracks, offset: offset.into(), ..Default::default() })
+    (vec(prop_oneof![spin, keys], 0..3), number()).prop_map(|(tracks, offset)| Animation {
+        tracks,
+        offset: offset.into(),
+        ..Default::default()
+    })
 }
 
 fn material() -> impl Strategy<Value = MaterialRef> {
@@ -217,11 +226,23 @@ fn entity() -> impl Strategy<Value = EntityFile> {
         of(light()),
         of(camera),
         of(clpv()),
+        of(animation()),
     );
     let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(
         |(name, transform, surface, light, camera, clpv, animation)| {
             let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
-            EntityFile { name, transform, mesh, material, casts_shadow, light, camera, clpv, ..Default::default() }
+            EntityFile {
+                name,
+                transform,
+                mesh,
+                material,
+                casts_shadow,
+                light,
+                camera,
+                clpv,
+                animation,
+                ..Default::default()
+            }
         },
     );
     leaf.prop_recursive(4, 24, 4, |inner| {

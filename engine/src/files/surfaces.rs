@@ -1,0 +1,129 @@
+//! The components of a loaded entity, with the meshes, materials and images that they name.
+
+use super::error::{FileError, FileErrorKind as Kind};
+use super::find;
+use super::format::*;
+use super::load::{Context, Loader, Resolved, extended, key};
+use super::tree::Step;
+use crate::assets::{Material, Mesh, Texture};
+use crate::world::{MeshRenderer, Transform};
+use bevy_ecs::prelude::Entity;
+use std::sync::Arc;
+
+impl Loader<'_> {
+    /// Puts the components on the entity; gives the material of its shape.
+    pub(super) fn insert_components(
+        &mut self,
+        entity: Entity,
+        r: &Resolved,
+    ) -> Result<Option<Arc<Material>>, FileError> {
+        let c = &r.components;
+        let transform = c.transform.map(Transform::from).unwrap_or_default();
+        self.world.ecs.entity_mut(entity).insert(transform);
+        let mut material = None;
+        if c.material.is_some() || c.mesh.is_some() {
+            material = self.material_of(r)?;
+        }
+        if let Some(shape) = &c.mesh {
+            let mesh = self.library.shape(shape).map_err(|e| {
+                r.surface.0.document.error(&extended(&r.surface.1, &[key("mesh")]), Kind::BadValue, e.to_string())
+            })?;
+            self.info.shapes.insert(mesh.id, shape.clone());
+            let material = material.get_or_insert_with(|| self.info.default_material.clone()).clone();
+            self.world.ecs.entity_mut(entity).insert(renderer(c, mesh, material));
+        }
+        if let Some(model) = &c.model {
+            let at = extended(&r.surface.1, &[key("model")]);
+            self.model(entity, model, material.as_ref(), c, &r.surface.0.clone(), &at)?;
+        }
+        let mut target = self.world.ecs.entity_mut(entity);
+        if let Some(light) = &c.light {
+            target.insert(light.clone());
+        }
+        if let Some(camera) = &c.camera {
+            target.insert(camera.clone());
+        }
+        if let Some(clpv) = &c.clpv {
+            target.insert(clpv.clone());
+        }
+        if let Some(animation) = &c.animation {
+            target.insert(animation.clone());
+        }
+        Ok(material)
+    }
+
+    fn material_of(&mut self, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
+        let (context, at) = &r.material;
+        let at = extended(at, &[key("material")]);
+        match &r.components.material {
+            None => Ok(None),
+            Some(MaterialRef::Inline(file)) => self.material("", file, context, &at).map(Some),
+            Some(MaterialRef::Named(name)) => {
+                let identity = (context.document.path.clone(), name.clone());
+                if let Some(known) = self.named.get(&identity) {
+                    return Ok(Some(known.clone()));
+                }
+                let Some(file) = context.materials.get(name) else {
+                    let error =
+                        context.document.error(&at, Kind::UnknownName, format!("there is no material `{name}`"));
+                    return Err(error);
+                };
+                let material = self.material(name, file, context, &[key("materials"), key(name)])?;
+                self.named.insert(identity, material.clone());
+                Ok(Some(material))
+            }
+        }
+    }
+
+    fn material(
+        &mut self,
+        name: &str,
+        file: &MaterialFile,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<Arc<Material>, FileError> {
+        let mut load = |field: &str, texture: &Option<TextureFile>, srgb: bool| {
+            let Some(texture) = texture else { return Ok(None) };
+            self.texture(texture, srgb, context, &extended(at, &[key(field)])).map(Some)
+        };
+        let mut material = file.material(name);
+        material.base_color_texture = load("color_texture", &file.color_texture, true)?;
+        material.metallic_roughness_texture =
+            load("metallic_roughness_texture", &file.metallic_roughness_texture, false)?;
+        material.normal_texture = load("normal_texture", &file.normal_texture, false)?;
+        material.emissive_texture = load("emissive_texture", &file.emissive_texture, true)?;
+        let material = Arc::new(material);
+        let described = match context.is_root && !name.is_empty() {
+            true => MaterialRef::Named(name.to_owned()),
+            false => MaterialRef::Inline(Box::new(file.clone().rebased(context))),
+        };
+        self.info.materials_by_id.insert(material.id, described);
+        Ok(material)
+    }
+
+    fn texture(
+        &mut self,
+        file: &TextureFile,
+        srgb: bool,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<Arc<Texture>, FileError> {
+        let written = file.path();
+        let Some(path) = find(written, context.document.folder(), self.options) else {
+            let error = context.document.error(at, Kind::MissingFile, format!("there is no image `{written}`"));
+            return Err(error.with_help("paths start at the folder of this file, or at the one given by --models"));
+        };
+        let texture = self
+            .library
+            .texture(&path, srgb, file.sampling())
+            .map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        self.info.textures_by_id.insert(texture.id, file.clone().rebased(context));
+        Ok(texture)
+    }
+}
+
+/// A renderer as the components say.
+pub(super) fn renderer(c: &OverrideFile, mesh: Arc<Mesh>, material: Arc<Material>) -> MeshRenderer {
+    let (casts_shadow, visible) = (c.casts_shadow.unwrap_or(true), c.visible.unwrap_or(true));
+    MeshRenderer { mesh, material, casts_shadow, visible }
+}

@@ -1,0 +1,91 @@
+//! The text of a scene file, and how it gets to disk.
+
+use super::document::{folder_of, ron_options};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::{MaterialFile, SceneFile};
+use super::tree::Node;
+use crate::world::{Animation, Camera, Clpv, Light, SceneSettings};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// The file's text, without the fields that say what is the default anyway.
+pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
+    let mut tree = Node::parse(&ron_options().to_string(file)?);
+    let defaults = Defaults::new()?;
+    tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
+    tree.drop_defaults(&defaults.scene, &["entities", "gi"]);
+    let body = tree.pretty();
+    Ok(format!("Scene{body}"))
+}
+
+/// How the defaults of components look in a file.
+struct Defaults {
+    scene: Node,
+    components: BTreeMap<&'static str, Node>,
+    material: Node,
+}
+
+impl Defaults {
+    fn new() -> Result<Self, ron::Error> {
+        fn node(value: &impl Serialize) -> Result<Node, ron::Error> {
+            Ok(Node::parse(&ron_options().to_string(value)?))
+        }
+        let components = BTreeMap::from([
+            ("light", node(&Light::default())?),
+            ("camera", node(&Camera::default())?),
+            ("clpv", node(&Clpv::default())?),
+            ("animation", node(&Animation::default())?),
+            ("settings", node(&SceneSettings::default())?),
+        ]);
+        Ok(Self { scene: node(&SceneFile::default())?, components, material: node(&MaterialFile::default())? })
+    }
+
+    fn drop_from(&self, key: &str, node: &mut Node) {
+        match key {
+            "gi" => node.unraw(),
+            "material" => node.drop_defaults(&self.material, &[]),
+            "materials" => node.for_each_field(&mut |_, material| material.drop_defaults(&self.material, &[])),
+            _ => {
+                if let Some(default) = self.components.get(key) {
+                    node.drop_defaults(default, &["kind", "intensity"]);
+                }
+            }
+        }
+    }
+}
+
+/// Replaces the file in one step, and keeps the one before as `NAME.bak`.
+pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
+    // A link stays a link: the file it leads to is replaced.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let failed = |what: &str, e: &std::io::Error| {
+        FileError::new(path, Kind::Io, format!("{what}: {e}"))
+            .with_help("check the folder's permissions and free space")
+    };
+    let name = path.file_name().ok_or_else(|| FileError::new(path, Kind::Io, "the path names no file"))?;
+    let folder = folder_of(path);
+    let with_suffix = |suffix: &str| {
+        let mut name = name.to_owned();
+        name.push(suffix);
+        folder.join(name)
+    };
+    let temporary = with_suffix(&format!(".{}.tmp", std::process::id()));
+    let write = || -> std::io::Result<()> {
+        let mut file = std::fs::File::create(&temporary)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    };
+    let result = write().map_err(|e| failed("cannot write beside it", &e)).and_then(|()| {
+        if path.exists() {
+            std::fs::copy(path, with_suffix(".bak"))
+                .map_err(|e| failed("cannot keep the file before as backup", &e))?;
+        }
+        std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e))
+    });
+    if result.is_err() {
+        let _ = std::fs::remove_file(&temporary);
+    }
+    result
+}
