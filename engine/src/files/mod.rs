@@ -29,7 +29,8 @@
 //! so that one that fails leaves the running one alone.
 //!
 //! [`save_scene`] writes the rest pose and not the animated one, replaces the file in one step, and keeps the one
-//! before as `NAME.bak`. The comments at the head of the file are kept; comments inside it are not, they stay in the
+//! before as `NAME.bak`. Entities that come from a glTF model are not written, nor what was changed of them: the file
+//! names the model. The comments at the head of the file are kept; comments inside it are not, they stay in the
 //! backup of the first save.
 
 mod convert;

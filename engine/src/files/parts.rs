@@ -10,13 +10,13 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Transform")]
 pub struct TransformFile {
-    /// Translation [m].
+    /// Translation (m).
     #[serde(skip_serializing_if = "is_zero")]
     pub translation: Vec3,
     /// Rotation; not together with `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
-    /// Turns −Z (where lights shine and cameras look) to this point in the parent's space [m], +Y upwards.
+    /// Turns −Z (where lights shine and cameras look) to this point in the parent's space (m), +Y upwards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<Vec3>,
     /// Scale, one number or three.
@@ -31,7 +31,7 @@ fn is_zero(v: &Vec3) -> bool {
 /// A rotation, as three angles or as a quaternion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
-    /// Angles about x (pitch), y (heading) and z (roll) [degrees]: roll first, then pitch, then heading.
+    /// Angles about x (pitch), y (heading) and z (roll) (degrees): roll first, then pitch, then heading.
     Euler(Vec3),
     /// Quaternion x, y, z, w.
     Quaternion(Quat),
@@ -175,7 +175,7 @@ pub struct MaterialFile {
     pub specular: f32,
     /// Colour of that reflection, linear RGB.
     pub specular_color: Vec3,
-    /// Emitted radiance [W/(m² sr)], linear RGB.
+    /// Emitted radiance (W/(m² sr)), linear RGB.
     pub emissive: Vec3,
     /// Back faces are drawn too.
     pub double_sided: bool,

@@ -8,7 +8,7 @@ use super::validate::Validator;
 use super::write::{to_text, write_atomically};
 use crate::world::{Animation, Clpv, GameWorld, MeshRenderer, Name, SceneSettings, Transform};
 use bevy_ecs::prelude::{Entity, World};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Writes the world as a scene file: the rest pose, entities and assets as they were described where they have not
@@ -103,9 +103,9 @@ impl Writer<'_> {
         let instance = |s: &&Source| s.prefab.is_some() && matches!(s.origin, Origin::File);
         if let Some(source) = self.source(entity).filter(instance) {
             file.prefab = source.prefab.clone();
-            let mut found = Vec::new();
+            let mut found = BTreeSet::new();
             self.overrides(entity, "", &mut file.overrides, &mut found)?;
-            for member in source.members.iter().filter(|m| !found.contains(m)) {
+            for member in source.members.iter().filter(|m| !found.contains(*m)) {
                 // What lies below a removed entity goes with it.
                 let above = member.rsplit_once('/').map(|(above, _)| above.to_owned());
                 if above.is_none_or(|above| found.contains(&above)) {
@@ -131,7 +131,7 @@ impl Writer<'_> {
         entity: Entity,
         path: &str,
         overrides: &mut BTreeMap<String, OverrideFile>,
-        found: &mut Vec<String>,
+        found: &mut BTreeSet<String>,
     ) -> Result<(), FileError> {
         for child in self.world.children(entity) {
             if !self.is_member(child, path) {
@@ -152,7 +152,7 @@ impl Writer<'_> {
             if changes != OverrideFile::default() {
                 overrides.insert(path.clone(), changes);
             }
-            found.push(path.clone());
+            found.insert(path.clone());
             self.overrides(child, &path, overrides, found)?;
         }
         Ok(())

@@ -38,7 +38,7 @@ struct Item {
     node: Node,
 }
 
-/// Longest line that the writer makes where it has a choice [characters].
+/// Longest line that the writer makes where it has a choice (characters).
 const WIDTH: usize = 110;
 
 impl Node {
