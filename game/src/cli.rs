@@ -1,0 +1,312 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ops::Range;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  lightwell play                              the Cornell box, in a window
+  lightwell play scenes/sponza.scene.ron --models ~/models
+  lightwell render cornell -o still.png --time 1.5
+  lightwell render cornell -o 'frames/{}.png' --frames 0..120 --size 960x540
+  lightwell render cornell -o dim.exr --set 'Lamp.light.intensity=5' --only indirect
+  lightwell compare a.exr reference.exr --max nrmse=0.1 --difference where.png
+  lightwell explain cornell                   what runs, what is reused, what is skipped, and why
+
+A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
+Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
+
+/// Lightwell: a mini game engine with real-time global illumination.
+#[derive(Debug, Parser)]
+#[command(name = "lightwell", version, after_help = EXAMPLES, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Options of every command.
+#[derive(Args, Clone, Debug)]
+pub struct Common {
+    /// Folder of third-party models that some scenes use
+    #[arg(long, global = true, value_name = "DIR", env = "LIGHTWELL_MODELS")]
+    pub models: Option<PathBuf>,
+    /// Part of the name of the graphics adapter to use (`lightwell info` lists them)
+    #[arg(long, global = true, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Say more: -v what is done, -vv details
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Play a scene in a window; without a display, render its animation into files
+    Play(PlayArgs),
+    /// Render images of a scene into files
+    Render(RenderArgs),
+    /// Measure how far an image is from a reference
+    Compare(CompareArgs),
+    /// Show which passes a frame runs, reuses or skips, and why
+    Explain(ExplainArgs),
+    /// Show the graphics adapter, its features and limits
+    Info,
+}
+
+const PLAY_HELP: &str = "\
+Controls:
+  drag left, W A S D, Q E    look around and fly (drag right: orbit); wheel: speed of flight
+  C                          back to the scene's camera
+  Space  .  + -              pause, one step, faster or slower
+  F1  F12  Esc               help, screenshot, quit
+
+The scene file and the shaders are watched: a change shows at once, and a mistake shows its error while
+the last good version keeps running. Without a display the animation is rendered into out/NAME/.";
+
+/// Arguments of `play`.
+#[derive(Args, Debug)]
+#[command(after_help = PLAY_HELP)]
+pub struct PlayArgs {
+    /// Scene file, or name of a scene in `scenes`
+    #[arg(default_value = "cornell")]
+    pub scene: String,
+    /// Size of the window, or of the images without a display [default: 960x600 or 512x512]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Choices that change the picture.
+    #[command(flatten)]
+    pub look: LookArgs,
+}
+
+/// Choices that change the picture.
+#[derive(Args, Clone, Debug)]
+pub struct LookArgs {
+    /// Indirect light
+    #[arg(long, value_enum, default_value_t = Gi::Clpv)]
+    pub gi: Gi,
+    /// Part of the picture to show
+    #[arg(long, value_enum, default_value_t = Only::Total)]
+    pub only: Only,
+    /// Camera by name [default: the scene's primary camera]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE` or
+    /// `scene.FIELD=VALUE`, with the value as in scene files; may be given many times
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
+    pub sets: Vec<(String, String)>,
+}
+
+const RENDER_HELP: &str = "\
+Examples:
+  lightwell render cornell -o a.png
+  lightwell render cornell -o a.exr --time 1.5 --aa 16 --gi none
+  lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Lamp.light.color=(1, 0.2, 0.1)'
+
+The ending of OUT chooses the format: .exr holds float32 linear radiance, .png what a screen would show
+(exposed and tone mapped). The same command gives the same bytes on the same adapter.";
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = RENDER_HELP)]
+pub struct RenderArgs {
+    /// Scene file, or name of a scene in `scenes`
+    pub scene: String,
+    /// File to write; with --frames its `{}` becomes the frame's number (else `_0001` is put before the ending)
+    #[arg(short, long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
+    pub output: PathBuf,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Time in seconds [default: 0]
+    #[arg(long, value_name = "S", value_parser = parse_time, conflicts_with = "frames")]
+    pub time: Option<f64>,
+    /// Frames of the scene's clock, from A up to but without B
+    #[arg(long, value_name = "A..B", value_parser = parse_frames)]
+    pub frames: Option<Range<u64>>,
+    /// Choices that change the picture.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// Average N frames with shifted pixel grids, as a box filter over the pixel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub aa: u32,
+}
+
+/// Method of indirect light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Gi {
+    /// Direct light alone
+    None,
+    /// Cascaded light propagation volumes, where the scene has them
+    Clpv,
+}
+
+/// Part of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    /// Direct and indirect light
+    Total,
+    /// Light that comes straight from lights
+    Direct,
+    /// Light that other surfaces pass on
+    Indirect,
+    /// Base colour
+    Albedo,
+    /// Normals in world space
+    Normal,
+    /// Distance along the view direction
+    Depth,
+}
+
+const COMPARE_HELP: &str = "\
+Metrics, on linear RGB over all pixels, without any gain fitting (a: the image, r: the reference):
+  rmse   sqrt(mean((a - r)^2))
+  nrmse  rmse / mean(r)
+  bias   mean(a) / mean(r) - 1
+  p95    95th percentile of |a - r|, over mean(r)
+  flip   mean of the perceptual difference FLIP, tone mapped at an exposure chosen from the reference
+Where mean(r) = 0 the image must be exactly zero.
+
+Example:
+  lightwell compare a.exr reference.exr --max nrmse=0.1,bias=0.02 --difference where.png";
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+#[command(after_help = COMPARE_HELP)]
+pub struct CompareArgs {
+    /// Image: .exr, .png or .jpg
+    #[arg(value_name = "A")]
+    pub image: PathBuf,
+    /// Reference
+    #[arg(value_name = "B")]
+    pub reference: PathBuf,
+    /// Metrics to print
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "nrmse,rmse,bias,p95,flip")]
+    pub metric: Vec<Metric>,
+    /// Write a picture of the signed difference: red too bright, blue too dark, full colour at mean(r)
+    #[arg(long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
+    pub difference: Option<PathBuf>,
+    /// Largest value allowed (of bias: in size); past it the exit code is 1. May be given many times
+    #[arg(long, value_name = "METRIC=X", value_delimiter = ',', value_parser = parse_bound)]
+    pub max: Vec<(Metric, f64)>,
+}
+
+/// An error metric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Metric {
+    /// Relative root mean square error
+    Nrmse,
+    /// Root mean square error
+    Rmse,
+    /// Relative error of the mean
+    Bias,
+    /// 95th percentile of the relative error
+    P95,
+    /// Perceptual difference
+    Flip,
+}
+
+/// Arguments of `explain`.
+#[derive(Args, Debug)]
+pub struct ExplainArgs {
+    /// Scene file, or name of a scene in `scenes`
+    pub scene: String,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Time in seconds
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]
+    pub time: f64,
+    /// Choices that change the picture.
+    #[command(flatten)]
+    pub look: LookArgs,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+    };
+    match parse() {
+        Some(size @ [1..=16384, 1..=16384]) => Ok(size),
+        Some(_) => Err("width and height must be 1 to 16384 pixels".to_owned()),
+        None => Err("write it as WIDTHxHEIGHT, for instance 512x512".to_owned()),
+    }
+}
+
+fn parse_frames(text: &str) -> Result<Range<u64>, String> {
+    let parse = || {
+        let (from, to) = text.split_once("..")?;
+        Some(from.trim().parse().ok()?..to.trim().parse().ok()?)
+    };
+    let range: Range<u64> = parse().ok_or("write it as A..B, for instance 0..30")?;
+    if range.is_empty() {
+        return Err(format!("there is no frame from {} up to but without {}", range.start, range.end));
+    }
+    Ok(range)
+}
+
+fn parse_time(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(time) if time.is_finite() && time >= 0.0 => Ok(time),
+        _ => Err("give seconds, zero or more".to_owned()),
+    }
+}
+
+fn parse_output(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("png" | "exr") => Ok(path),
+        _ => Err("the name must end in .png or .exr".to_owned()),
+    }
+}
+
+fn parse_assignment(text: &str) -> Result<(String, String), String> {
+    let (path, value) = text.split_once('=').ok_or("write it as PATH=VALUE, for instance clpv.steps=32")?;
+    let (path, value) = (path.trim(), value.trim());
+    if path.is_empty() || value.is_empty() {
+        return Err("neither PATH nor VALUE may be empty".to_owned());
+    }
+    Ok((path.to_owned(), value.to_owned()))
+}
+
+fn parse_bound(text: &str) -> Result<(Metric, f64), String> {
+    let (name, bound) = text.split_once('=').ok_or("write it as METRIC=X, for instance nrmse=0.1")?;
+    let metric = Metric::from_str(name.trim(), true)
+        .map_err(|_| format!("there is no metric `{}`; there are nrmse, rmse, bias, p95 and flip", name.trim()))?;
+    match bound.trim().parse::<f64>() {
+        Ok(bound) if bound >= 0.0 => Ok((metric, bound)),
+        _ => Err(format!("`{}` is no bound; give a number, zero or more", bound.trim())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_checked() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        assert!(parse_size("640").is_err() && parse_size("0x4").is_err() && parse_size("4x99999").is_err());
+        assert_eq!(parse_frames("3..7"), Ok(3..7));
+        assert!(parse_frames("7..7").is_err() && parse_frames("7").is_err());
+        assert!(parse_time("NaN").is_err() && parse_time("-1").is_err());
+        assert_eq!(parse_time("1.5"), Ok(1.5));
+        assert_eq!(parse_bound("bias=0.5"), Ok((Metric::Bias, 0.5)));
+        assert!(parse_bound("luck=1").is_err() && parse_bound("nrmse=-1").is_err() && parse_bound("nrmse=NaN").is_err());
+        let assignment = parse_assignment("a.b=(x = 1)");
+        assert_eq!(assignment, Ok(("a.b".to_owned(), "(x = 1)".to_owned())));
+        assert!(parse_output("a.jpg").is_err() && parse_output("png").is_err() && parse_output("a.PNG").is_ok());
+    }
+}

@@ -1,0 +1,6 @@
+//! The commands, one file each.
+
+pub mod compare;
+pub mod explain;
+pub mod info;
+pub mod render;

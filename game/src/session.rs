@@ -1,0 +1,212 @@
+//! A loaded scene with the device that draws it: load, set the time, draw, read back.
+
+use crate::cli::{Common, Gi, LookArgs, Only};
+use crate::scene_path;
+use crate::set;
+use anyhow::{Context, Result, anyhow, bail};
+use lightwell::assets::AssetLibrary;
+use lightwell::files::{LoadOptions, load_scene};
+use lightwell::gpu::{self, Gpu, GpuOptions};
+use lightwell::graph::FrameReport;
+use lightwell::measure::Image;
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
+use lightwell::world::{GameWorld, SceneSettings};
+use std::path::{Path, PathBuf};
+
+/// The device that all options ask for.
+///
+/// # Errors
+/// No shaders, no driver, or no adapter of that name.
+pub fn gpu_options(common: &Common) -> Result<GpuOptions> {
+    Ok(GpuOptions { adapter: common.adapter.clone(), shader_dir: gpu::default_shader_dir()? })
+}
+
+/// Opens the device without a window.
+///
+/// # Errors
+/// As [`gpu_options`].
+pub fn open_gpu(common: &Common) -> Result<Gpu> {
+    Ok(Gpu::headless(&gpu_options(common)?)?)
+}
+
+/// A world with what is made from it for drawing.
+struct Loaded {
+    world: GameWorld,
+    extractor: Extractor,
+    scene: Scene,
+}
+
+/// A loaded scene with the device that draws it.
+pub struct Session {
+    /// The device.
+    pub gpu: Gpu,
+    path: PathBuf,
+    options: LoadOptions,
+    look: LookArgs,
+    library: AssetLibrary,
+    loaded: Loaded,
+    renderer: Renderer,
+}
+
+impl Session {
+    /// Loads a scene by file or name, and applies what `--set` changes.
+    ///
+    /// # Errors
+    /// If the scene or something in it cannot be loaded, a path of `--set` does not exist, or the camera does not.
+    pub fn open(gpu: Gpu, scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+        let path = scene_path::find(scene)?;
+        let options = LoadOptions { models: common.models.clone() };
+        let mut library = AssetLibrary::new();
+        let loaded = load(&path, &mut library, &options, look)?;
+        let renderer = Renderer::new(&gpu);
+        Ok(Self { gpu, path, options, look: look.clone(), library, loaded, renderer })
+    }
+
+    /// Loads the scene anew from its file. If that fails, the running one stays as it is.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn reload(&mut self) -> Result<()> {
+        // A fresh library: models and images may have changed too.
+        let mut library = AssetLibrary::new();
+        self.loaded = load(&self.path, &mut library, &self.options, &self.look)?;
+        self.library = library;
+        Ok(())
+    }
+
+    /// File of the scene.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Name of the scene.
+    pub fn name(&self) -> String {
+        scene_path::name_of(&self.path)
+    }
+
+    /// Settings of the scene.
+    pub fn settings(&self) -> SceneSettings {
+        settings(&self.loaded.world)
+    }
+
+    /// What the renderer sees.
+    pub fn scene(&self) -> &Scene {
+        &self.loaded.scene
+    }
+
+    /// Moves everything to where it is at a tick of the scene's clock.
+    pub fn set_ticks(&mut self, ticks: u64) {
+        self.loaded.world.set_time(ticks);
+        self.loaded.update();
+    }
+
+    /// Moves everything to where it is after so many seconds.
+    pub fn set_seconds(&mut self, seconds: f64) {
+        self.loaded.world.set_time_seconds(seconds);
+        self.loaded.update();
+    }
+
+    /// The camera that was asked for, or the scene's primary one.
+    ///
+    /// # Errors
+    /// If there is no camera of that name, or none at all.
+    pub fn camera(&self) -> Result<SceneCamera> {
+        choose_camera(&self.loaded.scene, self.look.camera.as_deref())
+    }
+
+    /// Settings of a frame.
+    pub fn render_settings(&self, display: bool) -> RenderSettings {
+        RenderSettings {
+            gi: match self.look.gi {
+                Gi::None => GiMethod::None,
+                Gi::Clpv => GiMethod::Clpv,
+            },
+            only: match self.look.only {
+                Only::Total => Layer::Total,
+                Only::Direct => Layer::Direct,
+                Only::Indirect => Layer::Indirect,
+                Only::Albedo => Layer::Albedo,
+                Only::Normal => Layer::Normal,
+                Only::Depth => Layer::Depth,
+            },
+            exposure: self.settings().exposure,
+            no_cache: false,
+            display,
+        }
+    }
+
+    /// Draws a view of the scene as it stands.
+    ///
+    /// # Errors
+    /// If a pass fails or the device is lost.
+    pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
+        let report = self.renderer.render(&self.gpu, &self.loaded.scene, view, settings)?;
+        Ok(report)
+    }
+
+    /// Linear radiance of the last frame.
+    ///
+    /// # Errors
+    /// If nothing was drawn or the device is lost.
+    pub fn radiance(&self) -> Result<Image> {
+        let texture = self.renderer.radiance().context("no frame was drawn")?;
+        let image = gpu::read_texture_f32(&self.gpu, texture)?;
+        Image::from_rgba(image.width, image.height, &image.rgba).context("the frame came back incomplete")
+    }
+
+    /// The last frame as a screen shows it: sRGB bytes, three a pixel.
+    ///
+    /// # Errors
+    /// If no display image was drawn or the device is lost.
+    pub fn display_bytes(&self) -> Result<([u32; 2], Vec<u8>)> {
+        let texture = self.display_texture().context("no frame was drawn for display")?;
+        let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+        let rgb = bytes.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        Ok(([texture.width(), texture.height()], rgb))
+    }
+
+    /// The texture of the last frame for display.
+    pub fn display_texture(&self) -> Option<&wgpu::Texture> {
+        self.renderer.display()
+    }
+}
+
+impl Loaded {
+    fn update(&mut self) {
+        self.world.update();
+        self.extractor.extract(&mut self.world, &mut self.scene);
+    }
+}
+
+fn settings(world: &GameWorld) -> SceneSettings {
+    world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default()
+}
+
+fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, look: &LookArgs) -> Result<Loaded> {
+    let mut world = load_scene(path, library, options)?;
+    for (target, value) in &look.sets {
+        set::apply(&mut world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;
+    }
+    let mut loaded = Loaded { world, extractor: Extractor::new(), scene: Scene::default() };
+    loaded.world.set_time(0);
+    loaded.update();
+    choose_camera(&loaded.scene, look.camera.as_deref())?;
+    Ok(loaded)
+}
+
+fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<SceneCamera> {
+    let Some(name) = name else {
+        let camera = scene.cameras.iter().find(|c| c.primary).or(scene.cameras.first());
+        return camera.cloned().context("the scene has no camera; give an entity a `camera` component");
+    };
+    let found = scene.cameras.iter().find(|camera| camera.name == name);
+    match found {
+        Some(camera) => Ok(camera.clone()),
+        None if scene.cameras.is_empty() => bail!("there is no camera `{name}`; the scene has none at all"),
+        None => {
+            let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+            bail!("there is no camera `{name}`; there are: {}", names.join(", "))
+        }
+    }
+}

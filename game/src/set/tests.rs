@@ -1,0 +1,76 @@
+#![allow(clippy::unwrap_used)]
+use super::*;
+use lightwell::world::LightKind;
+
+fn world() -> GameWorld {
+    let mut world = GameWorld::new();
+    let kind = LightKind::Spot { inner: 20.0, outer: 30.0 };
+    let lamp = world.ecs.spawn((Name("Lamp".into()), Transform::default(), Light { kind, ..Light::default() })).id();
+    world.ecs.spawn((Name("Bulb".into()), Transform::default(), Light::default(), ChildOf(lamp)));
+    world.ecs.spawn((Name("v1.2".into()), Camera::default(), Clpv::default()));
+    world
+}
+
+fn light(world: &mut GameWorld, name: &str) -> Light {
+    let mut query = world.ecs.query::<(&Name, &Light)>();
+    query.iter(&world.ecs).find(|(n, _)| n.0 == name).unwrap().1.clone()
+}
+
+#[test]
+fn values_are_set_by_path() {
+    let mut world = world();
+    for (path, value) in [
+        ("Lamp.light.intensity", "5"),
+        ("Lamp.light.kind.outer", "45"),
+        ("Lamp.light.color", "(1, 0.5, 0)"),
+        ("Lamp.light.color.2", "0.25"),
+        ("Lamp.light.range", "7"),
+        ("Lamp/Bulb.light.intensity", "2"),
+        ("Lamp.transform.rotation", "(0, 90, 0)"),
+        ("clpv.cells", "(8, 8, 7)"),
+        ("clpv.cell_size", "Meters(0.5)"),
+        ("v1.2.camera.fov", "45"),
+        ("scene.sky", "(0, 0, 1)"),
+    ] {
+        apply(&mut world, path, value).unwrap_or_else(|e| panic!("{path}={value}: {e}"));
+    }
+    let lamp = light(&mut world, "Lamp");
+    assert_eq!((lamp.intensity, lamp.range), (5.0, Some(7.0)));
+    assert_eq!(lamp.kind, LightKind::Spot { inner: 20.0, outer: 45.0 });
+    assert_eq!(lamp.color, Vec3::new(1.0, 0.5, 0.25));
+    assert_eq!(light(&mut world, "Bulb").intensity, 2.0);
+    let (transform, clpv) = (world.ecs.query::<(&Name, &Transform)>(), world.ecs.query::<&Clpv>());
+    let (mut transform, mut clpv) = (transform, clpv);
+    let rotation = transform.iter(&world.ecs).find(|(n, _)| n.0 == "Lamp").unwrap().1.rotation;
+    assert!((rotation * -Vec3::Z - -Vec3::X).length() < 1e-6, "{rotation}");
+    assert_eq!(clpv.iter(&world.ecs).next().unwrap().cells, [8, 8, 7]);
+    assert_eq!(world.ecs.resource::<SceneSettings>().sky, Vec3::Z);
+}
+
+#[test]
+fn what_is_not_there_is_named_with_what_is() {
+    let mut world = world();
+    for (path, value, expected) in [
+        ("Lump.light.intensity", "5", "Lamp/Bulb"),
+        ("Lamp.camera.fov", "5", "`transform`, `light`"),
+        ("Lamp.light.power", "5", "intensity"),
+        ("Lamp.light.intensity", "bright", "does not fit"),
+        ("Lamp.light.intensity", "5,range:3", "one value"),
+        ("clpv.stepps", "5", "steps"),
+        ("Lamp.light.kind.outer.x", "5", "has no fields"),
+        ("scene.skye", "5", "sky"),
+        ("Lamp.light", "5", "COMPONENT.FIELD"),
+    ] {
+        let error = apply(&mut world, path, value).unwrap_err().to_string();
+        assert!(error.contains(expected), "{path}={value}: {error}");
+    }
+}
+
+#[test]
+fn equal_names_want_a_path() {
+    let mut world = world();
+    let other = world.ecs.spawn(Name("Other".into())).id();
+    world.ecs.spawn((Name("Bulb".into()), Light::default(), ChildOf(other)));
+    let error = apply(&mut world, "Bulb.light.intensity", "1").unwrap_err().to_string();
+    assert!(error.contains("Lamp/Bulb, Other/Bulb"), "{error}");
+}
