@@ -62,7 +62,7 @@ impl Statistics {
     }
 }
 
-/// Records the spans of one frame; see [`Profiler::frame`].
+/// Records the spans of one frame, from [`FrameRecorder::begin`] to [`FrameRecorder::finish`].
 #[derive(Debug)]
 pub struct FrameRecorder {
     begin: Instant,
@@ -72,6 +72,18 @@ pub struct FrameRecorder {
 }
 
 impl FrameRecorder {
+    /// Begins a frame.
+    pub fn begin() -> Self {
+        Self { begin: Instant::now(), stack: Vec::new(), spans: Vec::new(), gpu: Vec::new() }
+    }
+
+    /// Ends the frame.
+    pub fn finish(mut self) -> Frame {
+        let duration = milliseconds(self.begin);
+        self.spans.append(&mut self.gpu);
+        Frame { spans: self.spans, duration }
+    }
+
     /// Measures `work` under `name`, inside of the span that is open.
     pub fn span<R>(&mut self, name: &str, work: impl FnOnce(&mut Self) -> R) -> R {
         let index = self.spans.len();
@@ -112,16 +124,13 @@ impl Profiler {
 
     /// Measures one frame.
     pub fn frame<R>(&mut self, work: impl FnOnce(&mut FrameRecorder) -> R) -> R {
-        let mut recorder =
-            FrameRecorder { begin: Instant::now(), stack: Vec::new(), spans: Vec::new(), gpu: Vec::new() };
+        let mut recorder = FrameRecorder::begin();
         let result = work(&mut recorder);
-        let duration = milliseconds(recorder.begin);
-        recorder.spans.append(&mut recorder.gpu);
-        self.push(Frame { spans: recorder.spans, duration });
+        self.push(recorder.finish());
         result
     }
 
-    /// Adds a frame that was measured elsewhere; the oldest goes if the ring is full.
+    /// Adds a frame that a [`FrameRecorder`] measured; the oldest goes if the ring is full.
     pub fn push(&mut self, frame: Frame) {
         if self.frames.len() == FRAMES {
             self.frames.pop_front();

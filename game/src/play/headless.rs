@@ -1,0 +1,37 @@
+//! Playing without a display: one loop of the animation, a file a frame.
+
+use crate::cli::{Common, PlayArgs};
+use crate::commands::render::{Shot, numbered};
+use crate::progress;
+use crate::session::{Session, open_gpu};
+use anyhow::Result;
+use std::path::Path;
+
+/// Frames a second of what is written.
+const RATE: f64 = 10.0;
+/// Most frames that are written.
+const MOST: u64 = 48;
+/// Length of scenes that say none [s].
+const DEFAULT_DURATION: f64 = 2.0;
+
+/// Renders the scene's animation into `out/NAME/`; `why` says why no window opens.
+///
+/// # Errors
+/// If the scene cannot be loaded or drawn, or a file cannot be written.
+pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
+    let mut session = Session::open(open_gpu(common)?, &args.scene, &args.look, common)?;
+    let duration = session.settings().duration.map_or(DEFAULT_DURATION, f64::from);
+    let count = ((duration * RATE).round() as u64).clamp(1, MOST);
+    let folder = Path::new("out").join(session.name());
+    let shot = Shot { size: args.size.unwrap_or([512, 512]), aa: 1, linear: false };
+    println!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
+    let bar = progress::bar(count, "rendering frames");
+    for index in 0..count {
+        session.set_seconds(index as f64 / RATE);
+        shot.write(&mut session, &numbered(&folder.join("frame.png"), index + 1), &bar)?;
+    }
+    bar.finish_and_clear();
+    let place = folder.canonicalize().unwrap_or(folder);
+    println!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());
+    Ok(())
+}

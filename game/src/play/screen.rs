@@ -1,0 +1,147 @@
+//! The window's surface: sizes, loss, and putting images on it.
+
+use anyhow::{Context, Result, bail};
+use lightwell::gpu::{Binding, Gpu, GpuOptions, RasterKey};
+use std::sync::Arc;
+use wgpu::CurrentSurfaceTexture;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+/// The surface of a window.
+pub struct Screen {
+    instance: wgpu::Instance,
+    surface: wgpu::Surface<'static>,
+    window: Arc<Window>,
+    config: wgpu::SurfaceConfiguration,
+    /// Format of the views: without sRGB conversion, since images are encoded already.
+    view_format: wgpu::TextureFormat,
+}
+
+impl Screen {
+    /// Opens the device for a window, and the window's surface.
+    ///
+    /// # Errors
+    /// If no adapter can present on the window.
+    pub fn open(event_loop: &ActiveEventLoop, window: Arc<Window>, options: &GpuOptions) -> Result<(Gpu, Self)> {
+        let display = Box::new(event_loop.owned_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle(display));
+        let surface = instance.create_surface(Arc::clone(&window)).context("the window has no drawing surface")?;
+        let gpu = Gpu::for_window(options, &instance, &surface)?;
+        let size = window.inner_size();
+        let mut config = surface
+            .get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1))
+            .with_context(|| format!("adapter `{}` cannot draw on this window", gpu.info.name))?;
+        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        if let Some(plain) = formats.iter().find(|f| !f.is_srgb() && f.remove_srgb_suffix().target_pixel_byte_cost() == Some(4))
+        {
+            config.format = *plain;
+        }
+        config.present_mode = wgpu::PresentMode::AutoVsync;
+        let view_format = config.format.remove_srgb_suffix();
+        if view_format != config.format {
+            config.view_formats.push(view_format);
+        }
+        let screen = Self { instance, surface, window, config, view_format };
+        screen.configure(&gpu);
+        Ok((gpu, screen))
+    }
+
+    /// Format that is drawn in: holds sRGB-encoded values as they are.
+    pub fn format(&self) -> wgpu::TextureFormat {
+        self.view_format
+    }
+
+    /// Size [pixels]; none while the window is minimised.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        let size = self.window.inner_size();
+        (size.width > 0 && size.height > 0).then_some([size.width, size.height])
+    }
+
+    fn configure(&self, gpu: &Gpu) {
+        self.surface.configure(&gpu.device, &self.config);
+    }
+
+    /// The next image of the window, to be drawn and presented. None if there is none just now, as while it is
+    /// hidden: try again later.
+    ///
+    /// # Errors
+    /// If the surface was lost and cannot be made anew.
+    pub fn acquire(&mut self, gpu: &Gpu) -> Result<Option<wgpu::SurfaceTexture>> {
+        let Some([width, height]) = self.size() else { return Ok(None) };
+        let limit = gpu.limits.max_texture_dimension_2d;
+        let size = [width.min(limit), height.min(limit)];
+        if [self.config.width, self.config.height] != size {
+            [self.config.width, self.config.height] = size;
+            self.configure(gpu);
+        }
+        for _ in 0..2 {
+            match self.surface.get_current_texture() {
+                CurrentSurfaceTexture::Success(texture) | CurrentSurfaceTexture::Suboptimal(texture) => {
+                    return Ok(Some(texture));
+                }
+                CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Occluded => return Ok(None),
+                CurrentSurfaceTexture::Outdated => self.configure(gpu),
+                CurrentSurfaceTexture::Lost => {
+                    if let Some(reason) = gpu.device_lost() {
+                        bail!("the graphics device was lost: {reason}");
+                    }
+                    let surface = self.instance.create_surface(Arc::clone(&self.window));
+                    self.surface = surface.context("the window's drawing surface was lost")?;
+                    self.configure(gpu);
+                }
+                CurrentSurfaceTexture::Validation => return Ok(None),
+            }
+        }
+        Ok(None)
+    }
+
+    /// A view of the window's image in [`Screen::format`].
+    pub fn view(&self, texture: &wgpu::SurfaceTexture) -> wgpu::TextureView {
+        let format = Some(self.view_format);
+        texture.texture.create_view(&wgpu::TextureViewDescriptor { format, ..Default::default() })
+    }
+
+    /// Draws an image over the whole target, or black if there is none.
+    ///
+    /// # Errors
+    /// If the shader never compiled.
+    pub fn blit(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        image: Option<&wgpu::Texture>,
+        target: &wgpu::TextureView,
+    ) -> Result<()> {
+        let pipeline = gpu.pipelines.raster(
+            gpu,
+            &RasterKey {
+                shader: "present.wgsl",
+                vertex: "vertex_main",
+                fragment: Some("fragment_main"),
+                defs: Vec::new(),
+                vertex_buffers: Vec::new(),
+                primitive: wgpu::PrimitiveState::default(),
+                depth: None,
+                targets: vec![Some(self.view_format.into())],
+            },
+        )?;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("present"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        if let (Some(image), Some(raster)) = (image, pipeline.raster()) {
+            let view = image.create_view(&wgpu::TextureViewDescriptor::default());
+            let group = pipeline.bind(gpu, 0, &[("image", Binding::Texture(&view))])?;
+            pass.set_pipeline(raster);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,80 @@
+//! The event loop of interactive play.
+
+use super::player::Player;
+use crate::cli::{Common, PlayArgs};
+use anyhow::{Context, Result};
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// How often files are looked at while nothing moves.
+const IDLE: Duration = Duration::from_millis(100);
+
+/// Plays in a window until it is closed.
+///
+/// # Errors
+/// If the scene cannot be loaded, nothing can draw on the window, or the device is lost.
+pub fn run(event_loop: EventLoop<()>, args: &PlayArgs, common: &Common) -> Result<()> {
+    let mut app = App { args, common, player: None, failure: None };
+    event_loop.run_app(&mut app)?;
+    app.failure.map_or(Ok(()), Err)
+}
+
+struct App<'a> {
+    args: &'a PlayArgs,
+    common: &'a Common,
+    player: Option<Player>,
+    failure: Option<anyhow::Error>,
+}
+
+impl App<'_> {
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Player> {
+        let [width, height] = self.args.size.unwrap_or([960, 600]);
+        let attributes =
+            Window::default_attributes().with_title("Lightwell").with_inner_size(PhysicalSize::new(width, height));
+        let window = event_loop.create_window(attributes).context("no window can be opened")?;
+        Player::open(event_loop, window, self.args, self.common)
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: anyhow::Error) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.player.is_none() {
+            match self.open(event_loop) {
+                Ok(player) => self.player = Some(player),
+                Err(error) => self.fail(event_loop, error),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(player) = &mut self.player else { return };
+        match player.event(&event) {
+            Ok(true) => {}
+            Ok(false) => event_loop.exit(),
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let busy = self.player.as_mut().is_some_and(Player::poll);
+        // A busy frame asks for a redraw, which wakes the loop by itself.
+        event_loop.set_control_flow(match busy {
+            true => ControlFlow::Poll,
+            false => ControlFlow::WaitUntil(Instant::now() + IDLE),
+        });
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // Surface and device go before the display connection does.
+        self.player = None;
+    }
+}
