@@ -97,13 +97,13 @@ impl Session {
 
     /// Moves everything to where it is at a tick of the scene's clock.
     pub fn set_ticks(&mut self, ticks: u64) {
-        self.loaded.world.set_time(ticks);
+        self.loaded.world.set_tick(ticks);
         self.loaded.update();
     }
 
     /// Moves everything to where it is after so many seconds.
     pub fn set_seconds(&mut self, seconds: f64) {
-        self.loaded.world.set_time_seconds(seconds);
+        self.loaded.world.set_seconds(seconds);
         self.loaded.update();
     }
 
@@ -189,7 +189,7 @@ fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, look: &L
         set::apply(&mut world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;
     }
     let mut loaded = Loaded { world, extractor: Extractor::new(), scene: Scene::default() };
-    loaded.world.set_time(0);
+    loaded.world.set_tick(0);
     loaded.update();
     choose_camera(&loaded.scene, look.camera.as_deref())?;
     Ok(loaded)
