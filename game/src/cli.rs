@@ -304,7 +304,9 @@ mod tests {
         assert!(parse_time("NaN").is_err() && parse_time("-1").is_err());
         assert_eq!(parse_time("1.5"), Ok(1.5));
         assert_eq!(parse_bound("bias=0.5"), Ok((Metric::Bias, 0.5)));
-        assert!(parse_bound("luck=1").is_err() && parse_bound("nrmse=-1").is_err() && parse_bound("nrmse=NaN").is_err());
+        assert!(
+            parse_bound("luck=1").is_err() && parse_bound("nrmse=-1").is_err() && parse_bound("nrmse=NaN").is_err()
+        );
         let assignment = parse_assignment("a.b=(x = 1)");
         assert_eq!(assignment, Ok(("a.b".to_owned(), "(x = 1)".to_owned())));
         assert!(parse_output("a.jpg").is_err() && parse_output("png").is_err() && parse_output("a.PNG").is_ok());

@@ -63,6 +63,16 @@ impl Session {
         Ok(Self { gpu, path, options, look: look.clone(), library, loaded, renderer })
     }
 
+    /// Opens a device without a window, and loads a scene as [`Session::open`] does.
+    ///
+    /// # Errors
+    /// As [`Session::open`], and if there is no device.
+    pub fn headless(scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+        // Before the device, which takes its time.
+        scene_path::find(scene)?;
+        Self::open(open_gpu(common)?, scene, look, common)
+    }
+
     /// Loads the scene anew from its file. If that fails, the running one stays as it is.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! `lightwell explain`: what a frame runs, reuses and skips, and why.
 
 use crate::cli::{Common, ExplainArgs};
-use crate::session::{Session, open_gpu};
+use crate::session::Session;
 use anyhow::Result;
 use lightwell::scene::SceneView;
 
@@ -10,7 +10,7 @@ use lightwell::scene::SceneView;
 /// # Errors
 /// If the scene cannot be loaded or drawn.
 pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
-    let mut session = Session::open(open_gpu(common)?, &args.scene, &args.look, common)?;
+    let mut session = Session::headless(&args.scene, &args.look, common)?;
     session.set_seconds(args.time);
     let scene = session.scene();
     let triangles: usize = scene.primitives.iter().map(|primitive| primitive.mesh.indices.len() / 3).sum();

@@ -1,7 +1,7 @@
 //! `lightwell render`: images of a scene in files.
 
 use crate::cli::{Common, RenderArgs};
-use crate::session::{Session, open_gpu};
+use crate::session::Session;
 use crate::{jitter, progress};
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
-    let mut session = Session::open(open_gpu(common)?, &args.scene, &args.look, common)?;
+    let mut session = Session::headless(&args.scene, &args.look, common)?;
     let shot = Shot { size: args.size, aa: args.aa, linear: extension_is(&args.output, "exr") };
     let Some(frames) = args.frames.clone() else {
         session.set_seconds(args.time.unwrap_or(0.0));

@@ -3,7 +3,7 @@
 use crate::cli::{Common, PlayArgs};
 use crate::commands::render::{Shot, numbered};
 use crate::progress;
-use crate::session::{Session, open_gpu};
+use crate::session::Session;
 use anyhow::Result;
 use std::path::Path;
 
@@ -19,7 +19,7 @@ const DEFAULT_DURATION: f64 = 2.0;
 /// # Errors
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
-    let mut session = Session::open(open_gpu(common)?, &args.scene, &args.look, common)?;
+    let mut session = Session::headless(&args.scene, &args.look, common)?;
     let duration = session.settings().duration.map_or(DEFAULT_DURATION, f64::from);
     let count = ((duration * RATE).round() as u64).clamp(1, MOST);
     let folder = Path::new("out").join(session.name());

@@ -109,7 +109,7 @@ impl Overlay {
 
 fn contents(context: &egui::Context, shown: &Shown) {
     egui::Window::new(format!("Lightwell: {}", shown.scene))
-        .id(egui::Id::new("frame"))
+        .id(egui::Id::unique("frame"))
         .default_pos([8.0, 8.0])
         .resizable(false)
         .show(context, |ui| {
@@ -134,7 +134,7 @@ fn contents(context: &egui::Context, shown: &Shown) {
     }
     if !shown.errors.is_empty() {
         egui::Window::new(RichText::new("Errors; the last good version is running").color(ERROR))
-            .id(egui::Id::new("errors"))
+            .id(egui::Id::unique("errors"))
             .anchor(egui::Align2::LEFT_BOTTOM, [8.0, -8.0])
             .resizable(false)
             .show(context, |ui| {

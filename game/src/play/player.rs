@@ -287,7 +287,9 @@ impl Player {
         let shaders = self.session.gpu.shaders.errors().into_iter().map(|error| error.to_string());
         let mut errors: Vec<String> = self.scene_error.iter().cloned().chain(shaders).collect();
         // A frame that fails for a broken shader says the same once more.
-        errors.extend(self.frame_error.iter().filter(|_| errors.is_empty()).cloned());
+        if errors.is_empty() {
+            errors.extend(self.frame_error.clone());
+        }
         errors
     }
 }

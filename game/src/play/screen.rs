@@ -32,7 +32,8 @@ impl Screen {
             .get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1))
             .with_context(|| format!("adapter `{}` cannot draw on this window", gpu.info.name))?;
         let formats = surface.get_capabilities(&gpu.adapter).formats;
-        if let Some(plain) = formats.iter().find(|f| !f.is_srgb() && f.remove_srgb_suffix().target_pixel_byte_cost() == Some(4))
+        if let Some(plain) =
+            formats.iter().find(|f| !f.is_srgb() && f.remove_srgb_suffix().target_pixel_byte_cost() == Some(4))
         {
             config.format = *plain;
         }

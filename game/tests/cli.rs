@@ -1,0 +1,147 @@
+//! The program as its users call it.
+
+#![allow(clippy::unwrap_used)]
+
+use lightwell::measure::{Image, write_image};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn lightwell(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lightwell")).args(args).env_remove("RUST_LOG").output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Writes a picture of one colour, and gives its path.
+fn picture(folder: &Path, name: &str, size: [u32; 2], color: [f32; 3]) -> PathBuf {
+    let path = folder.join(name);
+    write_image(&path, &Image::filled(size[0], size[1], color)).unwrap();
+    path
+}
+
+#[test]
+fn help_teaches_by_example() {
+    let help = lightwell(&["--help"]);
+    assert_eq!(help.status.code(), Some(0));
+    for word in ["play", "render", "compare", "explain", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"] {
+        assert!(out(&help).contains(word), "no {word} in\n{}", out(&help));
+    }
+    for command in ["play", "render", "compare", "explain", "info"] {
+        let help = lightwell(&[command, "--help"]);
+        assert_eq!(help.status.code(), Some(0), "{command}: {}", err(&help));
+    }
+}
+
+#[test]
+fn wrong_usage_is_two() {
+    for args in [
+        &[][..],
+        &["dance"],
+        &["render"],
+        &["render", "cornell"],
+        &["render", "cornell", "-o", "a.bmp"],
+        &["render", "cornell", "-o", "a.png", "--size", "12"],
+        &["render", "cornell", "-o", "a.png", "--time", "1", "--frames", "0..2"],
+        &["render", "cornell", "-o", "a.png", "--gi", "magic"],
+        &["render", "cornell", "-o", "a.png", "--set", "nonsense"],
+        &["render", "cornell", "-o", "a.png", "--aa", "0"],
+        &["compare", "a.exr"],
+        &["compare", "a.exr", "b.exr", "--max", "luck=1"],
+        &["compare", "a.exr", "b.exr", "--metric", "luck"],
+    ] {
+        let output = lightwell(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", err(&output));
+        assert!(!err(&output).is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn compare_prints_metrics_and_obeys_bounds() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = picture(dir.path(), "a.exr", [8, 4], [1.1; 3]);
+    let b = picture(dir.path(), "b.exr", [8, 4], [1.0; 3]);
+    let (a, b) = (a.to_str().unwrap(), b.to_str().unwrap());
+    let plain = lightwell(&["compare", a, b]);
+    assert_eq!(plain.status.code(), Some(0), "{}", err(&plain));
+    for line in ["nrmse       0.100000", "rmse        0.100000", "bias        0.100000", "p95         0.100000", "flip"]
+    {
+        assert!(out(&plain).contains(line), "no `{line}` in\n{}", out(&plain));
+    }
+    let few = lightwell(&["compare", a, b, "--metric", "bias"]);
+    assert_eq!(out(&few).lines().count(), 1, "{}", out(&few));
+    assert_eq!(lightwell(&["compare", a, b, "--max", "nrmse=0.2,bias=0.2"]).status.code(), Some(0));
+    let past = lightwell(&["compare", a, b, "--max", "nrmse=0.2", "--max", "bias=0.05"]);
+    assert_eq!(past.status.code(), Some(1));
+    assert!(
+        out(&past).contains("past the bound 0.05") && out(&past).contains("within the bound 0.2"),
+        "{}",
+        out(&past)
+    );
+    // Too dark counts as much as too bright.
+    assert_eq!(lightwell(&["compare", b, a, "--max", "bias=0.05"]).status.code(), Some(1));
+}
+
+#[test]
+fn compare_writes_the_difference() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = picture(dir.path(), "a.png", [8, 4], [0.5; 3]);
+    let b = picture(dir.path(), "b.png", [8, 4], [0.2; 3]);
+    let difference = dir.path().join("difference.png");
+    let args = ["compare", a.to_str().unwrap(), b.to_str().unwrap(), "--difference", difference.to_str().unwrap()];
+    let output = lightwell(&args);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let picture = lightwell::measure::read_image(&difference).unwrap();
+    let [red, _, blue] = picture.pixel(3, 2);
+    assert!(red > 0.9 && blue < 0.1, "too bright is red: {red} {blue}");
+}
+
+#[test]
+fn compare_says_what_is_wrong() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = picture(dir.path(), "a.exr", [8, 4], [1.0; 3]);
+    let other = picture(dir.path(), "b.exr", [4, 8], [1.0; 3]);
+    let nan = picture(dir.path(), "nan.exr", [8, 4], [f32::NAN; 3]);
+    let a = a.to_str().unwrap();
+    for (b, expected) in [(other.to_str().unwrap(), "4x8"), (nan.to_str().unwrap(), "NaN"), ("none.exr", "none.exr")] {
+        let output = lightwell(&["compare", a, b]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(err(&output).starts_with("error: ") && err(&output).contains(expected), "{}", err(&output));
+    }
+}
+
+#[test]
+fn compare_wants_exact_darkness() {
+    let dir = tempfile::tempdir().unwrap();
+    let dark = picture(dir.path(), "dark.exr", [8, 4], [0.0; 3]);
+    let faint = picture(dir.path(), "faint.exr", [8, 4], [1e-20; 3]);
+    let (dark, faint) = (dark.to_str().unwrap(), faint.to_str().unwrap());
+    assert!(out(&lightwell(&["compare", dark, dark])).contains("exactly zero, as it must be"));
+    let past = lightwell(&["compare", faint, dark, "--max", "rmse=1"]);
+    assert_eq!(past.status.code(), Some(1), "{}", out(&past));
+}
+
+#[test]
+fn a_missing_scene_is_named_with_those_that_exist() {
+    for command in [&["explain", "no_such_scene"][..], &["render", "no_such_scene", "-o", "a.png"]] {
+        let output = lightwell(command);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(err(&output).contains("`no_such_scene`"), "{}", err(&output));
+        assert!(err(&output).contains("cornell"), "{}", err(&output));
+    }
+}
+
+#[test]
+fn info_names_the_adapter() {
+    let output = lightwell(&["info"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(out(&output).contains("adapter") && out(&output).contains("storage binding"), "{}", out(&output));
+    let none = lightwell(&["info", "--adapter", "no such adapter"]);
+    assert_eq!(none.status.code(), Some(1));
+    assert!(err(&none).contains("no such adapter"), "{}", err(&none));
+}
