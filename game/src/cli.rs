@@ -10,7 +10,7 @@ Examples:
   lightwell play scenes/sponza.scene.ron --models ~/models
   lightwell render cornell -o still.png --time 1.5
   lightwell render cornell -o 'frames/{}.png' --frames 0..120 --size 960x540
-  lightwell render cornell -o dim.exr --set 'Lamp.light.intensity=5' --only indirect
+  lightwell render cornell -o dim.exr --set 'Spot light.light.intensity=5' --only indirect
   lightwell compare a.exr reference.exr --max nrmse=0.1 --difference where.png
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
 
@@ -86,9 +86,9 @@ pub struct PlayArgs {
 /// Choices that change the picture.
 #[derive(Args, Clone, Debug)]
 pub struct LookArgs {
-    /// Indirect light
-    #[arg(long, value_enum, default_value_t = Gi::Clpv)]
-    pub gi: Gi,
+    /// Indirect light [default: what the scene asks for]
+    #[arg(long, value_enum)]
+    pub gi: Option<Gi>,
     /// Part of the picture to show
     #[arg(long, value_enum, default_value_t = Only::Total)]
     pub only: Only,
@@ -105,7 +105,7 @@ const RENDER_HELP: &str = "\
 Examples:
   lightwell render cornell -o a.png
   lightwell render cornell -o a.exr --time 1.5 --aa 16 --gi none
-  lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Lamp.light.color=(1, 0.2, 0.1)'
+  lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Spot light.light.color=(1, 0.2, 0.1)'
 
 The ending of OUT chooses the format: .exr holds float32 linear radiance, .png what a screen would show
 (exposed and tone mapped). The same command gives the same bytes on the same adapter.";
@@ -141,7 +141,7 @@ pub struct RenderArgs {
 pub enum Gi {
     /// Direct light alone
     None,
-    /// Cascaded light propagation volumes, where the scene has them
+    /// Cascaded light propagation volumes: the scene's, or one that fits it if it has none
     Clpv,
 }
 

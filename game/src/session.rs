@@ -5,13 +5,13 @@ use crate::scene_path;
 use crate::set;
 use anyhow::{Context, Result, anyhow, bail};
 use lightwell::assets::AssetLibrary;
-use lightwell::files::{LoadOptions, load_scene};
+use lightwell::files::{self, LoadOptions, SceneInfo, load_scene};
 use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
-use lightwell::world::{GameWorld, SceneSettings};
+use lightwell::world::{Clpv, GameWorld, SceneSettings, Transform};
 use std::path::{Path, PathBuf};
 
 /// The device that all options ask for.
@@ -128,7 +128,7 @@ impl Session {
     /// Settings of a frame.
     pub fn render_settings(&self, display: bool) -> RenderSettings {
         RenderSettings {
-            gi: match self.look.gi {
+            gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(&self.loaded.world)) {
                 Gi::None => GiMethod::None,
                 Gi::Clpv => GiMethod::Clpv,
             },
@@ -183,9 +183,26 @@ impl Session {
 }
 
 impl Loaded {
+    /// Gives the scene a light propagation volume that fits it.
+    fn add_light_volume(&mut self) {
+        log::info!("the scene has no `clpv` component: one that fits its bounds is used");
+        let bounds = self.scene.bounds();
+        let translation = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.center() };
+        let entity = self.world.spawn("Light volume", None);
+        self.world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
+    }
+
     fn update(&mut self) {
         self.world.update();
         self.extractor.extract(&mut self.world, &mut self.scene);
+    }
+}
+
+/// The method of indirect light that the scene's file asks for.
+fn gi_of_scene(world: &GameWorld) -> Gi {
+    match world.ecs.get_resource::<SceneInfo>().map(|info| info.gi) {
+        Some(files::Gi::None) => Gi::None,
+        Some(files::Gi::Clpv) | None => Gi::Clpv,
     }
 }
 
@@ -194,12 +211,16 @@ fn settings(world: &GameWorld) -> SceneSettings {
 }
 
 fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, look: &LookArgs) -> Result<Loaded> {
-    let mut world = load_scene(path, library, options)?;
-    for (target, value) in &look.sets {
-        set::apply(&mut world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;
-    }
+    let world = load_scene(path, library, options)?;
     let mut loaded = Loaded { world, extractor: Extractor::new(), scene: Scene::default() };
     loaded.world.set_tick(0);
+    loaded.update();
+    if look.gi == Some(Gi::Clpv) && loaded.scene.clpv.is_none() {
+        loaded.add_light_volume();
+    }
+    for (target, value) in &look.sets {
+        set::apply(&mut loaded.world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;
+    }
     loaded.update();
     choose_camera(&loaded.scene, look.camera.as_deref())?;
     Ok(loaded)
