@@ -57,3 +57,7 @@ if ! command -v cargo >/dev/null; then
     say "and run again."
     exit 1
 fi
+
+# Mesa's device-selection layer complains about a missing XDG_RUNTIME_DIR on machines without a desktop, twice a run.
+# The program chooses its adapter itself (--adapter), so that nothing is lost without the layer.
+if [ -z "${XDG_RUNTIME_DIR:-}" ]; then export NODEVICE_SELECT=1; fi

@@ -11,7 +11,7 @@ use anyhow::Result;
 pub fn run(common: &Common) -> Result<()> {
     let gpu = open_gpu(common)?;
     let info = &gpu.info;
-    let line = |name: &str, value: String| println!("{name:<22}{value}");
+    let line = |name: &str, value: String| println!("{name:<24}{value}");
     line("lightwell", env!("CARGO_PKG_VERSION").to_owned());
     line("adapter", info.name.clone());
     line("kind", format!("{:?} through {:?}", info.device_type, info.backend));

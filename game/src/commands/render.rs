@@ -56,7 +56,7 @@ impl Shot {
         let camera = session.camera()?;
         let mut sum = vec![[0.0f64; 3]; self.size[0] as usize * self.size[1] as usize];
         for index in 0..self.aa {
-            let view = SceneView { camera: camera.clone(), size: self.size, jitter: jitter::shift(index) };
+            let view = SceneView { camera: camera.clone(), size: self.size, jitter: jitter::shift(index, self.aa) };
             session.render(&view, &settings)?;
             if self.aa == 1 && !self.linear {
                 let (size, rgb) = session.display_bytes()?;
