@@ -137,6 +137,7 @@ fn contents(context: &egui::Context, shown: &Shown) {
             .id(egui::Id::unique("errors"))
             .anchor(egui::Align2::LEFT_BOTTOM, [8.0, -8.0])
             .resizable(false)
+            .default_width((context.content_rect().width() - 32.0).clamp(100.0, 860.0))
             .show(context, |ui| {
                 for error in shown.errors {
                     ui.label(RichText::new(error).monospace().color(ERROR));

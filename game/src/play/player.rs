@@ -10,7 +10,6 @@ use crate::cli::{Common, PlayArgs};
 use crate::session::{self, Session};
 use anyhow::{Context, Result, bail};
 use glam::Vec3;
-use lightwell::gpu::ShaderEvent;
 use lightwell::graph::FrameReport;
 use lightwell::measure;
 use lightwell::profile::{FrameRecorder, Profiler};
@@ -131,13 +130,8 @@ impl Player {
 
     /// Takes up changed files, and asks for a frame if there is something new to show; says whether there is.
     pub fn poll(&mut self) -> bool {
-        for event in self.session.gpu.shaders.poll() {
-            self.stale = true;
-            match event {
-                ShaderEvent::Reloaded(shader) => log::info!("reloaded {shader}"),
-                ShaderEvent::Broken(error) => log::error!("{error}"),
-            }
-        }
+        // The library logs what it reloads and what is broken; the overlay shows the latter.
+        self.stale |= !self.session.gpu.shaders.poll().is_empty();
         if self.watcher.changed() {
             self.reload();
         }
