@@ -105,10 +105,21 @@ fn merge(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) 
         blocked[i] = f32(atomicLoad(&fixed[8u * index + i])) / FIXED_SCALE;
         reflected[i] = f32(atomicLoad(&fixed[8u * index + 4u + i])) / FIXED_SCALE;
     }
-    // A view's projected area is at most one face.
-    blocked *= min(1.0, COSINE_ZERO * BAND_ZERO / max(blocked.x, 1e-12));
     if blocked.x > merged[2u * index].x {
         merged[2u * index] = blocked;
     }
     merged[2u * index + 1u] += reflected;
+}
+
+// The projected area of what a view sees is at most one face. Limited after all views are merged, so that two views
+// that both fill the face do not tie.
+@compute @workgroup_size(64)
+fn limit(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    let corners = volume.cells + 1u;
+    if index >= corners.x * corners.y * corners.z {
+        return;
+    }
+    let blocked = merged[2u * index];
+    merged[2u * index] = blocked * min(1.0, COSINE_ZERO * BAND_ZERO / max(blocked.x, 1e-12));
 }

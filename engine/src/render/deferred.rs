@@ -102,9 +102,14 @@ impl Renderer {
         self.targets.texture(DISPLAY)
     }
 
-    /// Any retained target by its name, for overlays and tools.
+    /// Any retained texture by its name, for overlays and tools.
     pub fn target(&self, name: &str) -> Option<&wgpu::Texture> {
         self.targets.texture(name)
+    }
+
+    /// Any retained buffer by its name, for tools and measurements.
+    pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
+        self.targets.buffer(name)
     }
 }
 

@@ -26,6 +26,13 @@ pub struct LightView {
     pub half_extent: f32,
 }
 
+impl LightView {
+    /// Whether the image is a mirror image, as the faces of a cube are.
+    pub fn is_mirrored(&self) -> bool {
+        self.clip_from_world.determinant() < 0.0
+    }
+}
+
 /// Cube faces: viewing direction and up vector, as cube texture sampling expects them.
 const CUBE_FACES: [(Vec3, Vec3); 6] = [
     (Vec3::X, Vec3::Y),
@@ -208,6 +215,9 @@ mod tests {
         let views = light_views(&SceneLight { position: Vec3::ZERO, ..light(LightShape::Point) }, &BOUNDS);
         let ndc = views[0].clip_from_world.project_point3(Vec3::new(1.0, 0.5, -0.25));
         assert!((ndc.x - 0.25).abs() < 1e-5 && (ndc.y - 0.5).abs() < 1e-5, "{ndc}");
+        assert!(views.iter().all(LightView::is_mirrored));
+        assert!(!light_views(&light(LightShape::Directional), &BOUNDS)[0].is_mirrored());
+        assert!(!light_views(&light(LightShape::Spot { inner: 0.5, outer: 0.6 }), &BOUNDS)[0].is_mirrored());
         // +Y: s = x, t = z.
         let ndc = views[2].clip_from_world.project_point3(Vec3::new(0.25, 1.0, 0.5));
         assert!((ndc.x - 0.25).abs() < 1e-5 && (ndc.y + 0.5).abs() < 1e-5, "{ndc}");

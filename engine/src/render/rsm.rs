@@ -156,7 +156,9 @@ fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> R
         })
         .forget_lifetime();
     let filter = DrawFilter { frustum: &Frustum::new(&view.clip_from_world), casters_only: true };
-    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, raster_key)
+    // Faces of a cube are mirror images: there the front of a triangle winds the other way.
+    let seen_as = |class: MaterialClass| MaterialClass { mirrored: class.mirrored != view.is_mirrored(), ..class };
+    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(seen_as(class)))
 }
 
 fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {

@@ -1,12 +1,13 @@
 //! Small scenes made by hand, for tests that check light against a formula.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::{Material, Mesh, Shape};
 use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture_f32};
 use lightwell::graph::FrameReport;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::scene::{LightShape, Primitive, Revisions, Scene, SceneCamera, SceneId, SceneLight, SceneView};
+use lightwell::scene::{LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView};
+use lightwell::world::Clpv;
 use std::sync::Arc;
 
 /// The device that tests run on.
@@ -72,6 +73,28 @@ impl Stage {
         });
         self.scene.revisions.geometry += 1;
         self.scene.revisions.materials += 1;
+    }
+
+    /// Adds a closed room of inward-facing walls with its lower corner at `min`.
+    pub fn add_room(&mut self, min: Vec3, size: Vec3, albedo: Vec3) {
+        let center = min + 0.5 * size;
+        for axis in 0..3 {
+            for sign in [-1.0, 1.0] {
+                let mut inward = Vec3::ZERO;
+                inward[axis] = -sign;
+                let turn = Quat::from_rotation_arc(Vec3::Y, inward);
+                let extent = (turn.inverse() * size).abs();
+                let at = center - 0.5 * size * inward;
+                let floor = Shape::Plane { size: [extent.x, extent.z], subdivisions: [1, 1] };
+                self.add(floor, albedo, Affine3A::from_rotation_translation(turn, at));
+            }
+        }
+    }
+
+    /// Adds light propagation volumes centred on a point.
+    pub fn clpv(&mut self, center: Vec3, settings: Clpv) {
+        self.scene.clpv = Some(SceneClpv { settings, center });
+        self.scene.revisions.clpv += 1;
     }
 
     /// Adds a light.

@@ -70,7 +70,7 @@ pub(super) fn declare<'a>(
         if let Some(gbuffer) = &camera {
             from_camera(cx, &frame, gbuffer, &grid)?;
         }
-        Ok(())
+        limit(cx, &grid)
     });
     merged
 }
@@ -133,6 +133,16 @@ fn cleared(cx: &mut PassContext, grid: &Grid) -> wgpu::Buffer {
     let fixed = cx.buffer(grid.fixed).clone();
     cx.encoder().clear_buffer(&fixed, 0, None);
     fixed
+}
+
+fn limit(cx: &mut PassContext, grid: &Grid) -> Result<(), PassError> {
+    let volume = cx.gpu.uniform("volume", &grid.volume.uniform());
+    let merged = cx.buffer(grid.merged).clone();
+    cx.dispatch(
+        &ComputeKey::new("lpv/blockers.wgsl", "limit"),
+        &[("volume", Binding::Buffer(&volume)), ("merged", Binding::Buffer(&merged))],
+        linear_groups(grid.volume.corner_count()),
+    )
 }
 
 fn merge(cx: &mut PassContext, grid: &Grid) -> Result<(), PassError> {
