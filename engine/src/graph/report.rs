@@ -170,7 +170,7 @@ impl FrameReport {
     /// Time on the device of all passes together [ms]; `None` if the device cannot tell.
     pub fn gpu_ms(&self) -> Option<f64> {
         let times: Vec<f64> = self.passes.iter().filter_map(|pass| pass.gpu_ms).collect();
-        (!times.is_empty() || self.ran_count() == 0).then(|| times.iter().sum())
+        (!times.is_empty() || self.ran_count() == 0).then(|| times.iter().fold(0.0, |sum, time| sum + time))
     }
 
     /// The report without times: equal on all machines that do the same work.
