@@ -5,9 +5,9 @@ use glam::{Affine3A, Mat4, Vec3, Vec4};
 /// Axis-aligned box. Empty when `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Lower corner [m].
+    /// Lower corner \[m\].
     pub min: Vec3,
-    /// Upper corner [m].
+    /// Upper corner \[m\].
     pub max: Vec3,
 }
 
@@ -43,7 +43,7 @@ impl Aabb {
         if self.is_empty() { Vec3::ZERO } else { 0.5 * self.min + 0.5 * self.max }
     }
 
-    /// Edge lengths [m]; zero for the empty box.
+    /// Edge lengths \[m\]; zero for the empty box.
     pub fn size(&self) -> Vec3 {
         if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
     }
@@ -73,7 +73,7 @@ impl Aabb {
         Self { min: center - extent, max: center + extent }
     }
 
-    /// Distance from a point to the box [m]; zero inside.
+    /// Distance from a point to the box \[m\]; zero inside.
     pub fn distance(&self, point: Vec3) -> f32 {
         if self.is_empty() {
             return f32::INFINITY;

@@ -10,7 +10,7 @@ pub enum LightShape {
     Directional,
     /// All directions alike; intensity is radiant intensity I [W/sr].
     Point,
-    /// A cone; intensity is radiant intensity on the axis [W/sr]. Half angles [rad], 0 ≤ inner < outer ≤ π/2.
+    /// A cone; intensity is radiant intensity on the axis [W/sr]. Half angles \[rad\], 0 ≤ inner < outer ≤ π/2.
     Spot {
         /// Half angle of full intensity.
         inner: f32,
@@ -30,19 +30,19 @@ pub struct SceneLight {
     pub shape: LightShape,
     /// Linear RGB; unit by shape, see [`LightShape`].
     pub intensity: Vec3,
-    /// World position [m]; unused by directional lights.
+    /// World position \[m\]; unused by directional lights.
     pub position: Vec3,
     /// Unit direction that the light travels along its axis; unused by point lights.
     pub direction: Vec3,
-    /// Distance beyond which there is no light [m], windowed as in `KHR_lights_punctual`.
+    /// Distance beyond which there is no light \[m\], windowed as in `KHR_lights_punctual`.
     pub range: Option<f32>,
     /// Whether it casts shadows.
     pub casts_shadow: bool,
     /// Whether it feeds indirect light.
     pub indirect: bool,
-    /// Edge of its shadow map [texels].
+    /// Edge of its shadow map \[texels\].
     pub shadow_size: u32,
-    /// Edge of its reflective shadow map [texels].
+    /// Edge of its reflective shadow map \[texels\].
     pub rsm_size: u32,
     /// Value of the scene's revision counter when this light last changed.
     pub revision: u64,

@@ -65,7 +65,7 @@ pub struct Revisions {
 pub struct SceneClpv {
     /// Its settings.
     pub settings: Clpv,
-    /// World position of its entity [m]: the centre of a fixed volume.
+    /// World position of its entity \[m\]: the centre of a fixed volume.
     pub center: Vec3,
 }
 

@@ -12,11 +12,11 @@ pub struct SceneCamera {
     pub name: String,
     /// World from camera space, rigid (scale removed).
     pub world_from_view: Affine3A,
-    /// Vertical field of view [rad].
+    /// Vertical field of view \[rad\].
     pub vertical_fov: f32,
-    /// Near plane [m].
+    /// Near plane \[m\].
     pub near: f32,
-    /// Far plane [m]; none: infinite.
+    /// Far plane \[m\]; none: infinite.
     pub far: Option<f32>,
     /// The camera that is used when none is named (the first such by SceneId, else the first).
     pub primary: bool,
@@ -27,7 +27,7 @@ pub struct SceneCamera {
 pub struct SceneView {
     /// The camera.
     pub camera: SceneCamera,
-    /// Image size [pixels].
+    /// Image size \[pixels\].
     pub size: [u32; 2],
     /// Shift of the pixel grid in pixels, each in −½..½, for anti-aliasing by averaged frames.
     pub jitter: [f32; 2],
@@ -51,7 +51,7 @@ impl SceneView {
         Mat4::from_translation(shift) * unshifted
     }
 
-    /// World position of the eye [m].
+    /// World position of the eye \[m\].
     pub fn eye(&self) -> Vec3 {
         self.camera.world_from_view.translation.into()
     }

@@ -9,9 +9,9 @@ use glam::{EulerRot, Quat, Vec3};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Longest period and latest key [s].
+/// Longest period and latest key \[s\].
 const MAX_TIME: f64 = 1e9;
-/// Shortest period [s].
+/// Shortest period \[s\].
 const MIN_PERIOD: f64 = 1e-6;
 
 /// Moves an entity, or changes its light, camera or material, as a function of the clock.
@@ -27,7 +27,7 @@ pub struct Animation {
     pub playing: bool,
     /// Seconds of the tracks in a second of the clock; negative runs backwards.
     pub speed: f64,
-    /// Time of the tracks when the clock is at zero [s].
+    /// Time of the tracks when the clock is at zero \[s\].
     pub offset: f64,
 }
 
@@ -51,17 +51,17 @@ pub enum Track {
     },
     /// Moves along a circle, instead of the entity's translation.
     Orbit {
-        /// Centre in the parent's space [m].
+        /// Centre in the parent's space \[m\].
         #[serde(default)]
         center: Vec3,
         /// Axis in the parent's space; need not be of unit length.
         #[serde(default = "up")]
         axis: Vec3,
-        /// Radius [m].
+        /// Radius \[m\].
         radius: f32,
-        /// Time of one round [s]; negative runs backwards.
+        /// Time of one round \[s\]; negative runs backwards.
         period: f64,
-        /// Angle at time zero [degrees]. Angle 0 is towards +X (towards +Z if the axis is ±X), and it grows
+        /// Angle at time zero \[degrees\]. Angle 0 is towards +X (towards +Z if the axis is ±X), and it grows
         /// counter-clockwise seen from the axis's tip.
         #[serde(default)]
         phase: f32,
@@ -73,7 +73,7 @@ pub enum Track {
     Keys {
         /// What the values are for; it takes the place of the entity's own value.
         target: Target,
-        /// Time [s], from 0, growing; and value: a number, (x, y, z) or (x, y, z, w), as the target wants it.
+        /// Time \[s\], from 0, growing; and value: a number, (x, y, z) or (x, y, z, w), as the target wants it.
         keys: Vec<(f64, KeyValue)>,
         /// What lies between keys.
         #[serde(default)]
@@ -91,7 +91,7 @@ fn up() -> Vec3 {
 /// What a key-framed track changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
-    /// Translation [m], (x, y, z).
+    /// Translation \[m\], (x, y, z).
     Translation,
     /// Rotation: (x, y, z) in degrees, applied Z first, then X, then Y; or a quaternion (x, y, z, w).
     Rotation,
@@ -101,7 +101,7 @@ pub enum Target {
     LightIntensity,
     /// Colour of the entity's light, linear (r, g, b).
     LightColor,
-    /// Vertical field of view of the entity's camera [degrees], a number.
+    /// Vertical field of view of the entity's camera \[degrees\], a number.
     CameraFov,
     /// Radiance that the entity's own material emits [W/(m² sr)], linear (r, g, b).
     MaterialEmissive,
@@ -137,7 +137,7 @@ pub enum Wrap {
 pub enum KeyValue {
     /// A number.
     Scalar(f32),
-    /// (x, y, z), (r, g, b) or Euler angles [degrees].
+    /// (x, y, z), (r, g, b) or Euler angles \[degrees\].
     Vector(Vec3),
     /// A quaternion (x, y, z, w); need not be of unit length.
     Quaternion(Quat),
@@ -189,7 +189,7 @@ impl<'de> Visitor<'de> for KeyValueVisitor {
     }
 }
 
-/// The rotation of Euler angles [degrees], as scene files have them: Z first, then X, then Y.
+/// The rotation of Euler angles \[degrees\], as scene files have them: Z first, then X, then Y.
 pub fn rotation_from_degrees(degrees: Vec3) -> Quat {
     let r = degrees.to_array().map(f32::to_radians);
     Quat::from_euler(EulerRot::YXZ, r[1], r[0], r[2])
@@ -233,15 +233,17 @@ pub enum AnimationError {
         track: usize,
     },
     /// Key times do not grow.
-    #[error("track {track}, key {key}: time {time} does not come after {before}, that of the key before: sort the keys")]
+    #[error(
+        "track {track}, key {key}: time {time} does not come after {before}, that of the key before: sort the keys"
+    )]
     Unsorted {
         /// The track.
         track: usize,
         /// The key.
         key: usize,
-        /// Its time [s].
+        /// Its time \[s\].
         time: f64,
-        /// Time of the key before [s].
+        /// Time of the key before \[s\].
         before: f64,
     },
     /// A key's time is out of bounds.
@@ -251,7 +253,7 @@ pub enum AnimationError {
         track: usize,
         /// The key.
         key: usize,
-        /// Its time [s].
+        /// Its time \[s\].
         time: f64,
     },
     /// A key's value is of the wrong kind for the target, or not finite.
@@ -350,7 +352,9 @@ impl Target {
             }
             (Self::Rotation, KeyValue::Vector(v)) => (v.is_finite(), "finite numbers"),
             (Self::Rotation, _) => (false, "(x, y, z) in degrees or a quaternion (x, y, z, w)"),
-            (Self::LightIntensity | Self::CameraFov | Self::Scale, KeyValue::Scalar(v)) => (v.is_finite(), "a finite number"),
+            (Self::LightIntensity | Self::CameraFov | Self::Scale, KeyValue::Scalar(v)) => {
+                (v.is_finite(), "a finite number")
+            }
             (Self::LightIntensity | Self::CameraFov, _) => (false, "one number"),
             (_, KeyValue::Vector(v)) => (v.is_finite(), "finite numbers"),
             (Self::Scale, _) => (false, "(x, y, z) or one number"),

@@ -13,7 +13,7 @@ pub const FLICKS_PER_SECOND: u64 = 705_600_000;
 pub struct Clock {
     tick: u64,
     rate: u32,
-    /// Distance from the tick [flicks], for times between two ticks.
+    /// Distance from the tick \[flicks\], for times between two ticks.
     offset: u64,
 }
 
@@ -23,7 +23,7 @@ impl Clock {
         Self { tick, rate, offset: 0 }
     }
 
-    /// At a time [s], rounded to a flick; times before the start and NaN count as the start.
+    /// At a time \[s\], rounded to a flick; times before the start and NaN count as the start.
     pub fn at_seconds(seconds: f64, rate: u32) -> Self {
         Self::at_flicks(flicks(seconds.max(0.0)), rate.max(1))
     }
@@ -45,12 +45,12 @@ impl Clock {
         self.tick
     }
 
-    /// Time [flicks].
+    /// Time \[flicks\].
     pub fn flicks(&self) -> u64 {
         flicks_of(self.tick, self.rate).saturating_add(self.offset)
     }
 
-    /// Time [s].
+    /// Time \[s\].
     pub fn seconds(&self) -> f64 {
         self.flicks() as f64 / FLICKS_PER_SECOND as f64
     }
@@ -66,7 +66,7 @@ impl Clock {
     }
 }
 
-/// A duration [s] in flicks, rounded; zero for NaN and for negative ones.
+/// A duration \[s\] in flicks, rounded; zero for NaN and for negative ones.
 pub(super) fn flicks(seconds: f64) -> u64 {
     (seconds * FLICKS_PER_SECOND as f64).round() as u64
 }

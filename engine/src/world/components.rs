@@ -12,7 +12,7 @@ pub use super::animation::Animation;
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(GlobalTransform, Orientation)]
 pub struct Transform {
-    /// Translation [m].
+    /// Translation \[m\].
     pub translation: Vec3,
     /// Rotation; need not be normalised in files, is normalised on use.
     pub rotation: Quat,
@@ -77,9 +77,9 @@ pub enum LightKind {
     Point,
     /// A cone along −Z. Intensity: radiant intensity I on the axis [W/sr].
     Spot {
-        /// Half angle of full intensity [degrees].
+        /// Half angle of full intensity \[degrees\].
         inner: f32,
-        /// Half angle beyond which there is no light [degrees].
+        /// Half angle beyond which there is no light \[degrees\].
         outer: f32,
     },
 }
@@ -95,7 +95,7 @@ pub struct Light {
     pub color: Vec3,
     /// Intensity; unit by kind.
     pub intensity: f32,
-    /// Distance beyond which there is no light [m]; none: no bound.
+    /// Distance beyond which there is no light \[m\]; none: no bound.
     #[serde(default)]
     pub range: Option<f32>,
     /// Whether it casts shadows.
@@ -104,10 +104,10 @@ pub struct Light {
     /// Whether it feeds indirect light. A light that does not interact needs no RSM.
     #[serde(default = "yes")]
     pub indirect: bool,
-    /// Edge of the shadow map [texels], of each face for a point light.
+    /// Edge of the shadow map \[texels\], of each face for a point light.
     #[serde(default = "default_shadow_size")]
     pub shadow_size: u32,
-    /// Edge of the reflective shadow map [texels], of each face for a point light.
+    /// Edge of the reflective shadow map \[texels\], of each face for a point light.
     #[serde(default = "default_rsm_size")]
     pub rsm_size: u32,
 }
@@ -144,11 +144,11 @@ impl Default for Light {
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// Vertical field of view [degrees].
+    /// Vertical field of view \[degrees\].
     pub fov: f32,
-    /// Near plane [m].
+    /// Near plane \[m\].
     pub near: f32,
-    /// Far plane [m]; none: infinite.
+    /// Far plane \[m\]; none: infinite.
     pub far: Option<f32>,
     /// The camera that is used when none is named.
     pub primary: bool,
@@ -180,7 +180,7 @@ pub enum CellSize {
     /// Fits the scene's bounds: the coarsest cascade just covers them.
     #[default]
     Auto,
-    /// Length [m].
+    /// Length \[m\].
     Meters(f32),
 }
 
@@ -242,7 +242,7 @@ pub struct SceneSettings {
     pub exposure: f32,
     /// Speed of the fly camera [m/s].
     pub move_speed: f32,
-    /// Length of one animation loop [s]; `render --frames` and `play` wrap there. None: no loop.
+    /// Length of one animation loop \[s\]; `render --frames` and `play` wrap there. None: no loop.
     pub duration: Option<f32>,
     /// Frames a second of the fixed clock.
     pub frame_rate: u32,

@@ -10,7 +10,9 @@ pub enum WorldError {
     #[error("there is no entity {0}: it was despawned, or belongs to another world")]
     Missing(Entity),
     /// The new parent stands below the child.
-    #[error("`{child}` cannot become a child of `{parent}`, which stands below it: choose a parent outside its subtree")]
+    #[error(
+        "`{child}` cannot become a child of `{parent}`, which stands below it: choose a parent outside its subtree"
+    )]
     Cycle {
         /// Path of the entity that was to get a new parent.
         child: String,

@@ -2,8 +2,8 @@
 
 use super::identity::{Identities, Identity, identify};
 use super::{
-    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate, hierarchy,
-    transform,
+    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate,
+    hierarchy, transform,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -133,7 +133,7 @@ impl GameWorld {
         self.ecs.insert_resource(Clock::at_tick(tick, rate));
     }
 
-    /// Sets the clock to a time [s], which may lie between two ticks.
+    /// Sets the clock to a time \[s\], which may lie between two ticks.
     pub fn set_seconds(&mut self, seconds: f64) {
         let rate = self.ecs.resource::<SceneSettings>().frame_rate;
         self.ecs.insert_resource(Clock::at_seconds(seconds, rate));

@@ -46,7 +46,8 @@ impl GameWorld {
     pub fn set_rest_transform(&mut self, entity: Entity, transform: Transform) {
         let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
         let mut now = transform;
-        if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Transform>().copied()) {
+        if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Transform>().copied())
+        {
             now.translation = hold(&mut rest.translation, transform.translation, current.translation);
             now.rotation = hold(&mut rest.rotation, transform.rotation, current.rotation);
             now.scale = hold(&mut rest.scale, transform.scale, current.scale);

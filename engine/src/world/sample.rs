@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// What an animation says at a time. None: nothing, the entity's own value holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Translation [m].
+    /// Translation \[m\].
     pub translation: Option<Vec3>,
     /// Unit rotation.
     pub rotation: Option<Quat>,
@@ -22,7 +22,7 @@ pub struct Sample {
     pub intensity: Option<f32>,
     /// Colour of the light.
     pub color: Option<Vec3>,
-    /// Field of view of the camera [degrees].
+    /// Field of view of the camera \[degrees\].
     pub fov: Option<f32>,
     /// Emitted radiance of the material [W/(m² sr)].
     pub emissive: Option<Vec3>,
@@ -51,7 +51,7 @@ struct Time {
 }
 
 impl Time {
-    /// Time in a span [s], both as whole flicks of the clock. At speed zero the clock plays no part.
+    /// Time in a span \[s\], both as whole flicks of the clock. At speed zero the clock plays no part.
     fn of(&self, span: f64) -> (i128, i128) {
         let speed = if self.speed == 0.0 { 1.0 } else { self.speed };
         let clock = if self.speed == 0.0 { 0 } else { i128::from(self.flicks) };
@@ -67,7 +67,7 @@ impl Time {
         time.rem_euclid(round) as f64 / round as f64
     }
 
-    /// Time within a span [s].
+    /// Time within a span \[s\].
     fn within(&self, span: f64, wrap: Wrap) -> f64 {
         match wrap {
             Wrap::Once => {
@@ -112,14 +112,14 @@ impl Track {
     }
 }
 
-/// The rotation about an axis by an angle [rad].
+/// The rotation about an axis by an angle \[rad\].
 fn rotation(axis: Vec3, angle: f64) -> Quat {
     let (sin, cos) = (0.5 * angle).sin_cos();
     let v = axis.normalize_or_zero() * sin as f32;
     Quat::from_xyzw(v.x, v.y, v.z, cos as f32)
 }
 
-/// The unit vector at an angle [rad] on the circle about a unit axis.
+/// The unit vector at an angle \[rad\] on the circle about a unit axis.
 fn on_circle(axis: Vec3, angle: f64) -> Vec3 {
     let start = if axis.x.abs() < 0.999 { Vec3::X } else { Vec3::Z };
     let u = start.reject_from_normalized(axis).normalize_or(Vec3::Z);

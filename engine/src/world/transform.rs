@@ -88,10 +88,7 @@ fn ancestors<'a>(parents: &'a Query<&ChildOf>, entity: Entity) -> impl Iterator<
 /// The frame of the nearest ancestor that has a place.
 fn parent_frame(parents: &Query<&ChildOf>, nodes: &Query<Node>, entity: Entity) -> Frame {
     let place = ancestors(parents, entity).find_map(|a| nodes.get(a).ok());
-    place.map_or(Frame::WORLD, |(global, orientation)| Frame {
-        world_from_local: global.0,
-        orientation: orientation.0,
-    })
+    place.map_or(Frame::WORLD, |(global, orientation)| Frame { world_from_local: global.0, orientation: orientation.0 })
 }
 
 /// The direction along −Z of an orientation.

@@ -8,16 +8,9 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::Affine3A;
 
-type Row = (
-    Entity,
-    &'static Identity,
-    Option<&'static Name>,
-    &'static GlobalTransform,
-    &'static Orientation,
-    &'static Camera,
-);
-type IsChanged =
-    Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Camera>, Changed<Name>, Added<Identity>)>;
+type Row =
+    (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static Orientation, &'static Camera);
+type IsChanged = Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Camera>, Changed<Name>, Added<Identity>)>;
 type Params = (
     Query<'static, 'static, Row, IsChanged>,
     Query<'static, 'static, (), (With<Camera>, With<GlobalTransform>, With<Orientation>)>,
@@ -79,7 +72,7 @@ impl Cameras {
     }
 }
 
-/// Field of view [degrees], near and far plane in range. Warns of what had to be changed.
+/// Field of view \[degrees\], near and far plane in range. Warns of what had to be changed.
 fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (f32, f32, Option<f32>) {
     let default = Camera::default();
     let fov = if camera.fov.is_finite() { camera.fov.clamp(0.01, 179.0) } else { default.fov };
@@ -92,8 +85,9 @@ fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (f32, f32, Optio
     }
     let near = if is_near_valid { camera.near } else { default.near };
     let far = camera.far.filter(|far| *far != f32::INFINITY);
-    if far.is_some_and(|far| !(far > near)) {
+    let beyond = far.filter(|far| *far > near);
+    if far != beyond {
         warn("is a camera without a far plane: the one it has is not beyond the near plane");
     }
-    (fov, near, far.filter(|far| *far > near))
+    (fov, near, beyond)
 }

@@ -35,7 +35,11 @@ impl Clpvs {
         rows.sort_unstable_by_key(|(_, identity, ..)| **identity);
         let first = rows.into_iter().find(|(entity, _, name, place, _)| {
             if !place.0.is_finite() {
-                context.log.warn(*entity, *name, "holds volumes that are not used: its place in the world is not finite");
+                context.log.warn(
+                    *entity,
+                    *name,
+                    "holds volumes that are not used: its place in the world is not finite",
+                );
             }
             place.0.is_finite()
         });

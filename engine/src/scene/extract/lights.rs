@@ -8,19 +8,12 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::Vec3;
 
-/// Largest edge of a shadow map or RSM [texels]: the portable limit of a texture.
+/// Largest edge of a shadow map or RSM \[texels\]: the portable limit of a texture.
 const MAX_MAP_SIZE: u32 = 8192;
 
-type Row = (
-    Entity,
-    &'static Identity,
-    Option<&'static Name>,
-    &'static GlobalTransform,
-    &'static Orientation,
-    &'static Light,
-);
-type IsChanged =
-    Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Light>, Changed<Name>, Added<Identity>)>;
+type Row =
+    (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static Orientation, &'static Light);
+type IsChanged = Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Light>, Changed<Name>, Added<Identity>)>;
 type Params = (
     Query<'static, 'static, Row, IsChanged>,
     Query<'static, 'static, (), (With<Light>, With<GlobalTransform>, With<Orientation>)>,
@@ -89,9 +82,7 @@ impl Lights {
 /// The light with parameters in range and without a place. Warns of what had to be changed.
 fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
     let product = light.color * light.intensity;
-    let is_valid = product.is_finite()
-        && light.intensity >= 0.0
-        && light.color.cmpge(Vec3::ZERO).all();
+    let is_valid = product.is_finite() && light.intensity >= 0.0 && light.color.cmpge(Vec3::ZERO).all();
     if !is_valid {
         warn("is a light that gives none: its intensity or colour is negative or not finite");
     }
@@ -107,7 +98,8 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
         }
     };
     let range = light.range.filter(|r| *r != f32::INFINITY);
-    if range.is_some_and(|r| !(r > 0.0)) {
+    let valid_range = range.filter(|r| *r > 0.0);
+    if range != valid_range {
         warn("is a light without a range: the one it has is not above zero");
     }
     let size = |texels: u32| texels.clamp(1, MAX_MAP_SIZE);
@@ -121,7 +113,7 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
         intensity,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
-        range: range.filter(|r| *r > 0.0),
+        range: valid_range,
         casts_shadow: light.casts_shadow,
         indirect: light.indirect,
         shadow_size: size(light.shadow_size),
@@ -141,4 +133,3 @@ fn cone(inner: f32, outer: f32, warn: &mut impl FnMut(&'static str)) -> LightSha
     let outer = clamped.to_radians().min(std::f32::consts::FRAC_PI_2);
     LightShape::Spot { inner: inside.to_radians(), outer }
 }
-

@@ -1,7 +1,7 @@
 //! Primitives: places, meshes and materials.
 
-use super::sorted::Elements;
 use super::Context;
+use super::sorted::Elements;
 use crate::scene::{Primitive, Scene};
 use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
 use bevy_ecs::prelude::*;

@@ -18,7 +18,11 @@ fn tracks() -> Vec<Track> {
         Track::Spin { axis: Vec3::new(1.0, 0.2, 0.0), degrees_per_second: 112.5 },
         Track::Keys {
             target: Target::Scale,
-            keys: vec![(0.0, KeyValue::Scalar(1.0)), (0.7, KeyValue::Vector(Vec3::new(2.0, 1.0, 0.5))), (1.6, KeyValue::Scalar(1.0))],
+            keys: vec![
+                (0.0, KeyValue::Scalar(1.0)),
+                (0.7, KeyValue::Vector(Vec3::new(2.0, 1.0, 0.5))),
+                (1.6, KeyValue::Scalar(1.0)),
+            ],
             interpolation: Interpolation::Cubic,
             wrap: Wrap::PingPong,
         },
@@ -132,7 +136,14 @@ fn what_is_not_animated_stays_free() {
 
 #[test]
 fn an_orbit_starts_at_x_turns_counter_clockwise_and_looks_at_its_centre() {
-    let track = Track::Orbit { center: Vec3::Y, axis: 5.0 * Vec3::Y, radius: 2.0, period: 4.0, phase: 0.0, look_at_center: true };
+    let track = Track::Orbit {
+        center: Vec3::Y,
+        axis: 5.0 * Vec3::Y,
+        radius: 2.0,
+        period: 4.0,
+        phase: 0.0,
+        look_at_center: true,
+    };
     let (mut world, entity) = animated(Animation { tracks: vec![track], ..Animation::default() });
     for (seconds, direction) in [(0.0, Vec3::X), (1.0, Vec3::NEG_Z), (2.0, Vec3::NEG_X), (3.0, Vec3::Z)] {
         world.set_seconds(seconds);
@@ -146,7 +157,12 @@ fn an_orbit_starts_at_x_turns_counter_clockwise_and_looks_at_its_centre() {
 
 #[test]
 fn a_camera_and_a_material_are_animated_too() {
-    let keys = |target, a, b| Track::Keys { target, keys: vec![(0.0, a), (1.0, b)], interpolation: Interpolation::Linear, wrap: Wrap::Once };
+    let keys = |target, a, b| Track::Keys {
+        target,
+        keys: vec![(0.0, a), (1.0, b)],
+        interpolation: Interpolation::Linear,
+        wrap: Wrap::Once,
+    };
     let tracks = vec![
         keys(Target::CameraFov, KeyValue::Scalar(40.0), KeyValue::Scalar(60.0)),
         keys(Target::MaterialEmissive, KeyValue::Vector(Vec3::ZERO), KeyValue::Vector(Vec3::ONE)),

@@ -183,7 +183,9 @@ fn a_rotation_that_is_none_counts_as_identity() {
         assert_eq!(with(Quat::from_array(q)), Quat::IDENTITY, "{q:?}");
     }
     for s in [1e-30, 1e30] {
-        assert!(with(Quat::from_xyzw(0.0, s, 0.0, s)).abs_diff_eq(Quat::from_rotation_y(std::f32::consts::FRAC_PI_2), 1e-6));
+        assert!(
+            with(Quat::from_xyzw(0.0, s, 0.0, s)).abs_diff_eq(Quat::from_rotation_y(std::f32::consts::FRAC_PI_2), 1e-6)
+        );
     }
 }
 
@@ -193,9 +195,12 @@ fn orientation_outlives_zero_scale_and_follows_a_mirror() {
     let turn = Quat::from_rotation_y(0.5);
     let parent = world.spawn("parent", None);
     let child = world.spawn("child", Some(parent));
-    let forward = |world: &GameWorld| -> Vec3 { super::super::forward(world.ecs.get::<Orientation>(child).unwrap()).into() };
+    let forward =
+        |world: &GameWorld| -> Vec3 { super::super::forward(world.ecs.get::<Orientation>(child).unwrap()).into() };
     let expected = turn * Vec3::NEG_Z;
-    for (outer, own) in [(Vec3::ONE, Vec3::ZERO), (Vec3::ONE, -Vec3::ONE), (Vec3::ZERO, Vec3::ONE), (Vec3::ONE, Vec3::ONE)] {
+    for (outer, own) in
+        [(Vec3::ONE, Vec3::ZERO), (Vec3::ONE, -Vec3::ONE), (Vec3::ZERO, Vec3::ONE), (Vec3::ONE, Vec3::ONE)]
+    {
         world.ecs.entity_mut(parent).insert(Transform { scale: outer, ..Transform::default() });
         world.ecs.entity_mut(child).insert(Transform { rotation: turn, scale: own, ..Transform::default() });
         world.update();

@@ -55,7 +55,8 @@ fn speed_and_offset_shift_the_tracks() {
 
 #[test]
 fn a_closed_cubic_loop_is_smooth_over_its_seam() {
-    let circle: Vec<(f64, f32)> = (0..=8).map(|i| (f64::from(i), 2.0 + (i as f32 * std::f32::consts::FRAC_PI_4).sin())).collect();
+    let circle: Vec<(f64, f32)> =
+        (0..=8).map(|i| (f64::from(i), 2.0 + (i as f32 * std::f32::consts::FRAC_PI_4).sin())).collect();
     let mut closed = circle.clone();
     closed[8].1 = closed[0].1;
     let animation = scalar(&closed, Interpolation::Cubic, Wrap::Loop);
@@ -80,11 +81,16 @@ fn rotations_take_the_shortest_arc_at_even_speed() {
                 let q = sample.rotation.unwrap();
                 assert!(q.is_normalized());
                 let tolerance = if interpolation == Interpolation::Linear { 1e-3 } else { 0.1 };
-                assert!(q.angle_between(Quat::from_rotation_y(2.0 * s as f32)) < tolerance, "{s} {interpolation:?} {q}");
+                assert!(
+                    q.angle_between(Quat::from_rotation_y(2.0 * s as f32)) < tolerance,
+                    "{s} {interpolation:?} {q}"
+                );
             }
         }
     }
-    assert!(rotation_from_degrees(Vec3::new(0.0, 90.0, 0.0)).abs_diff_eq(Quat::from_rotation_y(90_f32.to_radians()), 1e-6));
+    assert!(
+        rotation_from_degrees(Vec3::new(0.0, 90.0, 0.0)).abs_diff_eq(Quat::from_rotation_y(90_f32.to_radians()), 1e-6)
+    );
 }
 
 fn spin(axis: Vec3, degrees_per_second: f64) -> Track {
@@ -144,7 +150,11 @@ fn meaningless_input_is_named() {
 #[test]
 fn meaningless_input_never_reaches_the_pose() {
     use crate::world::{Animation as Component, GameWorld, GlobalTransform};
-    for track in [spin(Vec3::ZERO, 1.0), orbit(f32::NAN, 0.0), keys(Target::Translation, vec![(0.0, KeyValue::Vector(Vec3::NAN))])] {
+    for track in [
+        spin(Vec3::ZERO, 1.0),
+        orbit(f32::NAN, 0.0),
+        keys(Target::Translation, vec![(0.0, KeyValue::Vector(Vec3::NAN))]),
+    ] {
         let mut world = GameWorld::new();
         let entity = world.spawn("bad", None);
         world.ecs.entity_mut(entity).insert(Component { tracks: vec![track], ..Component::default() });
@@ -156,7 +166,14 @@ fn meaningless_input_never_reaches_the_pose() {
         assert_ne!(*world.ecs.get::<GlobalTransform>(entity).unwrap(), GlobalTransform::default());
     }
     // Valid, but too large for the spline: no infinity comes out.
-    let huge = keys(Target::Translation, vec![(0.0, KeyValue::Vector(Vec3::MAX)), (0.1, KeyValue::Vector(Vec3::MIN)), (9.0, KeyValue::Vector(Vec3::MAX))]);
+    let huge = keys(
+        Target::Translation,
+        vec![
+            (0.0, KeyValue::Vector(Vec3::MAX)),
+            (0.1, KeyValue::Vector(Vec3::MIN)),
+            (9.0, KeyValue::Vector(Vec3::MAX)),
+        ],
+    );
     let animation = Animation { tracks: vec![huge], ..Animation::default() };
     animation.validate().unwrap();
     for i in 0..100 {
@@ -181,7 +198,11 @@ fn animations_survive_a_file() {
     assert_eq!(keys[1].1, KeyValue::Quaternion(Quat::IDENTITY));
     let again: Animation = ron::from_str(&ron::to_string(&animation).unwrap()).unwrap();
     assert_eq!(again, animation);
-    for bad in ["(trakcs: [])", "(tracks: [Spin(axis: (0, 1, 0), degrees: 1)])", "(tracks: [Keys(target: Scale, keys: [(0, (1, 2))])])"] {
+    for bad in [
+        "(trakcs: [])",
+        "(tracks: [Spin(axis: (0, 1, 0), degrees: 1)])",
+        "(tracks: [Keys(target: Scale, keys: [(0, (1, 2))])])",
+    ] {
         assert!(ron::from_str::<Animation>(bad).is_err(), "{bad}");
     }
     let error = ron::from_str::<Animation>("(tracks: [Keys(target: Scale, keys: [(0, (1, 2))])])").unwrap_err();
