@@ -145,3 +145,75 @@ fn info_names_the_adapter() {
     assert_eq!(none.status.code(), Some(1));
     assert!(err(&none).contains("no such adapter"), "{}", err(&none));
 }
+
+#[test]
+fn render_twice_gives_equal_bytes() {
+    let dir = tempfile::tempdir().unwrap();
+    let render = |name: &str, more: &[&str]| {
+        let path = dir.path().join(name);
+        let mut args = vec!["render", "cornell", "-o", path.to_str().unwrap(), "--size", "64x48", "--time", "1.5"];
+        args.extend(more);
+        let output = lightwell(&args);
+        assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+        std::fs::read(path).unwrap()
+    };
+    let first = render("a.exr", &["--aa", "2"]);
+    assert_eq!(first, render("b.exr", &["--aa", "2"]));
+    assert_ne!(first, render("c.exr", &["--aa", "2", "--set", "Spot light.light.intensity=3"]));
+    let image = lightwell::measure::read_image(&dir.path().join("a.exr")).unwrap();
+    assert_eq!((image.size(), image.first_non_finite()), ([64, 48], None));
+    assert!(image.mean() > 0.0);
+    assert!(render("d.png", &[]).starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn frames_are_numbered_files() {
+    let dir = tempfile::tempdir().unwrap();
+    let pattern = dir.path().join("new folder/{}.png");
+    let args = ["render", "cornell", "-o", pattern.to_str().unwrap(), "--size", "32x32", "--frames", "2..4"];
+    let output = lightwell(&args);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    for name in ["0002.png", "0003.png"] {
+        assert!(dir.path().join("new folder").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn wrong_paths_and_cameras_say_what_there_is() {
+    for (more, expected) in [
+        (["--set", "Spot light.light.power=5"], "intensity"),
+        (["--set", "Moon.light.intensity=5"], "Spot light"),
+        (["--camera", "Selfie"], "there are: Camera"),
+    ] {
+        let output = lightwell(&[&["explain", "cornell"][..], &more].concat());
+        assert_eq!(output.status.code(), Some(1));
+        assert!(err(&output).contains(expected), "{}", err(&output));
+    }
+}
+
+#[test]
+fn explain_shows_work_and_then_reuse() {
+    let output = lightwell(&["explain", "cornell", "--size", "64x64"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    let text = out(&output);
+    let (first, second) = text.split_once("frame 2").unwrap();
+    assert!(first.contains(" ran ") && !second.contains(" ran "), "{text}");
+    assert!(second.contains(" cached "), "{text}");
+}
+
+#[test]
+#[cfg(not(any(windows, target_os = "macos")))]
+fn play_without_a_display_writes_frames() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_lightwell"))
+        .args(["play", "cornell", "--size", "32x32"])
+        .current_dir(dir.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(dir.path().join("out/cornell/frame_0048.png").is_file(), "{}", out(&output));
+    assert!(out(&output).contains("frame_0001.png"), "{}", out(&output));
+}

@@ -171,7 +171,7 @@ fn passes(ui: &mut egui::Ui, report: &FrameReport) {
         for pass in &report.passes {
             let strong = pass.state == PassState::Ran;
             let text = |text: String| if strong { RichText::new(text) } else { RichText::new(text).weak() };
-            ui.label(text(pass.name.clone()));
+            ui.label(text(pass.name.clone())).on_hover_text(&pass.why);
             ui.label(text(pass.state.to_string()));
             ui.label(text(pass.gpu_ms.map_or(String::new(), |ms| format!("{ms:.2} ms"))));
             ui.end_row();
