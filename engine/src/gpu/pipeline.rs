@@ -56,7 +56,7 @@ pub enum Binding<'a> {
     Texture(&'a wgpu::TextureView),
     /// A whole buffer.
     Buffer(&'a wgpu::Buffer),
-    /// Part of a buffer: offset and size [bytes].
+    /// Part of a buffer: offset and size \[bytes\].
     BufferRange(&'a wgpu::Buffer, u64, u64),
     /// A sampler.
     Sampler(&'a wgpu::Sampler),

@@ -26,9 +26,9 @@ pub enum ReadbackError {
 /// An image of four floats a pixel, row 0 on top. Missing channels are 0, missing alpha is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageF32 {
-    /// Width [pixels].
+    /// Width \[pixels\].
     pub width: u32,
-    /// Height [pixels].
+    /// Height \[pixels\].
     pub height: u32,
     /// Pixels, row by row.
     pub rgba: Vec<[f32; 4]>,

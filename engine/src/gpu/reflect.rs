@@ -53,9 +53,9 @@ pub struct EntryPoint {
 /// Memory layout of a WGSL struct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructLayout {
-    /// Size [bytes].
+    /// Size \[bytes\].
     pub size: u32,
-    /// Members: name and offset [bytes].
+    /// Members: name and offset \[bytes\].
     pub members: Vec<(String, u32)>,
 }
 

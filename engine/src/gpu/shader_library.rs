@@ -130,7 +130,7 @@ impl ShaderLibrary {
             .ok_or_else(|| ShaderError::of_file(path, format_args!("there is no struct `{name}`")))
     }
 
-    /// Size of a struct that the shader declares or imports [bytes].
+    /// Size of a struct that the shader declares or imports \[bytes\].
     ///
     /// # Errors
     /// As [`ShaderLibrary::struct_layout`].

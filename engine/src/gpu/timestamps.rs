@@ -70,7 +70,7 @@ impl TimestampQueries {
         }
     }
 
-    /// Waits for the device and gives each stretch's time [ms], none where the device cannot tell.
+    /// Waits for the device and gives each stretch's time \[ms\], none where the device cannot tell.
     pub fn read(&self, gpu: &Gpu) -> Vec<(String, Option<f64>)> {
         let ticks = self.set.as_ref().and_then(|(_, resolved)| super::read_buffer::<u64>(gpu, resolved).ok());
         let period = f64::from(gpu.queue.get_timestamp_period());

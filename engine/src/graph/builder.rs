@@ -4,9 +4,9 @@ use std::hash::Hash;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::cache::Target;
+use super::context::PassContext;
 use super::desc::{BufferDesc, ResourceDesc, TextureDesc};
 use super::error::{GraphError, PassError};
-use super::context::PassContext;
 use super::handle::{Buffer, Handle, Kind, PassId, Texture, Version};
 use super::key::{Key, hash};
 
@@ -102,14 +102,24 @@ impl<'a> Graph<'a> {
 
     /// A texture of the caller's. `content` is a key of what is in it, `None` if that may change
     /// with every frame. If passes write it, the caller gives another key for what they left.
-    pub fn import_texture(&mut self, name: impl Into<String>, texture: wgpu::Texture, content: Option<u64>) -> Handle<Texture> {
+    pub fn import_texture(
+        &mut self,
+        name: impl Into<String>,
+        texture: wgpu::Texture,
+        content: Option<u64>,
+    ) -> Handle<Texture> {
         let desc = TextureDesc::of(&texture).into();
         let target = Some(Target::of_texture(texture, None));
         self.declare(name.into(), desc, Storage::Imported { content, target })
     }
 
     /// A buffer of the caller's, as for [`Graph::import_texture`].
-    pub fn import_buffer(&mut self, name: impl Into<String>, buffer: wgpu::Buffer, content: Option<u64>) -> Handle<Buffer> {
+    pub fn import_buffer(
+        &mut self,
+        name: impl Into<String>,
+        buffer: wgpu::Buffer,
+        content: Option<u64>,
+    ) -> Handle<Buffer> {
         let desc = BufferDesc::of(&buffer).into();
         let target = Some(Target::Buffer(buffer));
         self.declare(name.into(), desc, Storage::Imported { content, target })
@@ -199,8 +209,8 @@ impl<'a> Graph<'a> {
     }
 
     fn check_pass_name(&mut self, name: &str) {
-        let taken = self.passes.iter().any(|pass| pass.name == name)
-            || self.skipped.iter().any(|(skipped, _)| skipped == name);
+        let taken =
+            self.passes.iter().any(|pass| pass.name == name) || self.skipped.iter().any(|(skipped, _)| skipped == name);
         if taken {
             self.errors.push(GraphError::DuplicatePass { pass: name.into() });
         }

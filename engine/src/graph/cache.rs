@@ -46,9 +46,9 @@ struct Pooled<P> {
 /// What the cache holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CacheFigures {
-    /// Memory of retained resources [bytes].
+    /// Memory of retained resources \[bytes\].
     pub retained_bytes: u64,
-    /// Memory that transient resources share [bytes].
+    /// Memory that transient resources share \[bytes\].
     pub pooled_bytes: u64,
     /// Number of retained resources.
     pub retained: usize,
@@ -171,7 +171,11 @@ impl<P: Clone> TargetCache<P> {
 
     /// Begins a frame: finds or makes memory for all resources, in their order. Imports, and
     /// transients that nobody uses, get none.
-    pub(super) fn begin_frame(&mut self, layout: &Layout, make: &mut dyn FnMut(&ResourceDesc, &str) -> P) -> Vec<Option<P>> {
+    pub(super) fn begin_frame(
+        &mut self,
+        layout: &Layout,
+        make: &mut dyn FnMut(&ResourceDesc, &str) -> P,
+    ) -> Vec<Option<P>> {
         self.frame += 1;
         self.stamp = next_stamp();
         (self.created, self.evicted) = (0, 0);
@@ -232,7 +236,12 @@ impl<P: Clone> TargetCache<P> {
         memory
     }
 
-    fn take_slot(&mut self, resource: &PlannedResource, written: bool, make: &mut dyn FnMut(&ResourceDesc, &str) -> P) -> Option<P> {
+    fn take_slot(
+        &mut self,
+        resource: &PlannedResource,
+        written: bool,
+        make: &mut dyn FnMut(&ResourceDesc, &str) -> P,
+    ) -> Option<P> {
         let PlannedResource { name, desc, .. } = resource;
         if self.slots.get(name).is_some_and(|slot| slot.desc != *desc) {
             self.slots.remove(name);

@@ -11,7 +11,7 @@ use super::error::GraphError;
 use super::handle::Version;
 use super::key::Keys;
 use super::order::order;
-use super::plan::{Layout, Place, PlannedResource, Plan, Step, StepWrite};
+use super::plan::{Layout, Place, Plan, PlannedResource, Step, StepWrite};
 use super::reason;
 
 /// How to compile.
@@ -45,7 +45,11 @@ impl<'a> Graph<'a> {
     ///
     /// # Errors
     /// Names the passes and the resource: see [`GraphError`].
-    pub fn compile<P: Clone>(mut self, cache: &TargetCache<P>, options: &CompileOptions) -> Result<Plan<'a>, GraphError> {
+    pub fn compile<P: Clone>(
+        mut self,
+        cache: &TargetCache<P>,
+        options: &CompileOptions,
+    ) -> Result<Plan<'a>, GraphError> {
         if !self.errors.is_empty() {
             return Err(self.errors.swap_remove(0));
         }

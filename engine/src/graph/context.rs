@@ -140,7 +140,12 @@ impl<'c> PassContext<'c> {
     ///
     /// # Errors
     /// If the shader does not compile, or the bindings do not fit it.
-    pub fn dispatch(&mut self, key: &ComputeKey, bindings: &[(&str, Binding)], groups: [u32; 3]) -> Result<(), PassError> {
+    pub fn dispatch(
+        &mut self,
+        key: &ComputeKey,
+        bindings: &[(&str, Binding)],
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
         let pipeline = self.gpu.pipelines.compute(self.gpu, key)?;
         let group = pipeline.bind(self.gpu, 0, bindings)?;
         let compute = pipeline.compute().ok_or_else(|| {
@@ -185,7 +190,8 @@ impl Resources<'_> {
                 view_formats: &[],
             });
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-            let descriptor = wgpu::BufferDescriptor { label: Some("stand-in"), size: 16, usage, mapped_at_creation: false };
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some("stand-in"), size: 16, usage, mapped_at_creation: false };
             (texture, gpu.device.create_buffer(&descriptor))
         })
     }

@@ -81,7 +81,7 @@ impl TextureDesc {
         Extent3d { width, height, depth_or_array_layers }
     }
 
-    /// Memory [bytes] of all mip levels, without the driver's padding.
+    /// Memory \[bytes\] of all mip levels, without the driver's padding.
     pub fn bytes(&self) -> u64 {
         (0..self.mips).map(|mip| self.mip_bytes(mip)).sum()
     }
@@ -95,14 +95,14 @@ impl TextureDesc {
 /// A buffer: size and what it is used for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BufferDesc {
-    /// Size [bytes], above 0.
+    /// Size \[bytes\], above 0.
     pub size: u64,
     /// What passes do with it. The graph adds `COPY_DST`, and for retained buffers `COPY_SRC`.
     pub usage: BufferUsages,
 }
 
 impl BufferDesc {
-    /// A buffer of a size [bytes] for a use.
+    /// A buffer of a size \[bytes\] for a use.
     pub fn new(size: u64, usage: BufferUsages) -> Self {
         Self { size, usage }
     }
@@ -123,7 +123,7 @@ pub enum ResourceDesc {
 }
 
 impl ResourceDesc {
-    /// Memory [bytes], without the driver's padding.
+    /// Memory \[bytes\], without the driver's padding.
     pub fn bytes(&self) -> u64 {
         match self {
             Self::Texture(desc) => desc.bytes(),

@@ -20,7 +20,9 @@ pub enum GraphError {
         pass: String,
     },
     /// A handle or pass of another graph was used.
-    #[error("{place} uses a handle of another graph; handles are only good for the graph, and so the frame, that made them")]
+    #[error(
+        "{place} uses a handle of another graph; handles are only good for the graph, and so the frame, that made them"
+    )]
     ForeignHandle {
         /// Where: the pass, or `output` or `order`.
         place: String,
@@ -40,7 +42,9 @@ pub enum GraphError {
         pass: String,
     },
     /// A pass reads what nobody has written.
-    #[error("pass `{pass}` reads `{resource}` before any pass has written it: write it first, and read the handle that `write` returns")]
+    #[error(
+        "pass `{pass}` reads `{resource}` before any pass has written it: write it first, and read the handle that `write` returns"
+    )]
     ReadBeforeWrite {
         /// The reader.
         pass: String,
@@ -76,7 +80,9 @@ pub enum GraphError {
         path: String,
     },
     /// Two passes write the same version.
-    #[error("passes `{first}` and `{second}` both write `{resource}` from the same version, so their order is undefined: let `{second}` write the handle that `{first}` returned")]
+    #[error(
+        "passes `{first}` and `{second}` both write `{resource}` from the same version, so their order is undefined: let `{second}` write the handle that `{first}` returned"
+    )]
     DoubleWrite {
         /// What they write.
         resource: String,
@@ -92,7 +98,9 @@ pub enum GraphError {
         path: String,
     },
     /// The cache has changed between compilation and execution.
-    #[error("the target cache has changed since the graph was compiled: compile and execute one frame at a time, with the same cache")]
+    #[error(
+        "the target cache has changed since the graph was compiled: compile and execute one frame at a time, with the same cache"
+    )]
     StalePlan,
     /// A pass failed. What it was writing is no longer in the cache.
     #[error("pass `{pass}` failed: {source}")]

@@ -44,7 +44,12 @@ impl Plan<'_> {
         Ok(report)
     }
 
-    fn run(mut self, gpu: &Gpu, cache: &mut TargetCache, recorder: &mut Recorder<'_>) -> Result<FrameReport, GraphError> {
+    fn run(
+        mut self,
+        gpu: &Gpu,
+        cache: &mut TargetCache,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<FrameReport, GraphError> {
         let targets = check(gpu, "the memory of a frame", || self.place(gpu, cache))?;
         let resources = self.layout.reports();
         let steps = std::mem::take(&mut self.steps);
@@ -93,7 +98,12 @@ impl Plan<'_> {
             return Err(GraphError::Pass { pass: name, source });
         }
         for write in slots() {
-            cache.end_write(&self.layout.resources[write.from.resource].name, write.from.number + 1, write.key, &recipe);
+            cache.end_write(
+                &self.layout.resources[write.from.resource].name,
+                write.from.number + 1,
+                write.key,
+                &recipe,
+            );
         }
         Ok(())
     }

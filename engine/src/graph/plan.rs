@@ -67,7 +67,8 @@ impl<'a> Plan<'a> {
         mut reports: Vec<PassReport>,
         skipped: Vec<(String, String)>,
     ) -> Self {
-        let skipped = skipped.into_iter().map(|(name, why)| PassReport::new(name, PassState::Skipped(why.clone()), why));
+        let skipped =
+            skipped.into_iter().map(|(name, why)| PassReport::new(name, PassState::Skipped(why.clone()), why));
         reports.extend(skipped);
         Self { graph, stamp, steps, layout, reports }
     }

@@ -81,7 +81,8 @@ fn why_it_runs<P: Clone>(
         }
         Some((from, WantedBy::Output)) => format!("`{}` is an output", graph.resources[from.resource].name),
         None => {
-            let names: Vec<&str> = retained.iter().map(|(from, _)| graph.resources[from.resource].name.as_str()).collect();
+            let names: Vec<&str> =
+                retained.iter().map(|(from, _)| graph.resources[from.resource].name.as_str()).collect();
             format!("`{}` is overwritten in this frame before it is used", names.join("`, `"))
         }
     }

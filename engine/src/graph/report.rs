@@ -100,9 +100,9 @@ pub struct PassReport {
     pub why: String,
     /// What it did.
     pub counts: Counts,
-    /// Time on the device [ms]; `None` if it did not run or the device cannot tell.
+    /// Time on the device \[ms\]; `None` if it did not run or the device cannot tell.
     pub gpu_ms: Option<f64>,
-    /// Time to record it [ms].
+    /// Time to record it \[ms\].
     pub cpu_ms: f64,
 }
 
@@ -119,7 +119,7 @@ pub struct ResourceReport {
     pub name: String,
     /// Its description.
     pub desc: ResourceDesc,
-    /// Its size [bytes].
+    /// Its size \[bytes\].
     pub bytes: u64,
     /// The other transient resources in the same memory.
     pub aliased_with: Vec<String>,
@@ -136,7 +136,7 @@ pub struct FrameReport {
     pub passes: Vec<PassReport>,
     /// All resources that had memory.
     pub resources: Vec<ResourceReport>,
-    /// All memory that the cache holds [bytes].
+    /// All memory that the cache holds \[bytes\].
     pub allocated_bytes: u64,
     /// What else the cache holds.
     pub cache: CacheFigures,
@@ -167,7 +167,7 @@ impl FrameReport {
         total
     }
 
-    /// Time on the device of all passes together [ms]; `None` if the device cannot tell.
+    /// Time on the device of all passes together \[ms\]; `None` if the device cannot tell.
     pub fn gpu_ms(&self) -> Option<f64> {
         let times: Vec<f64> = self.passes.iter().filter_map(|pass| pass.gpu_ms).collect();
         (!times.is_empty() || self.ran_count() == 0).then(|| times.iter().fold(0.0, |sum, time| sum + time))
@@ -205,7 +205,13 @@ impl fmt::Display for FrameReport {
         )?;
         let aliased = self.resources.iter().filter(|resource| !resource.aliased_with.is_empty());
         aliased.into_iter().try_for_each(|resource| {
-            writeln!(f, "  `{}` ({}) shares memory with {}", resource.name, resource.desc, resource.aliased_with.join(", "))
+            writeln!(
+                f,
+                "  `{}` ({}) shares memory with {}",
+                resource.name,
+                resource.desc,
+                resource.aliased_with.join(", ")
+            )
         })
     }
 }

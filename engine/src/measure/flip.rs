@@ -12,7 +12,7 @@ const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// FLIP errors of all pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
-    /// Width and height [pixels].
+    /// Width and height \[pixels\].
     pub size: [u32; 2],
     /// Error of each pixel, 0..1, row by row from the top left.
     pub errors: Vec<f32>,

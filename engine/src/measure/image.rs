@@ -24,7 +24,7 @@ impl Image {
         Self::from_pixels(width, height, pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect())
     }
 
-    /// Width and height [pixels].
+    /// Width and height \[pixels\].
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
     }

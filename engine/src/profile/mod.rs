@@ -25,9 +25,9 @@ pub struct Span {
     pub path: String,
     /// Number of spans around it.
     pub depth: usize,
-    /// Start after the begin of the frame [ms]; zero for GPU spans, whose clock is another.
+    /// Start after the begin of the frame \[ms\]; zero for GPU spans, whose clock is another.
     pub start: f64,
-    /// Length [ms].
+    /// Length \[ms\].
     pub duration: f64,
 }
 
@@ -36,11 +36,11 @@ pub struct Span {
 pub struct Frame {
     /// Spans.
     pub spans: Vec<Span>,
-    /// Time from begin to end of the frame on the CPU [ms].
+    /// Time from begin to end of the frame on the CPU \[ms\].
     pub duration: f64,
 }
 
-/// Minimum, median and maximum of a span over the remembered frames [ms].
+/// Minimum, median and maximum of a span over the remembered frames \[ms\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Number of frames that have the span.
@@ -100,7 +100,7 @@ impl FrameRecorder {
         result
     }
 
-    /// Adds a pass's time on the GPU [ms].
+    /// Adds a pass's time on the GPU \[ms\].
     pub fn gpu(&mut self, name: &str, duration: f64) {
         self.gpu.push(Span { path: format!("gpu/{name}"), depth: 1, start: 0.0, duration });
     }

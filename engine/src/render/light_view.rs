@@ -12,13 +12,13 @@ pub struct LightView {
     pub clip_from_world: Mat4,
     /// World from clip space.
     pub world_from_clip: Mat4,
-    /// Where the light stands [m]; for directional lights the centre of the near plane.
+    /// Where the light stands \[m\]; for directional lights the centre of the near plane.
     pub eye: Vec3,
     /// Unit direction of the view's axis.
     pub direction: Vec3,
-    /// Distance of the near plane along the axis [m].
+    /// Distance of the near plane along the axis \[m\].
     pub near: f32,
-    /// Distance of the far plane along the axis [m]: nothing to be seen lies beyond.
+    /// Distance of the far plane along the axis \[m\]: nothing to be seen lies beyond.
     pub far: f32,
     /// Cube face 0..5 in the order +X −X +Y −Y +Z −Z, 0 for the others.
     pub face: u32,

@@ -38,7 +38,7 @@ pub struct Rsm<'a> {
     pub index: u32,
     /// Views that are drawn; a point light's faces that see nothing of use are left out.
     pub views: Vec<LightView>,
-    /// Edge [texels].
+    /// Edge \[texels\].
     pub size: u32,
     /// Base colour and metallic, as in the G-buffer.
     pub base_color: Handle<Texture>,

@@ -24,7 +24,7 @@ pub enum Layer {
     Albedo,
     /// World normal, mapped from −1..1 to 0..1.
     Normal,
-    /// Distance from the eye [m].
+    /// Distance from the eye \[m\].
     Depth,
 }
 

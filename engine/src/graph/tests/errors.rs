@@ -67,8 +67,11 @@ fn stale_read_that_data_forbids() {
     let ([other], _) = pass(&mut graph, "derive", None, &[new], [other]);
     pass(&mut graph, "late", None, &[old, other], [result]);
     let error = error(graph);
-    assert!(matches!(&error, GraphError::StaleRead { pass, resource, writer, .. }
-        if pass == "late" && resource == "image" && writer == "overwrite"), "{error}");
+    assert!(
+        matches!(&error, GraphError::StaleRead { pass, resource, writer, .. }
+        if pass == "late" && resource == "image" && writer == "overwrite"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -91,7 +94,10 @@ fn order_against_the_data() {
     let ([written], writer) = pass(&mut graph, "writer", None, &[], [image]);
     let (_, reader) = pass(&mut graph, "reader", None, &[written], [result]);
     graph.order(reader, writer);
-    fails_with(graph, &["wait for each other", "`writer` writes `image` for `reader`", "`reader` is ordered before `writer`"]);
+    fails_with(
+        graph,
+        &["wait for each other", "`writer` writes `image` for `reader`", "`reader` is ordered before `writer`"],
+    );
 }
 
 #[test]

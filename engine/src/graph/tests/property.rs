@@ -52,12 +52,25 @@ fn frame_spec() -> impl Strategy<Value = FrameSpec> {
     let sizes = prop::collection::vec(prop_oneof![12 => Just(8u32), 1 => Just(16u32)], RESOURCES);
     let fails = prop::option::weighted(0.1, 0..PASSES);
     (own, present, outputs, sizes, 0..2u64, fails, prop::bool::weighted(0.1)).prop_map(
-        |(own, present, outputs, sizes, import, fails, no_cache)| FrameSpec { own, present, outputs, sizes, import, fails, no_cache },
+        |(own, present, outputs, sizes, import, fails, no_cache)| FrameSpec {
+            own,
+            present,
+            outputs,
+            sizes,
+            import,
+            fails,
+            no_cache,
+        },
     )
 }
 
 /// The graph of a frame, and what each output must hold.
-fn build(frame: usize, spec: &FrameSpec, storages: &[u8], passes: &[PassSpec]) -> (Graph<'static>, BTreeMap<String, u64>) {
+fn build(
+    frame: usize,
+    spec: &FrameSpec,
+    storages: &[u8],
+    passes: &[PassSpec],
+) -> (Graph<'static>, BTreeMap<String, u64>) {
     let mut graph = Graph::new(0);
     let mut versions: Vec<Vec<(Handle<Texture>, Option<u64>)>> = Vec::new();
     for (index, storage) in storages.iter().enumerate() {

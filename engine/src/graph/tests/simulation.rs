@@ -46,14 +46,22 @@ pub fn run(plan: Plan<'_>, cache: &mut Cache, world: &World<'_>) -> Option<BTree
     }
     let Plan { steps, layout, .. } = plan;
     let names: Vec<String> = layout.resources.iter().map(|resource| resource.name.clone()).collect();
-    let imports: Vec<bool> = layout.resources.iter().map(|resource| matches!(resource.place, Place::Imported(_))).collect();
+    let imports: Vec<bool> =
+        layout.resources.iter().map(|resource| matches!(resource.place, Place::Imported(_))).collect();
     let ok = steps.iter().all(|step| run_step(step, &names, &imports, &memory, cache, world));
     cache.end_frame();
     let values = names.into_iter().zip(memory).filter_map(|(name, memory)| Some((name, memory?.get())));
     ok.then(|| values.collect())
 }
 
-fn run_step(step: &Step<'_>, names: &[String], imports: &[bool], memory: &[Option<Memory>], cache: &mut Cache, world: &World<'_>) -> bool {
+fn run_step(
+    step: &Step<'_>,
+    names: &[String],
+    imports: &[bool],
+    memory: &[Option<Memory>],
+    cache: &mut Cache,
+    world: &World<'_>,
+) -> bool {
     let slots = || step.writes.iter().filter(|write| write.retained);
     slots().for_each(|write| cache.begin_write(&names[write.from.resource]));
     let modified = step.writes.iter().map(|write| write.from).filter(|at| at.number > 0 || imports[at.resource]);
@@ -66,7 +74,9 @@ fn run_step(step: &Step<'_>, names: &[String], imports: &[bool], memory: &[Optio
         memory[write.from.resource].as_ref().unwrap().set(if fails { 666 } else { value });
     }
     if !fails {
-        slots().for_each(|write| cache.end_write(&names[write.from.resource], write.from.number + 1, write.key, &step.recipe));
+        slots().for_each(|write| {
+            cache.end_write(&names[write.from.resource], write.from.number + 1, write.key, &step.recipe)
+        });
     }
     !fails
 }
@@ -76,7 +86,12 @@ pub fn frame(graph: Graph<'_>, cache: &mut Cache) -> FrameReport {
     frame_with(graph, cache, &World::default(), false).unwrap()
 }
 
-pub fn frame_with(graph: Graph<'_>, cache: &mut Cache, world: &World<'_>, no_cache: bool) -> Result<FrameReport, GraphError> {
+pub fn frame_with(
+    graph: Graph<'_>,
+    cache: &mut Cache,
+    world: &World<'_>,
+    no_cache: bool,
+) -> Result<FrameReport, GraphError> {
     let plan = graph.compile(cache, &CompileOptions { no_cache })?;
     let report = FrameReport { passes: plan.passes().to_vec(), resources: plan.resources(), ..Default::default() };
     run(plan, cache, world);

@@ -16,15 +16,15 @@ pub const MAX_STEPS: u32 = 1024;
 /// One light propagation volume in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// Lower corner [m].
+    /// Lower corner \[m\].
     pub origin: Vec3,
-    /// Edge of a cell [m].
+    /// Edge of a cell \[m\].
     pub cell: f32,
     /// Cells along each axis.
     pub cells: UVec3,
-    /// Centre of the box before it was snapped to whole cells [m].
+    /// Centre of the box before it was snapped to whole cells \[m\].
     pub fade_center: Vec3,
-    /// Half extent within which the unsnapped box always lies inside the snapped one [m].
+    /// Half extent within which the unsnapped box always lies inside the snapped one \[m\].
     pub fade_half: Vec3,
 }
 
@@ -42,7 +42,7 @@ impl Volume {
         VolumeUniform { origin: self.origin, cell: self.cell, cells: self.cells, padding: 0 }
     }
 
-    /// The box [m].
+    /// The box \[m\].
     pub fn bounds(&self) -> Aabb {
         Aabb { min: self.origin, max: self.origin + self.cells.as_vec3() * self.cell }
     }
