@@ -93,11 +93,7 @@ fn a_range_ends_the_light() {
 
 #[test]
 fn what_stands_before_the_light_casts_its_shadow_for_every_kind_of_light() {
-    for shape in [
-        LightShape::Point,
-        LightShape::Directional,
-        LightShape::Spot { inner: 1.0, outer: 1.2 },
-    ] {
+    for shape in [LightShape::Point, LightShape::Directional, LightShape::Spot { inner: 1.0, outer: 1.2 }] {
         let mut stage = floor();
         let over = Affine3A::from_translation(Vec3::new(0.0, 1.0, 0.0));
         stage.add(Shape::Box { size: [1.0, 0.1, 1.0] }, ALBEDO, over);
@@ -187,9 +183,8 @@ fn a_glossy_surface_reflects_the_light_towards_its_mirror_image() {
     stage.add_material(Shape::Plane { size: [20.0, 20.0], subdivisions: [1, 1] }, material, Affine3A::IDENTITY);
     stage.light(LightShape::Point, Vec3::splat(4.0), Vec3::new(0.0, 2.0, -2.0), Vec3::NEG_Y);
     let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
-    let brightest = (0..65 * 65).max_by(|&a, &b| {
-        rgb(&image, a % 65, a / 65).x.total_cmp(&rgb(&image, b % 65, b / 65).x)
-    });
+    let brightest =
+        (0..65 * 65).max_by(|&a, &b| rgb(&image, a % 65, a / 65).x.total_cmp(&rgb(&image, b % 65, b / 65).x));
     let (x, y) = brightest.map(|i| (i % 65, i / 65)).expect("pixels");
     assert!(x.abs_diff(32) <= 1 && y.abs_diff(32) <= 2, "the highlight is at {x}, {y}");
 }

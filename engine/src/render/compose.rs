@@ -41,7 +41,13 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
     let layer = layer_index(frame.settings.only);
-    pass.key(&(sky.to_array().map(f32::to_bits), layer, frame.view_key(), lights.direct.is_some(), lights.indirect.is_some()));
+    pass.key(&(
+        sky.to_array().map(f32::to_bits),
+        layer,
+        frame.view_key(),
+        lights.direct.is_some(),
+        lights.indirect.is_some(),
+    ));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;

@@ -6,8 +6,7 @@ use crate::gpu::RasterKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use wgpu::TextureFormat;
 
-const USAGE: wgpu::TextureUsages =
-    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
+const USAGE: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
 
 /// Colour targets in the order of the fragment shader's outputs: 32 bytes a texel, the portable limit.
 const COLOR_TARGETS: [(&str, TextureFormat); 4] = [

@@ -6,7 +6,9 @@ use lightwell::assets::{Material, Mesh, Shape};
 use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture_f32};
 use lightwell::graph::FrameReport;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::scene::{LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView};
+use lightwell::scene::{
+    LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView,
+};
 use lightwell::world::Clpv;
 use std::sync::Arc;
 
@@ -133,7 +135,12 @@ impl Stage {
     }
 
     /// Draws with a renderer that may hold earlier results.
-    pub fn render_with(&self, gpu: &Gpu, renderer: &mut Renderer, settings: &RenderSettings) -> (ImageF32, FrameReport) {
+    pub fn render_with(
+        &self,
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        settings: &RenderSettings,
+    ) -> (ImageF32, FrameReport) {
         let report = renderer.render(gpu, &self.scene, &self.view, settings).unwrap_or_else(|e| panic!("{e}"));
         let image = read_texture_f32(gpu, renderer.radiance().expect("an image")).expect("readable");
         for pixel in &image.rgba {

@@ -159,8 +159,7 @@ impl GpuScene {
         for ((class, material, mesh), members) in groups {
             let first_instance = instances.len() as u32;
             instances.extend(members.iter().map(|p| Instance::new(p)));
-            let members =
-                members.iter().map(|p| Member { bounds: p.bounds, casts_shadow: p.casts_shadow }).collect();
+            let members = members.iter().map(|p| Member { bounds: p.bounds, casts_shadow: p.casts_shadow }).collect();
             self.batches.push(Batch { class, material, mesh, first_instance, members });
         }
         if instances.is_empty() {

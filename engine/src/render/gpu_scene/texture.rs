@@ -18,9 +18,9 @@ impl GpuTexture {
         let limit = gpu.limits.max_texture_dimension_2d;
         let mut levels = mip_levels(texture);
         levels.retain(|level| level.width <= limit && level.height <= limit);
-        let size = |level: &Level| wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
-        let format =
-            if texture.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
+        let size =
+            |level: &Level| wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
+        let format = if texture.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
         let raw = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(&texture.name),
             size: levels.first().map_or(wgpu::Extent3d::default(), size),

@@ -46,8 +46,7 @@ pub fn declare<'a>(
     let volumes = volumes(clpv, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let lights = frame.scene.lights.iter().zip(0..);
-    let rsms: Vec<Rsm> =
-        lights.filter_map(|(light, index)| rsm::declare(graph, frame, light, index, &reach)).collect();
+    let rsms: Vec<Rsm> = lights.filter_map(|(light, index)| rsm::declare(graph, frame, light, index, &reach)).collect();
     if rsms.is_empty() {
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);

@@ -95,13 +95,9 @@ pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<
         let snap = if level + 1 < settings.cascades { 2.0 * cell } else { cell };
         match settings.placement {
             ClpvPlacement::Fixed if automatic => snapped(bounds.center(), half, cell, cells, coarsest),
-            ClpvPlacement::Fixed => Volume {
-                origin: clpv.center - half,
-                cell,
-                cells,
-                fade_center: clpv.center,
-                fade_half: half,
-            },
+            ClpvPlacement::Fixed => {
+                Volume { origin: clpv.center - half, cell, cells, fade_center: clpv.center, fade_half: half }
+            }
             ClpvPlacement::Camera { ahead } => {
                 let forward = -Vec3::from(view.camera.world_from_view.matrix3.z_axis);
                 let ahead = if ahead.is_finite() { ahead.clamp(0.0, 1.0) } else { 0.0 };

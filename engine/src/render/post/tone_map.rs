@@ -19,10 +19,8 @@ pub(crate) struct ToneMapUniform {
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, radiance: Handle<Texture>) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-    let display = graph.retained_texture(
-        DISPLAY,
-        TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage),
-    );
+    let display =
+        graph.retained_texture(DISPLAY, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
     let display = pass.write(display);
