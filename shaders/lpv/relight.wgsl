@@ -77,6 +77,7 @@ fn irradiance(level: u32, point: vec3f, n: vec3f) -> vec3f {
 }
 
 // Share of a cascade at a point: 1 inside, falling to 0 over the fade; the coarsest is whole to its border.
+// The fade follows the box before it was snapped, so that a moving camera sees no jump.
 fn share(level: u32, point: vec3f) -> f32 {
     let cascade = relight.cascades[level];
     let extent = vec3f(cascade.volume.cells) * cascade.volume.cell;
@@ -104,16 +105,18 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let n = decode_normal(textureLoad(normal, pixel, 0));
+        // Each cascade holds the light of its own box alone, carried as far as its steps go: the finer know the
+        // near light better, the coarser more of the far light. Their average by share (Šefčík 2016, section 5.6).
         var e = vec3f(0.0);
-        var rest = 1.0;
-        for (var level = 0u; level < relight.count && rest > 0.0; level++) {
-            let w = share(level, point) * rest;
+        var shares = 0.0;
+        for (var level = 0u; level < relight.count; level++) {
+            let w = share(level, point);
             if w > 0.0 {
                 e += w * irradiance(level, point, n);
-                rest -= w;
+                shares += w;
             }
         }
-        radiance = min(albedo * e * (relight.gain / 3.14159265), vec3f(1e32));
+        radiance = min(albedo * e * (relight.gain / 3.14159265 / max(shares, 1e-6)), vec3f(1e32));
     }
     textureStore(indirect, pixel, vec4f(radiance, 1.0));
 }

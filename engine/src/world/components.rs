@@ -219,9 +219,9 @@ impl Default for Clpv {
         Self {
             placement: ClpvPlacement::Fixed,
             cascades: 1,
-            cells: [32, 32, 32],
+            cells: [16, 16, 16],
             cell_size: CellSize::Auto,
-            steps: 16,
+            steps: 32,
             occlusion: true,
             bounce: true,
             blocker_scale: 4.0 / 3.0,
