@@ -1,1 +1,101 @@
-//! Shared helpers of the scene tests.
+//! Loads scenes and draws them without a window, for the headless scene tests.
+
+use lightwell::assets::AssetLibrary;
+use lightwell::files::{LoadOptions, load_scene};
+use lightwell::gpu::{Gpu, GpuOptions, default_shader_dir, read_texture_f32};
+use lightwell::graph::FrameReport;
+use lightwell::measure::Image;
+use lightwell::render::{RenderSettings, Renderer};
+use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
+use lightwell::world::GameWorld;
+use std::path::{Path, PathBuf};
+
+/// Root of the source tree.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// A folder named by an environment variable; says so on the error stream where there is none.
+pub fn folder_from_env(variable: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os(variable).map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: {variable} is not set");
+    }
+    folder
+}
+
+/// A loaded scene with its renderer.
+pub struct Stage {
+    gpu: Gpu,
+    world: GameWorld,
+    extractor: Extractor,
+    /// What the renderer sees.
+    pub scene: Scene,
+    renderer: Renderer,
+    size: [u32; 2],
+}
+
+impl Stage {
+    /// Loads a scene file or a model; panics with the loader's message if that fails.
+    pub fn open(path: &Path, models: Option<PathBuf>, size: [u32; 2]) -> Self {
+        let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("the shader folder") };
+        let gpu = Gpu::headless(&options).unwrap_or_else(|error| panic!("{error}"));
+        let mut library = AssetLibrary::new();
+        let world = load_scene(path, &mut library, &LoadOptions { models }).unwrap_or_else(|error| panic!("{error}"));
+        let renderer = Renderer::new(&gpu);
+        let mut stage = Self { gpu, world, extractor: Extractor::new(), scene: Scene::default(), renderer, size };
+        stage.set_seconds(0.0);
+        stage
+    }
+
+    /// Moves everything to where it is at that time.
+    pub fn set_seconds(&mut self, seconds: f64) {
+        self.world.set_seconds(seconds);
+        self.world.update();
+        self.extractor.extract(&mut self.world, &mut self.scene);
+    }
+
+    /// The scene's own camera.
+    pub fn camera(&self) -> SceneCamera {
+        let cameras = &self.scene.cameras;
+        cameras.iter().find(|camera| camera.primary).or(cameras.first()).expect("a camera").clone()
+    }
+
+    /// Draws a frame; the pixel grid is shifted by `jitter`.
+    pub fn draw(&mut self, settings: &RenderSettings, jitter: [f32; 2]) -> FrameReport {
+        let view = SceneView { camera: self.camera(), size: self.size, jitter };
+        self.renderer.render(&self.gpu, &self.scene, &view, settings).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Linear radiance of the last frame.
+    pub fn radiance(&self) -> Image {
+        self.read(self.renderer.radiance())
+    }
+
+    /// The last frame as a display shows it, sRGB-encoded values of 0..1.
+    pub fn display(&self) -> Image {
+        self.read(self.renderer.display())
+    }
+
+    fn read(&self, texture: Option<&wgpu::Texture>) -> Image {
+        let pixels = read_texture_f32(&self.gpu, texture.expect("a frame")).expect("readable");
+        let image = Image::from_rgba(pixels.width, pixels.height, &pixels.rgba).expect("all pixels");
+        assert_eq!(image.first_non_finite(), None, "a pixel is not finite");
+        image
+    }
+
+    /// Mean radiance over n × n jittered frames: the box filter of a pixel.
+    pub fn averaged(&mut self, settings: &RenderSettings, n: u32) -> Image {
+        let mut sum = Image::filled(self.size[0], self.size[1], [0.0; 3]);
+        for cell in 0..n * n {
+            let jitter = [cell % n, cell / n].map(|i| (i as f32 + 0.5) / n as f32 - 0.5);
+            self.draw(settings, jitter);
+            for (sum, pixel) in sum.pixels_mut().iter_mut().zip(self.radiance().pixels()) {
+                for (sum, value) in sum.iter_mut().zip(pixel) {
+                    *sum += value / (n * n) as f32;
+                }
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,53 @@
+//! The raster image against images of an independent renderer. They lie in the folder that `LIGHTWELL_REFERENCE`
+//! names, and the real models in that of `LIGHTWELL_MODELS`; without them the tests say so and pass.
+
+use lightwell::measure::{compare, read_image};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
+use lightwell_tests::{Stage, folder_from_env, root};
+
+/// Direct light alone differs by shadow borders and the edges of pixels, and by nothing else.
+fn direct_light_of(scene: &str) {
+    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder.join(scene);
+    let reference = read_image(&folder.join("direct.exr")).unwrap_or_else(|error| panic!("{error}"));
+    let mut stage = Stage::open(&folder.join("scene.glb"), None, reference.size());
+    let settings =
+        RenderSettings { gi: GiMethod::None, only: Layer::Direct, display: false, ..RenderSettings::default() };
+    let image = stage.averaged(&settings, 4);
+    let comparison = compare(&image, &reference).unwrap_or_else(|error| panic!("{error}"));
+    let (nrmse, bias) = (comparison.nrmse, comparison.bias);
+    assert!(nrmse < 0.05 && bias.abs() < 0.01, "{scene}: nrmse {nrmse:.4}, bias {bias:.4}");
+}
+
+#[test]
+fn direct_light_of_the_cornell_box() {
+    direct_light_of("cornell");
+}
+
+#[test]
+fn direct_light_of_the_diffuse_cubes() {
+    direct_light_of("bleeding_diffuse");
+}
+
+#[test]
+fn direct_light_of_the_glossy_cubes() {
+    direct_light_of("bleeding_gloss");
+}
+
+#[test]
+fn shadowed_aisles_of_sponza_get_indirect_light() {
+    let Some(models) = folder_from_env("LIGHTWELL_MODELS") else { return };
+    let mut stage = Stage::open(&root().join("scenes/sponza.scene.ron"), Some(models), [256, 144]);
+    stage.draw(&RenderSettings { gi: GiMethod::None, ..RenderSettings::default() }, [0.0; 2]);
+    let direct = stage.radiance();
+    stage.draw(&RenderSettings { only: Layer::Indirect, ..RenderSettings::default() }, [0.0; 2]);
+    let indirect = stage.radiance();
+    let unlit = direct.pixels().iter().zip(indirect.pixels()).filter(|(direct, _)| **direct == [0.0; 3]);
+    let (mut count, mut reached) = (0, 0);
+    for (_, indirect) in unlit {
+        count += 1;
+        reached += usize::from(indirect.iter().any(|&c| c > 0.0));
+    }
+    assert!(count > 1000, "only {count} pixels lie in shadow");
+    assert!(reached * 100 > count * 90, "indirect light reaches {reached} of {count} pixels in shadow");
+}
