@@ -43,7 +43,7 @@ fn cube_face(d: vec3f) -> i32 {
 }
 
 // The receiver is moved off its surface before it is compared: along the normal by as much as the plane's depth
-// changes over the filter's radius of 1.5 √2 texels (slope bias, grows with sin θ) and by a fraction of a texel (static bias).
+// changes over the filter's radius of √2 texels (slope bias, grows with sin θ) and by a fraction of a texel (static bias).
 fn shadow_coordinate(shadow: Shadow, position: vec3f, n: vec3f, to_light: vec3f) -> ShadowCoordinate {
     var out: ShadowCoordinate;
     let offset = position - shadow.eye;
@@ -55,7 +55,7 @@ fn shadow_coordinate(shadow: Shadow, position: vec3f, n: vec3f, to_light: vec3f)
     }
     let cosine = saturate(dot(n, to_light));
     let sine = sqrt(1.0 - cosine * cosine);
-    let receiver = position + n * (shadow.texel * along_axis * (2.3 * sine + 0.2));
+    let receiver = position + n * (shadow.texel * along_axis * (1.45 * sine + 0.2));
     let moved = receiver - shadow.eye;
     out.face = select(0, cube_face(moved), shadow.kind == POINT_SHADOW);
     let clip = shadow.faces[out.face].clip_from_world * vec4f(receiver, 1.0);

@@ -2,8 +2,12 @@
 
 struct ToneMap {
     scale: f32,            // 2^exposure
-    encode_only: u32,      // 1: layers such as albedo are shown as they are
+    mode: u32,             // LIGHT, or a layer that is shown without tone map
 }
+
+const LIGHT: u32 = 0u;
+const COLOR: u32 = 1u;      // albedo, normal: as they are
+const DISTANCE: u32 = 2u;   // [m], shown as d/(1 + d): all of it fits
 
 @group(0) @binding(0) var<uniform> tone_map: ToneMap;
 @group(0) @binding(1) var radiance: texture_2d<f32>;
@@ -39,6 +43,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     }
     // Above 1e6 everything is white; the bound keeps the squares below finite.
     let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * tone_map.scale, vec3f(1e6));
-    let mapped = select(pbr_neutral(exposed), exposed, tone_map.encode_only != 0u);
+    var mapped = exposed;
+    if tone_map.mode == LIGHT {
+        mapped = pbr_neutral(exposed);
+    } else if tone_map.mode == DISTANCE {
+        mapped = exposed / (1.0 + exposed);
+    }
     textureStore(display, thread.xy, vec4f(encode_srgb(saturate(mapped)), 1.0));
 }

@@ -84,15 +84,16 @@ impl Stage {
         image
     }
 
-    /// Mean radiance over n × n jittered frames: the box filter of a pixel.
-    pub fn averaged(&mut self, settings: &RenderSettings, n: u32) -> Image {
+    /// Mean radiance over jittered frames: the box filter of a pixel, sampled by the Hammersley set.
+    pub fn averaged(&mut self, settings: &RenderSettings, samples: u32) -> Image {
         let mut sum = Image::filled(self.size[0], self.size[1], [0.0; 3]);
-        for cell in 0..n * n {
-            let jitter = [cell % n, cell / n].map(|i| (i as f32 + 0.5) / n as f32 - 0.5);
-            self.draw(settings, jitter);
+        let half = 0.5 / samples as f32;
+        for i in 0..samples {
+            let (x, y) = (i as f32 / samples as f32, i.reverse_bits() as f32 / 2.0_f32.powi(32));
+            self.draw(settings, [x + half - 0.5, y + half - 0.5]);
             for (sum, pixel) in sum.pixels_mut().iter_mut().zip(self.radiance().pixels()) {
                 for (sum, value) in sum.iter_mut().zip(pixel) {
-                    *sum += value / (n * n) as f32;
+                    *sum += value / samples as f32;
                 }
             }
         }

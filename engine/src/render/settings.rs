@@ -28,13 +28,6 @@ pub enum Layer {
     Depth,
 }
 
-impl Layer {
-    /// Whether it shows light, so that light has to be computed.
-    pub fn is_light(self) -> bool {
-        matches!(self, Self::Total | Self::Direct | Self::Indirect)
-    }
-}
-
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {

@@ -3,6 +3,7 @@
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
+use crate::render::settings::Layer;
 use encase::ShaderType;
 
 /// Name of the retained display image.
@@ -12,7 +13,7 @@ pub const DISPLAY: &str = "display";
 #[derive(ShaderType)]
 pub(crate) struct ToneMapUniform {
     scale: f32,
-    encode_only: u32,
+    mode: u32,
 }
 
 /// Declares the pass; the result is rgba8unorm, sRGB-encoded.
@@ -26,9 +27,14 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, radiance: Handle<Te
     let display = pass.write(display);
     // 2^±60 shows anything that a float can hold; beyond, the factor itself would leave the range.
     let exposure = if frame.settings.exposure.is_finite() { frame.settings.exposure.clamp(-60.0, 60.0) } else { 0.0 };
-    let light = frame.settings.only.is_light();
-    let uniform = ToneMapUniform { scale: if light { exposure.exp2() } else { 1.0 }, encode_only: u32::from(!light) };
-    pass.key(&(uniform.scale.to_bits(), uniform.encode_only));
+    // The constants of `post/tone_map.wgsl`.
+    let (mode, scale) = match frame.settings.only {
+        Layer::Total | Layer::Direct | Layer::Indirect => (0, exposure.exp2()),
+        Layer::Albedo | Layer::Normal => (1, 1.0),
+        Layer::Depth => (2, 1.0),
+    };
+    let uniform = ToneMapUniform { scale, mode };
+    pass.key(&(uniform.scale.to_bits(), uniform.mode));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
         let uniform = cx.gpu.uniform("tone map", &uniform);
