@@ -71,7 +71,10 @@ pub struct GltfLight {
 impl GltfLight {
     /// The component, with default shadow settings.
     pub fn light(&self) -> Light {
-        Light { kind: self.kind, color: self.color, intensity: self.intensity, range: self.range, ..Light::default() }
+        let usual = Light::default();
+        // A directional light's map spans the whole scene.
+        let shadow_size = if self.kind == LightKind::Directional { 2 * usual.shadow_size } else { usual.shadow_size };
+        Light { kind: self.kind, color: self.color, intensity: self.intensity, range: self.range, shadow_size, ..usual }
     }
 }
 
