@@ -1,7 +1,7 @@
 // Geometry buffer: what each pixel sees. Encoding: lib/gbuffer.wgsl.
 
 #import lightwell::gbuffer::{encode_base_color, encode_normal, encode_object, encode_radiance}
-#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal}
+#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point}
 #import lightwell::view::View
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -47,11 +47,12 @@ struct Targets {
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
+    let at = texture_point(in.uv);
     // All textures are read before any branch, where derivatives are defined.
-    let base = material.base_color * textureSample(base_color_texture, base_color_sampler, in.uv);
-    let metallic_roughness = textureSample(metallic_roughness_texture, metallic_roughness_sampler, in.uv);
-    let bend = textureSample(normal_texture, normal_sampler, in.uv).xyz;
-    let emissive = material.emissive * textureSample(emissive_texture, emissive_sampler, in.uv).rgb;
+    let base = material.base_color * textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
+    let metallic_roughness = textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, at.uv, at.dx, at.dy);
+    let bend = textureSampleGrad(normal_texture, normal_sampler, at.uv, at.dx, at.dy).xyz;
+    let emissive = material.emissive * textureSampleGrad(emissive_texture, emissive_sampler, at.uv, at.dx, at.dy).rgb;
     let flip = material.double_sided != 0u && !front;
     let n = shading_normal(in.normal, in.tangent, in.position, bend, material.normal_scale, flip, view.eye - in.position);
     if base.a < material.alpha_cutoff {

@@ -2,7 +2,7 @@
 // The position follows from the depth, the flux from the light and the texel's solid angle.
 
 #import lightwell::gbuffer::{encode_base_color, encode_normal}
-#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal}
+#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point}
 
 struct RsmView {
     clip_from_world: mat4x4f,
@@ -42,8 +42,9 @@ struct Targets {
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
-    let base = material.base_color * textureSample(base_color_texture, base_color_sampler, in.uv);
-    let metallic_roughness = textureSample(metallic_roughness_texture, metallic_roughness_sampler, in.uv);
+    let at = texture_point(in.uv);
+    let base = material.base_color * textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
+    let metallic_roughness = textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, at.uv, at.dx, at.dy);
     let flip = material.double_sided != 0u && !front;
     let n = shading_normal(in.normal, vec4f(0.0), in.position, vec3f(0.5, 0.5, 1.0), 0.0, flip, view.eye - in.position);
     if base.a < material.alpha_cutoff {

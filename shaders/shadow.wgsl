@@ -1,7 +1,7 @@
 // Shadow maps. Perspective views (spot, point) store 1 − distance/far, so that one texel of depth means the same
 // length everywhere; directional views store their linear, reversed depth. Nearer is larger in both.
 
-#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point}
+#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, texture_point}
 
 struct ShadowView {
     clip_from_world: mat4x4f,
@@ -31,7 +31,9 @@ fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
 }
 
 fn drop_transparent(uv: vec2f) {
-    let alpha = material.base_color.a * textureSample(base_color_texture, base_color_sampler, uv).a;
+    let at = texture_point(uv);
+    let texel = textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
+    let alpha = material.base_color.a * texel.a;
     if alpha < material.alpha_cutoff {
         discard;
     }

@@ -1,4 +1,62 @@
-//! Lightwell.
+//! Lightwell: a mini game engine with real-time global illumination.
+//!
+//! Data flows one way, `world → scene → graph → gpu`:
+//!
+//! 1. [`world`]: entities with components (`bevy_ecs`), their hierarchy and animation. The clock is an input.
+//! 2. [`scene`]: flat arrays in world space, kept current by change detection. Knows neither entities nor the device.
+//! 3. [`render`]: the passes. [`render::Renderer`] asks what a scene needs and declares the passes of a frame.
+//! 4. [`graph`]: the render graph. Every result has a key made of all that it depends on; what nobody reads is culled,
+//!    what has not changed is reused. Knows no light.
+//! 5. [`gpu`]: the device, shaders with imports and hot reload, pipelines, timestamps, readback.
+//!
+//! Beside them: [`assets`] (meshes, materials, textures, glTF), [`files`] (scenes and prefabs), [`measure`] (image
+//! error metrics) and [`profile`] (times of the last frames).
+//!
+//! # A frame without a window
+//!
+//! ```no_run
+//! use lightwell::assets::AssetLibrary;
+//! use lightwell::files::{LoadOptions, load_scene};
+//! use lightwell::gpu::{Gpu, GpuOptions, default_shader_dir, read_texture_f32};
+//! use lightwell::render::{RenderSettings, Renderer};
+//! use lightwell::scene::{Extractor, Scene, SceneView};
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let gpu = Gpu::headless(&GpuOptions { adapter: None, shader_dir: default_shader_dir()? })?;
+//! let mut library = AssetLibrary::new();
+//! let mut world = load_scene(Path::new("scenes/cornell.scene.ron"), &mut library, &LoadOptions::default())?;
+//! let (mut extractor, mut scene, mut renderer) = (Extractor::new(), Scene::default(), Renderer::new(&gpu));
+//!
+//! world.set_seconds(1.5);
+//! world.update();
+//! extractor.extract(&mut world, &mut scene);
+//! let view = SceneView { camera: scene.cameras[0].clone(), size: [512, 512], jitter: [0.0; 2] };
+//! let report = renderer.render(&gpu, &scene, &view, &RenderSettings::default())?;
+//! println!("{report}");
+//! let radiance = renderer.radiance().map(|texture| read_texture_f32(&gpu, texture)).transpose()?;
+//! # Ok(()) }
+//! ```
+//!
+//! # From the thesis to the code
+//!
+//! Light propagation volumes follow M. Šefčík's thesis (2016), whose classes became:
+//!
+//! | thesis | here |
+//! | --- | --- |
+//! | `Rh*` device layer (4.1, 6.1) | `wgpu`, and [`gpu::Gpu`] around it |
+//! | shader cache, forced rebuild (6.6.1) | [`gpu::ShaderLibrary`], [`gpu::PipelineCache`] |
+//! | render-target cache (4.2.3, 6.6.2) | [`graph::TargetCache`] |
+//! | render passes and their order (ch. 5) | [`graph::Graph`], declared in [`render`] |
+//! | world, entities, components (4.3, 6.2) | [`world::GameWorld`] and the components in [`world`] |
+//! | scene with primitives and lights (4.2.1) | [`scene::Scene`], [`scene::Extractor`] |
+//! | prefabs and their files (6.3) | [`files`] |
+//! | resources, import (4.4, 6.3) | [`assets::AssetLibrary`], [`assets::Gltf`] |
+//! | reflective shadow maps IGB, GRSM (5.2) | [`render::rsm`] |
+//! | injection IL, IB; propagation PRP; relight REL (5.3 to 5.6) | [`render::lpv`] |
+//! | cascaded volume and its placement (3.10.5) | [`render::lpv::Volume`], [`world::Clpv`] |
+//! | profiler (6.5) | [`profile`], [`graph::FrameReport`] |
+
 pub mod assets;
 pub mod files;
 pub mod gpu;

@@ -1,5 +1,8 @@
 //! The program `lightwell`: plays, renders, compares and explains scenes.
 
+#[macro_use]
+mod output;
+
 mod cli;
 mod commands;
 mod jitter;

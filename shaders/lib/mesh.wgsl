@@ -49,6 +49,25 @@ fn world_from_object_normal(instance: Instance, n: vec3f) -> vec3f {
     return mirrored * vec3f(dot(bc, n), dot(cross(c, a), n), dot(cross(a, b), n));
 }
 
+// Where a texture is sampled, and how far the next pixels lie from there.
+struct TexturePoint {
+    uv: vec2f,
+    dx: vec2f,
+    dy: vec2f,
+}
+
+// At the plane of the eye, where clip w is zero, texture coordinates may come out as NaN or infinity, which costs some
+// samplers a thousand times the usual time.
+fn texture_point(uv: vec2f) -> TexturePoint {
+    let dx = dpdx(uv);
+    let dy = dpdy(uv);
+    return TexturePoint(
+        select(vec2f(0.0), uv, abs(uv) < vec2f(1e5)),
+        select(vec2f(0.0), dx, abs(dx) < vec2f(1e3)),
+        select(vec2f(0.0), dy, abs(dy) < vec2f(1e3)),
+    );
+}
+
 fn normalize_or_zero(v: vec3f) -> vec3f {
     // Scaled by the largest component first, so that neither tiny nor huge vectors leave the range of floats.
     let largest = max(abs(v.x), max(abs(v.y), abs(v.z)));

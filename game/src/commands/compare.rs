@@ -26,16 +26,16 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         exceeded |= print_metric(metric, &result, args);
     }
     match result.exactly_zero {
-        Some(true) => println!("the reference is black, and the image is exactly zero, as it must be"),
+        Some(true) => say!("the reference is black, and the image is exactly zero, as it must be"),
         Some(false) => {
-            println!("the reference is black, but the image is not exactly zero");
+            say!("the reference is black, but the image is not exactly zero");
             exceeded |= !args.max.is_empty();
         }
         None => {}
     }
     if let Some(path) = &args.difference {
         measure::write_image(path, &measure::difference_picture(&image, &reference)?)?;
-        println!("difference picture: {}", path.display());
+        say!("difference picture: {}", path.display());
     }
     Ok(if exceeded { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
@@ -56,6 +56,6 @@ fn print_metric(metric: Metric, result: &Comparison, args: &CompareArgs) -> bool
         Some(bound) => format!("  within the bound {bound}"),
         None => String::new(),
     };
-    println!("{name:<6}{value:>14.6}{verdict}");
+    say!("{name:<6}{value:>14.6}{verdict}");
     exceeded
 }

@@ -14,7 +14,7 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
     session.set_seconds(args.time);
     let scene = session.scene();
     let triangles: usize = scene.primitives.iter().map(|primitive| primitive.mesh.indices.len() / 3).sum();
-    println!(
+    say!(
         "{}: {} primitives with {triangles} triangles, {} lights, {} cameras, {}",
         session.path().display(),
         scene.primitives.len(),
@@ -28,7 +28,7 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         // Extraction again, as in any other frame: nothing changed, so that it must find nothing.
         session.set_seconds(args.time);
         let report = session.render(&view, &settings)?;
-        println!("\n{title}\n{report}");
+        say!("\n{title}\n{report}");
     }
     Ok(())
 }

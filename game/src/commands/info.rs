@@ -11,13 +11,13 @@ use anyhow::Result;
 pub fn run(common: &Common) -> Result<()> {
     let gpu = open_gpu(common)?;
     let info = &gpu.info;
-    let line = |name: &str, value: String| println!("{name:<24}{value}");
+    let line = |name: &str, value: String| say!("{name:<24}{value}");
     line("lightwell", env!("CARGO_PKG_VERSION").to_owned());
     line("adapter", info.name.clone());
     line("kind", format!("{:?} through {:?}", info.device_type, info.backend));
     line("driver", format!("{} {}", info.driver, info.driver_info).trim().to_owned());
     line("shaders", gpu.shaders.dir().display().to_string());
-    println!("\nfeatures");
+    say!("\nfeatures");
     for (feature, name) in [
         (wgpu::Features::TIMESTAMP_QUERY, "times of passes"),
         (wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS, "times inside encoders"),
@@ -32,7 +32,7 @@ pub fn run(common: &Common) -> Result<()> {
         };
         line(&format!("  {name}"), state.to_owned());
     }
-    println!("\nlimits");
+    say!("\nlimits");
     let limits = &gpu.limits;
     line("  texture 2D", format!("{} pixels", limits.max_texture_dimension_2d));
     line("  texture 3D", format!("{} texels", limits.max_texture_dimension_3d));
@@ -41,11 +41,11 @@ pub fn run(common: &Common) -> Result<()> {
     line("  buffer", format!("{} MiB", limits.max_buffer_size / (1 << 20)));
     line("  workgroup", format!("{} threads", limits.max_compute_invocations_per_workgroup));
     line("  workgroup memory", format!("{} KiB", limits.max_compute_workgroup_storage_size / 1024));
-    println!("\nadapters (choose with --adapter NAME)");
+    say!("\nadapters (choose with --adapter NAME)");
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     for adapter in pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)) {
         let other = adapter.get_info();
-        println!("  {} ({:?}, {:?})", other.name, other.device_type, other.backend);
+        say!("  {} ({:?}, {:?})", other.name, other.device_type, other.backend);
     }
     Ok(())
 }

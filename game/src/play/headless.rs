@@ -24,7 +24,7 @@ pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
     let count = ((duration * RATE).round() as u64).clamp(1, MOST);
     let folder = Path::new("out").join(session.name());
     let shot = Shot { size: args.size.unwrap_or([512, 512]), aa: 1, linear: false };
-    println!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
+    say!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
     let bar = progress::bar(count, "rendering frames");
     for index in 0..count {
         session.set_seconds(index as f64 / RATE);
@@ -32,6 +32,6 @@ pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
     }
     bar.finish_and_clear();
     let place = folder.canonicalize().unwrap_or(folder);
-    println!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());
+    say!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());
     Ok(())
 }

@@ -124,7 +124,7 @@ impl Player {
         let path = files.into_iter().find(|path| !path.exists()).context("the folder out is full of screenshots")?;
         let (size, rgb) = self.session.display_bytes()?;
         measure::write_png_rgb8(&path, size, &rgb)?;
-        println!("saved {}", path.display());
+        say!("saved {}", path.display());
         Ok(path)
     }
 

@@ -35,7 +35,7 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         .split_once('.')
         .ok_or_else(|| anyhow!("write `{name}.COMPONENT.FIELD`; `{name}` has {}", components(world, entity)))?;
     match component {
-        "transform" => edit::<Transform, TransformValue>(world, entity, field, value),
+        "transform" => edit_transform(world, entity, field, value),
         "mesh" => edit::<MeshRenderer, MeshValue>(world, entity, field, value),
         "light" => edit::<Light, Light>(world, entity, field, value),
         "camera" => edit::<Camera, Camera>(world, entity, field, value),
@@ -113,6 +113,17 @@ fn edit<C: Component + Clone, V: Values<C>>(
     let Some(mut component) = world.ecs.get::<C>(entity).cloned() else { return Ok(false) };
     changed(&V::of(&component), field, value)?.put(&mut component);
     world.ecs.entity_mut(entity).insert(component);
+    Ok(true)
+}
+
+/// Changes the transform that the entity has without its animation; false if it has none.
+fn edit_transform(world: &mut GameWorld, entity: Entity, field: &str, value: &str) -> Result<bool> {
+    if world.ecs.get::<Transform>(entity).is_none() {
+        return Ok(false);
+    }
+    let mut transform = world.rest_transform(entity);
+    changed(&TransformValue::of(&transform), field, value)?.put(&mut transform);
+    world.set_rest_transform(entity, transform);
     Ok(true)
 }
 
