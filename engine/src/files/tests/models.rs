@@ -151,7 +151,7 @@ fn sponza_says_where_to_get_its_model() {
         .unwrap();
     assert_eq!(error.kind, FileErrorKind::MissingFile, "{error}");
     let text = error.to_string();
-    for part in ["sponza/Sponza.gltf", "glTF-Sample-Assets", "--models", "courtyard"] {
+    for part in ["sponza/Sponza.gltf", "glTF-Sample-Assets", "--models", "cornell"] {
         assert!(text.contains(part), "{part} in {text}");
     }
 }
