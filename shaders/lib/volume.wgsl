@@ -10,6 +10,10 @@ struct Volume {
     padding: u32,
 }
 
+// Surfaces are taken this far behind where they are [cells]. A wall that stands right between two cells falls to the
+// one behind it with all of its texels, whatever the rounding of their positions; else it would leak.
+const BEHIND: f32 = 1e-3;
+
 fn cell_index(volume: Volume, cell: vec3u) -> u32 {
     return (cell.z * volume.cells.y + cell.y) * volume.cells.x + cell.x;
 }

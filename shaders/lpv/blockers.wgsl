@@ -6,7 +6,7 @@
 #import lightwell::rsm::{RsmLayer, texel_received, texel_solid_angle}
 #import lightwell::sh::{sh_cosine_lobe, BAND_ZERO, COSINE_ZERO}
 #import lightwell::view::View
-#import lightwell::volume::{Volume, corner_index}
+#import lightwell::volume::{Volume, corner_index, BEHIND}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<uniform> light: Light;
@@ -35,7 +35,7 @@ const FIXED_SCALE: f32 = 16777216.0;
 const LEAST_COSINE: f32 = 0.1;
 
 fn add_surface(position: vec3f, n: vec3f, albedo: vec3f, area_across: f32, cosine: f32) {
-    let at = (position - volume.origin) / volume.cell + 0.5;
+    let at = (position - volume.origin) / volume.cell + 0.5 - BEHIND * n;
     if any(at < vec3f(0.0)) || any(at >= vec3f(volume.cells + 1u)) {
         return;
     }

@@ -7,7 +7,7 @@
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
 #import lightwell::sh::sh_cosine_lobe
-#import lightwell::volume::{Volume, cell_index}
+#import lightwell::volume::{Volume, cell_index, BEHIND}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<uniform> light: Light;
@@ -38,7 +38,7 @@ fn inject(@builtin(global_invocation_id) thread: vec3u) {
     let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
     let received = texel_received(rsm, light, texel, position);
     // Half a cell off the surface and half a cell towards the light: away from its own blockers.
-    let at = (position - volume.origin) / volume.cell + 0.5 * n + 0.5 * received.to_light;
+    let at = (position - volume.origin) / volume.cell + (0.5 - BEHIND) * n + 0.5 * received.to_light;
     if any(at < vec3f(0.0)) || any(at >= vec3f(volume.cells)) {
         return;
     }
