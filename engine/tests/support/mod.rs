@@ -1,6 +1,8 @@
 //! Small scenes made by hand, for tests that check light against a formula.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod grid;
+
 use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::{Material, Mesh, Shape};
 use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture_f32};
