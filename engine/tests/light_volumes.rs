@@ -244,3 +244,20 @@ fn without_volumes_or_lights_that_feed_them_nothing_of_them_runs() {
         assert!(!of_volumes, "{} ran without a Clpv component", pass.name);
     }
 }
+
+#[test]
+fn a_flickering_lamp_redraws_no_map() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(&gpu);
+    let mut stage = room(0.5, half_metre_cells(10, 8));
+    stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
+    stage.scene.lights[0].intensity *= 0.7;
+    stage.scene.lights[0].revision += 1;
+    let (kept, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
+    for pass in &report.passes {
+        let map = ["gbuffer", "shadow", "rsm", "blockers"].iter().any(|s| pass.name.starts_with(s));
+        assert!(!(map && report.ran(&pass.name)), "{} ran for a change of intensity", pass.name);
+    }
+    assert!(report.ran("inject, cascade 0"), "{report}");
+    assert_eq!(kept, stage.render(&gpu, GiMethod::Clpv, Layer::Total), "reuse changed a bit");
+}

@@ -125,7 +125,8 @@ pub fn declare<'a>(
     let depth = target(graph, "depth", DEPTH_FORMAT);
     let mut pass = graph.pass(name.as_str());
     let (base_color, normal, depth) = (pass.write(base_color), pass.write(normal), pass.write(depth));
-    pass.key(&(frame.geometry_key(), frame.scene.identity, light.revision, view_bits(&views), size));
+    // Not the light itself: a map does not change with a flickering lamp.
+    pass.key(&(frame.geometry_key(), view_bits(&views), size));
     let rsm = Rsm { light, index, views, size, base_color, normal, depth };
     let (frame, drawn) = (frame.clone(), rsm.clone());
     pass.execute(move |cx| (0..drawn.views.len()).try_for_each(|layer| draw_layer(cx, &frame, &drawn, layer)));

@@ -100,7 +100,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
     let map = graph.retained_texture(&name, desc);
     let mut pass = graph.pass(&name);
     let map = pass.write(map);
-    pass.key(&(frame.geometry_key(), frame.scene.identity, light.revision, size, view_bits(&views)));
+    // Not the light itself: a map does not change with a flickering lamp.
+    pass.key(&(frame.geometry_key(), size, view_bits(&views)));
     let kind = match light.shape {
         LightShape::Directional => 1,
         LightShape::Spot { .. } => 2,

@@ -1,13 +1,11 @@
 //! The geometry volume: what stops and reflects light on its way, from all that lights (and the camera) see.
 
-use super::inject::rsm_views;
-use super::linear_groups;
 use super::volume::Volume;
+use super::{dispatch_texels, linear_groups};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
-use crate::render::light_uniform::LightUniform;
 use crate::render::rsm::Rsm;
 use encase::ShaderType;
 use wgpu::BufferUsages;
@@ -58,8 +56,8 @@ pub(super) fn declare<'a>(
     }
     let grid = Grid { volume: *volume, fixed: pass.write(fixed), merged: pass.write(merged) };
     let merged = grid.merged;
-    let lights: Vec<u64> = rsms.iter().map(|rsm| rsm.light.revision).collect();
-    pass.key(&(volume.key(), lights, frame.scene.identity, camera.map(|_| frame.view_key())));
+    // What the lights see says it all; how bright they are does not matter here.
+    pass.key(&(volume.key(), rsms.len(), camera.map(|_| frame.view_key())));
     let (rsms, camera, frame) = (rsms.to_vec(), camera.copied(), frame.clone());
     pass.execute(move |cx| {
         let target = cx.buffer(grid.merged).clone();
@@ -76,29 +74,8 @@ pub(super) fn declare<'a>(
 }
 
 fn from_rsm(cx: &mut PassContext, rsm: &Rsm, grid: &Grid) -> Result<(), PassError> {
-    let gpu = cx.gpu;
     let fixed = cleared(cx, grid);
-    let volume = gpu.uniform("volume", &grid.volume.uniform());
-    let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
-    let (base_color, normal, depth) = rsm_views(cx, rsm);
-    let groups = rsm.size.div_ceil(8);
-    for layer in 0..rsm.views.len() {
-        let layer = gpu.uniform("rsm", &rsm.layer_uniform(layer, 1.0));
-        cx.dispatch(
-            &ComputeKey::new("lpv/blockers.wgsl", "from_rsm"),
-            &[
-                ("volume", Binding::Buffer(&volume)),
-                ("light", Binding::Buffer(&light)),
-                ("rsm", Binding::Buffer(&layer)),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("fixed", Binding::Buffer(&fixed)),
-            ],
-            [groups, groups, 1],
-        )?;
-    }
-    cx.counts().injections += rsm.texels();
+    dispatch_texels(cx, &ComputeKey::new("lpv/blockers.wgsl", "from_rsm"), rsm, &grid.volume, &fixed, 1.0)?;
     merge(cx, grid)
 }
 

@@ -1,11 +1,10 @@
 //! Injection of light from reflective shadow maps into a volume.
 
 use super::volume::Volume;
-use super::{LIGHT_BYTES, linear_groups};
+use super::{LIGHT_BYTES, dispatch_texels, linear_groups};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
-use crate::render::light_uniform::LightUniform;
 use crate::render::rsm::Rsm;
 use wgpu::BufferUsages;
 
@@ -48,54 +47,23 @@ fn inject(
     fixed: Handle<Buffer>,
     injected: Handle<Buffer>,
 ) -> Result<(), PassError> {
-    let gpu = cx.gpu;
-    let volume_uniform = gpu.uniform("volume", &volume.uniform());
-    let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
     let scale = rsm.fixed_point_scale();
     let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
     cx.encoder().clear_buffer(&fixed, 0, None);
-    let (base_color, normal, depth) = rsm_views(cx, rsm);
-    let groups = rsm.size.div_ceil(8);
-    let mut layer_uniform = gpu.uniform("rsm", &rsm.layer_uniform(0, scale));
-    for layer in 0..rsm.views.len() {
-        layer_uniform = gpu.uniform("rsm", &rsm.layer_uniform(layer, scale));
-        cx.dispatch(
-            &ComputeKey::new("lpv/inject.wgsl", "inject"),
-            &[
-                ("volume", Binding::Buffer(&volume_uniform)),
-                ("light", Binding::Buffer(&light)),
-                ("rsm", Binding::Buffer(&layer_uniform)),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("fixed", Binding::Buffer(&fixed)),
-            ],
-            [groups, groups, 1],
-        )?;
-    }
+    dispatch_texels(cx, &ComputeKey::new("lpv/inject.wgsl", "inject"), rsm, volume, &fixed, scale)?;
     let counts = cx.counts();
-    counts.injections += rsm.texels();
     counts.lights += 1;
     counts.cells += u64::from(volume.cell_count());
+    let volume_uniform = cx.gpu.uniform("volume", &volume.uniform());
+    let layer = cx.gpu.uniform("rsm", &rsm.layer_uniform(0, scale));
     cx.dispatch(
         &ComputeKey::new("lpv/inject.wgsl", "add_to_volume"),
         &[
             ("volume", Binding::Buffer(&volume_uniform)),
-            ("rsm", Binding::Buffer(&layer_uniform)),
+            ("rsm", Binding::Buffer(&layer)),
             ("fixed", Binding::Buffer(&fixed)),
             ("injected", Binding::Buffer(&injected)),
         ],
         linear_groups(12 * volume.cell_count()),
     )
-}
-
-/// The three targets of an RSM with all their layers.
-pub(super) fn rsm_views(cx: &PassContext, rsm: &Rsm) -> (wgpu::TextureView, wgpu::TextureView, wgpu::TextureView) {
-    let layered = |handle| {
-        cx.texture(handle).create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        })
-    };
-    (layered(rsm.base_color), layered(rsm.normal), layered(rsm.depth))
 }

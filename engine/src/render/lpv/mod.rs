@@ -22,8 +22,10 @@ pub(crate) use self::{
 use super::deferred::RenderError;
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
+use super::light_uniform::LightUniform;
 use super::rsm::{self, Rsm};
-use crate::graph::{Graph, Handle, Texture};
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::scene::Aabb;
 
 /// Bytes of a cell of light: three channels of four coefficients.
@@ -64,6 +66,40 @@ pub fn declare<'a>(
         lit.push(propagate::declare(graph, settings, injected, blockers, level, volume));
     }
     Ok(Some(relight::declare(graph, frame, gbuffer, settings, &volumes, &lit)))
+}
+
+/// Runs an entry point for each texel of all layers of an RSM, into a buffer of fixed-point sums.
+fn dispatch_texels(
+    cx: &mut PassContext,
+    key: &ComputeKey,
+    rsm: &Rsm,
+    volume: &Volume,
+    fixed: &wgpu::Buffer,
+    scale: f32,
+) -> Result<(), PassError> {
+    let gpu = cx.gpu;
+    let volume = gpu.uniform("volume", &volume.uniform());
+    let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
+    let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
+    let groups = rsm.size.div_ceil(8);
+    for layer in 0..rsm.views.len() {
+        let layer = gpu.uniform("rsm", &rsm.layer_uniform(layer, scale));
+        cx.dispatch(
+            key,
+            &[
+                ("volume", Binding::Buffer(&volume)),
+                ("light", Binding::Buffer(&light)),
+                ("rsm", Binding::Buffer(&layer)),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("depth", Binding::Texture(&depth)),
+                ("fixed", Binding::Buffer(fixed)),
+            ],
+            [groups, groups, 1],
+        )?;
+    }
+    cx.counts().injections += rsm.texels();
+    Ok(())
 }
 
 /// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
