@@ -1,44 +1,7 @@
-//! The program `lightwell`: plays, renders, compares and explains scenes.
+//! The program `lightwell`.
 
-#[macro_use]
-mod output;
-
-mod cli;
-mod commands;
-mod jitter;
-mod play;
-mod progress;
-mod scene_path;
-mod session;
-mod set;
-
-use clap::Parser;
-use cli::{Cli, Command};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    start_log(cli.common.verbose);
-    let common = &cli.common;
-    let result = match &cli.command {
-        Command::Play(args) => play::run(args, common).map(|()| ExitCode::SUCCESS),
-        Command::Render(args) => commands::render::run(args, common).map(|()| ExitCode::SUCCESS),
-        Command::Compare(args) => commands::compare::run(args),
-        Command::Explain(args) => commands::explain::run(args, common).map(|()| ExitCode::SUCCESS),
-        Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),
-    };
-    result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
-        ExitCode::from(1)
-    })
-}
-
-/// Warnings always, more with `-v`; RUST_LOG overrides. What the graphics libraries say is a level quieter.
-fn start_log(verbose: u8) {
-    let filter = match verbose {
-        0 => "warn,wgpu=error,wgpu_hal=error,wgpu_core=error,naga=error,winit=error",
-        1 => "info,wgpu=warn,wgpu_hal=error,wgpu_core=warn,naga=warn",
-        _ => "debug,wgpu=info,wgpu_hal=warn,wgpu_core=info,naga=info",
-    };
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or(filter)).format_target(false).init();
+    lightwell_game::run()
 }
