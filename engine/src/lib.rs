@@ -58,6 +58,7 @@
 //! | profiler (6.5) | [`profile`], [`graph::FrameReport`] |
 
 pub mod assets;
+pub mod bvh;
 pub mod files;
 pub mod gpu;
 pub mod graph;
