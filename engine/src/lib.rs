@@ -9,8 +9,8 @@
 //!    what has not changed is reused. Knows no light.
 //! 5. [`gpu`]: the device, shaders with imports and hot reload, pipelines, timestamps, readback.
 //!
-//! Beside them: [`assets`] (meshes, materials, textures, glTF), [`files`] (scenes and prefabs), [`measure`] (image
-//! error metrics) and [`profile`] (times of the last frames).
+//! Beside them: [`assets`] (meshes, materials, textures, glTF), [`bvh`] (hierarchies that rays are cast at), [`files`]
+//! (scenes and prefabs), [`measure`] (image error metrics) and [`profile`] (times of the last frames).
 //!
 //! # A frame without a window
 //!
@@ -55,6 +55,7 @@
 //! | reflective shadow maps IGB, GRSM (5.2) | [`render::rsm`] |
 //! | injection IL, IB; propagation PRP; relight REL (5.3 to 5.6) | [`render::lpv`] |
 //! | cascaded volume and its placement (3.10.5) | [`render::lpv::Volume`], [`world::Clpv`] |
+//! | reference images (6.7) | [`render::reference`] |
 //! | profiler (6.5) | [`profile`], [`graph::FrameReport`] |
 
 pub mod assets;

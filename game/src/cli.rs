@@ -92,6 +92,9 @@ pub struct LookArgs {
     /// Part of the picture to show
     #[arg(long, value_enum, default_value_t = Only::Total)]
     pub only: Only,
+    /// Settings of `--gi reference`.
+    #[command(flatten)]
+    pub trace: TraceArgs,
     /// Camera by name [default: the scene's primary camera]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -101,10 +104,25 @@ pub struct LookArgs {
     pub sets: Vec<(String, String)>,
 }
 
+/// Settings of path tracing.
+#[derive(Args, Clone, Debug)]
+pub struct TraceArgs {
+    /// Path tracing: samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub spp: u32,
+    /// Path tracing: indirect bounces [default: unlimited]
+    #[arg(long, value_name = "K")]
+    pub bounces: Option<u32>,
+    /// Path tracing: seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+}
+
 const RENDER_HELP: &str = "\
 Examples:
   lightwell render cornell -o a.png
   lightwell render cornell -o a.exr --time 1.5 --aa 16 --gi none
+  lightwell render cornell -o truth.exr --gi reference --spp 1024 --resume truth.part
   lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Spot light.light.color=(1, 0.2, 0.1)'
 
 The ending of OUT chooses the format: .exr holds float32 linear radiance, .png what a screen would show
@@ -131,7 +149,10 @@ pub struct RenderArgs {
     /// Choices that change the picture.
     #[command(flatten)]
     pub look: LookArgs,
-    /// Average N frames with shifted pixel grids, as a box filter over the pixel
+    /// Path tracing: keep the half-done image in FILE, and go on from there if the work is interrupted
+    #[arg(long, value_name = "FILE", conflicts_with = "frames")]
+    pub resume: Option<PathBuf>,
+    /// Average N frames with shifted pixel grids, as a box filter over the pixel (path tracing does so by itself)
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub aa: u32,
 }
@@ -143,6 +164,8 @@ pub enum Gi {
     None,
     /// Cascaded light propagation volumes: the scene's, or one that fits it if it has none
     Clpv,
+    /// Path tracing, the reference: slow, and right but for noise
+    Reference,
 }
 
 /// Part of the picture.

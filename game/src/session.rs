@@ -9,7 +9,8 @@ use lightwell::files::{self, LoadOptions, SceneInfo, load_scene};
 use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
-use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
+use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
 use lightwell::world::{Clpv, GameWorld, SceneSettings, Transform};
 use std::path::{Path, PathBuf};
@@ -131,6 +132,11 @@ impl Session {
             gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(&self.loaded.world)) {
                 Gi::None => GiMethod::None,
                 Gi::Clpv => GiMethod::Clpv,
+                Gi::Reference => {
+                    let samples = self.look.trace.spp;
+                    let trace = self.trace_settings();
+                    GiMethod::Reference(ReferenceSettings { trace, samples, samples_a_frame: samples })
+                }
             },
             only: match self.look.only {
                 Only::Total => Layer::Total,
@@ -144,6 +150,53 @@ impl Session {
             no_cache: false,
             display,
         }
+    }
+
+    /// What `--bounces` and `--seed` ask of the path tracer.
+    pub fn trace_settings(&self) -> TraceSettings {
+        TraceSettings { bounces: self.look.trace.bounces, seed: self.look.trace.seed }
+    }
+
+    /// Path-traces a view of the scene as it stands, with so many samples a pixel. If the same view was traced before,
+    /// its samples count. `progress` is told of the samples that are done.
+    ///
+    /// # Errors
+    /// If the scene cannot be traced or the device fails.
+    pub fn trace(
+        &mut self,
+        view: &SceneView,
+        settings: &TraceSettings,
+        samples: u32,
+        progress: &mut dyn FnMut(u32),
+    ) -> Result<Estimate> {
+        let mut tracer = self.begin_trace(view, settings)?.0;
+        tracer.advance_to(samples, progress)?;
+        tracer.estimate()
+    }
+
+    /// Takes up a view for the path tracer.
+    ///
+    /// # Errors
+    /// If the scene does not fit the device.
+    pub fn begin_trace(&mut self, view: &SceneView, settings: &TraceSettings) -> Result<(Tracing<'_>, u128)> {
+        let scene = &self.loaded.scene;
+        let key = content_key(scene, view, settings);
+        let tracer = self.renderer.tracer_mut(&self.gpu);
+        tracer.begin(&self.gpu, scene, view, settings)?;
+        Ok((Tracing { gpu: &self.gpu, tracer }, key))
+    }
+
+    /// Whether the last frame shows a path-traced image that more samples will make better.
+    pub fn is_tracing(&self) -> bool {
+        match (self.render_settings(true).gi, self.renderer.tracer()) {
+            (GiMethod::Reference(settings), Some(tracer)) => tracer.samples() < settings.samples,
+            _ => false,
+        }
+    }
+
+    /// A key of all that a traced image of this view depends on, the same in every process.
+    pub fn content_key(&self, view: &SceneView, settings: &TraceSettings) -> u128 {
+        content_key(&self.loaded.scene, view, settings)
     }
 
     /// Draws a view of the scene as it stands.
@@ -179,6 +232,56 @@ impl Session {
     /// The texture of the last frame for display.
     pub fn display_texture(&self) -> Option<&wgpu::Texture> {
         self.renderer.display()
+    }
+}
+
+/// An image that is being traced.
+pub struct Tracing<'a> {
+    gpu: &'a Gpu,
+    /// The tracer.
+    pub tracer: &'a mut PathTracer,
+}
+
+impl Tracing<'_> {
+    /// Goes on until there are so many samples a pixel; tells of those that are done.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn advance_to(&mut self, samples: u32, progress: &mut dyn FnMut(u32)) -> Result<()> {
+        // Pieces small enough for a bar to move; the result does not depend on them.
+        const PIECE: u32 = 16;
+        while self.tracer.samples() < samples {
+            self.tracer.advance(self.gpu, (samples - self.tracer.samples()).min(PIECE))?;
+            if let Some(lost) = self.gpu.device_lost() {
+                bail!("the graphics device was lost: {lost}");
+            }
+            progress(self.tracer.samples());
+        }
+        Ok(())
+    }
+
+    /// Takes up what [`Tracing::save`] wrote, if there is such a file.
+    ///
+    /// # Errors
+    /// If the file is of another image or cannot be read.
+    pub fn resume(&mut self, path: &Path, key: u128) -> Result<u32> {
+        Ok(self.tracer.resume(self.gpu, path, key)?)
+    }
+
+    /// Keeps what is traced so far.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path, key: u128) -> Result<()> {
+        Ok(self.tracer.save(self.gpu, path, key)?)
+    }
+
+    /// What was traced so far.
+    ///
+    /// # Errors
+    /// If nothing was traced or the device fails.
+    pub fn estimate(&self) -> Result<Estimate> {
+        Ok(self.tracer.estimate(self.gpu)?)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Textures on the CPU side: eight bits a channel, four channels.
 
 use super::AssetId;
+use crate::measure::srgb_decode;
+use glam::Vec3;
 
 /// How texture coordinates outside 0..1 are treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -49,5 +51,25 @@ impl Texture {
     pub(super) fn from_pixels(name: String, pixels: super::image::Pixels, srgb: bool, sampling: Sampling) -> Self {
         let super::image::Pixels { width, height, rgba } = pixels;
         Self { id: AssetId::fresh(), name, width, height, rgba, srgb, sampling }
+    }
+
+    /// Mean of the colour channels over all texels, in linear light.
+    pub fn mean_color(&self) -> Vec3 {
+        // The few values that a byte can have are counted first, so that no sum gets long.
+        let mut counts = [[0_u32; 256]; 3];
+        for texel in self.rgba.chunks_exact(4) {
+            for (channel, &byte) in counts.iter_mut().zip(texel) {
+                channel[usize::from(byte)] += 1;
+            }
+        }
+        let value = |byte: usize| {
+            let value = byte as f32 / 255.0;
+            f64::from(if self.srgb { srgb_decode(value) } else { value })
+        };
+        let texels = f64::from(counts[0].iter().sum::<u32>().max(1));
+        let mean = |counts: &[u32; 256]| {
+            counts.iter().enumerate().map(|(byte, &count)| value(byte) * f64::from(count)).sum::<f64>() / texels
+        };
+        Vec3::from(counts.each_ref().map(|counts| mean(counts) as f32))
     }
 }

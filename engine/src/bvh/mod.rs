@@ -13,7 +13,7 @@ mod tests;
 
 pub use mesh::{MeshBvh, MeshHit};
 pub use ray::{Ray, intersect_triangle};
-pub use scene::{Instance, RayKind, SceneBvh, SceneHit};
+pub use scene::{Instance, RayKind, SceneBvh, SceneHit, TracedMesh};
 
 use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};

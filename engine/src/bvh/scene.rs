@@ -1,7 +1,7 @@
 //! The hierarchy over the instances of a scene, in world space.
 
 use super::{Bvh, MeshBvh, MeshHit, Ray};
-use crate::assets::{AssetId, Mesh};
+use crate::assets::{AssetId, Mesh, Vertex};
 use crate::scene::{Aabb, Scene};
 use glam::{Affine3A, Vec3};
 use std::collections::HashMap;
@@ -50,13 +50,29 @@ pub struct SceneHit {
 /// new top level, and a mesh is built once.
 #[derive(Debug, Default)]
 pub struct SceneBvh {
-    /// Hierarchies of the meshes.
-    pub meshes: Vec<Arc<MeshBvh>>,
+    /// The meshes that the instances use.
+    pub meshes: Vec<Arc<TracedMesh>>,
     /// Instances, in the order of the scene's primitives. Those that no ray can meet are left out.
     pub instances: Vec<Instance>,
     /// The hierarchy over the instances; each leaf holds one.
     pub top: Bvh,
-    built: HashMap<AssetId, Arc<MeshBvh>>,
+    built: HashMap<AssetId, Arc<TracedMesh>>,
+}
+
+/// A mesh with its hierarchy.
+#[derive(Debug)]
+pub struct TracedMesh {
+    /// Its vertices and triangles.
+    pub mesh: Arc<Mesh>,
+    /// The hierarchy over its triangles.
+    pub bvh: MeshBvh,
+}
+
+impl TracedMesh {
+    fn new(mesh: Arc<Mesh>) -> Arc<Self> {
+        let bvh = MeshBvh::new(&mesh);
+        Arc::new(Self { mesh, bvh })
+    }
 }
 
 impl SceneBvh {
@@ -75,7 +91,7 @@ impl SceneBvh {
         self.instances.clear();
         let mut places: HashMap<AssetId, u32> = HashMap::new();
         for (primitive, index) in scene.primitives.iter().zip(0..) {
-            let built = self.built.entry(primitive.mesh.id).or_insert_with(|| Arc::new(MeshBvh::new(&primitive.mesh)));
+            let built = self.built.entry(primitive.mesh.id).or_insert_with(|| TracedMesh::new(primitive.mesh.clone()));
             let world_from_object = primitive.world_from_object;
             let (mesh, world_from_object, object_from_world) = match inverse(&world_from_object) {
                 Some(inverse) => {
@@ -85,11 +101,12 @@ impl SceneBvh {
                 }
                 // A transform that flattens has no inverse: the triangles themselves go to world space.
                 None => {
-                    let flat = push(&mut self.meshes, Arc::new(moved(built, &world_from_object)));
+                    let flat =
+                        push(&mut self.meshes, TracedMesh::new(Arc::new(moved(&built.mesh, &world_from_object))));
                     (flat, Affine3A::IDENTITY, Affine3A::IDENTITY)
                 }
             };
-            let Some(root) = self.meshes[mesh as usize].bvh.nodes.first() else { continue };
+            let Some(root) = self.meshes[mesh as usize].bvh.bvh.nodes.first() else { continue };
             let bounds = root.bounds().transformed(&world_from_object);
             self.instances.push(Instance {
                 primitive: index,
@@ -114,7 +131,7 @@ impl SceneBvh {
                 return bound;
             }
             let local = ray.transformed(&instance.object_from_world);
-            let mesh = &self.meshes[instance.mesh as usize];
+            let mesh = &self.meshes[instance.mesh as usize].bvh;
             let culled = kind == RayKind::Camera && !instance.double_sided;
             let seen = |hit: &MeshHit| !culled || is_front(mesh.corners()[hit.triangle as usize], &local);
             match mesh.closest_hit(&local, bound, seen) {
@@ -139,7 +156,7 @@ fn is_front(corners: [Vec3; 3], ray: &Ray) -> bool {
     (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(ray.direction) < 0.0
 }
 
-fn push(meshes: &mut Vec<Arc<MeshBvh>>, mesh: Arc<MeshBvh>) -> u32 {
+fn push(meshes: &mut Vec<Arc<TracedMesh>>, mesh: Arc<TracedMesh>) -> u32 {
     meshes.push(mesh);
     meshes.len() as u32 - 1
 }
@@ -155,9 +172,22 @@ fn inverse(transform: &Affine3A) -> Option<Affine3A> {
     if !(flatness > 1e-6) || !inverse.is_finite() { None } else { Some(inverse) }
 }
 
-fn moved(mesh: &MeshBvh, transform: &Affine3A) -> MeshBvh {
-    let place = |corners: &[Vec3; 3]| corners.map(|corner| transform.transform_point3(corner));
-    MeshBvh::from_triangles(mesh.corners().iter().map(place).collect())
+/// The mesh with its vertices in the target space. Normals go by the cofactor matrix, which singular transforms have
+/// too.
+fn moved(mesh: &Mesh, transform: &Affine3A) -> Mesh {
+    let m = transform.matrix3;
+    let (x, y, z) = (Vec3::from(m.x_axis), Vec3::from(m.y_axis), Vec3::from(m.z_axis));
+    let normal = |n: Vec3| (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).normalize_or_zero();
+    let vertex = |vertex: &Vertex| {
+        let tangent = transform.transform_vector3(Vec3::from_slice(&vertex.tangent[..3])).normalize_or_zero();
+        Vertex {
+            position: transform.transform_point3(vertex.position.into()).to_array(),
+            normal: normal(vertex.normal.into()).to_array(),
+            tangent: tangent.extend(vertex.tangent[3]).to_array(),
+            uv: vertex.uv,
+        }
+    };
+    Mesh::new(mesh.name.clone(), mesh.vertices.iter().map(vertex).collect(), mesh.indices.clone())
 }
 
 /// A little larger than computed: the corners that rays meet are rounded on another way than the box is.

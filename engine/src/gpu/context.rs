@@ -205,6 +205,18 @@ impl Gpu {
         self.filled_buffer(label, bytemuck::cast_slice(values), usage)
     }
 
+    /// A storage buffer with structs in the layout of WGSL, and at least 16 bytes long.
+    pub fn storage_of<T>(&self, label: &str, values: &[T]) -> wgpu::Buffer
+    where
+        for<'a> &'a [T]: ShaderType + WriteInto,
+    {
+        let mut bytes = encase::StorageBuffer::new(Vec::new());
+        if let Err(error) = bytes.write(&values) {
+            log::error!("storage buffer `{label}`: {error}");
+        }
+        self.filled_buffer(label, &bytes.into_inner(), wgpu::BufferUsages::STORAGE)
+    }
+
     fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

@@ -23,13 +23,15 @@ pub struct Counts {
     pub lights: u64,
     /// Light sources injected into volumes.
     pub injections: u64,
+    /// Light paths traced.
+    pub paths: u64,
     /// Bytes uploaded or copied.
     pub bytes: u64,
 }
 
 impl Counts {
     /// All counts with their names.
-    pub fn named(&self) -> [(&'static str, u64); 8] {
+    pub fn named(&self) -> [(&'static str, u64); 9] {
         [
             ("draws", self.draws),
             ("dispatches", self.dispatches),
@@ -38,6 +40,7 @@ impl Counts {
             ("cells", self.cells),
             ("lights", self.lights),
             ("injections", self.injections),
+            ("paths", self.paths),
             ("bytes", self.bytes),
         ]
     }
@@ -52,6 +55,7 @@ impl AddAssign for Counts {
         self.cells += other.cells;
         self.lights += other.lights;
         self.injections += other.injections;
+        self.paths += other.paths;
         self.bytes += other.bytes;
     }
 }

@@ -12,10 +12,11 @@ use super::compose::{self, Lights, RADIANCE};
 use super::frame::Frame;
 use super::gpu_scene::GpuScene;
 use super::post::tone_map::{self, DISPLAY};
-use super::settings::{GiMethod, Layer, RenderSettings};
+use super::reference::{self, PathTracer, TraceError};
+use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::{direct, gbuffer, lpv};
 use crate::gpu::Gpu;
-use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, TargetCache};
+use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
 use crate::scene::{Scene, SceneView};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -46,6 +47,9 @@ pub enum RenderError {
     /// A pass failed, or the frame was put together wrongly.
     #[error(transparent)]
     Graph(#[from] GraphError),
+    /// The reference cannot be traced.
+    #[error("path tracing: {0}")]
+    Trace(#[from] TraceError),
     /// The device reported errors while drawing.
     #[error("the graphics device reported: {0}")]
     Device(String),
@@ -55,12 +59,14 @@ pub enum RenderError {
 pub struct Renderer {
     gpu_scene: GpuScene,
     targets: TargetCache,
+    /// Made when it is first asked for.
+    tracer: Option<PathTracer>,
 }
 
 impl Renderer {
     /// A renderer with nothing drawn yet.
     pub fn new(gpu: &Gpu) -> Self {
-        Self { gpu_scene: GpuScene::new(gpu), targets: TargetCache::new() }
+        Self { gpu_scene: GpuScene::new(gpu), targets: TargetCache::new(), tracer: None }
     }
 
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
@@ -77,19 +83,46 @@ impl Renderer {
         settings: &RenderSettings,
     ) -> Result<FrameReport, RenderError> {
         check_view(gpu, view)?;
+        if let (GiMethod::Reference(reference), true) = (settings.gi, settings.only.is_light()) {
+            return self.render_reference(gpu, scene, view, settings, &reference);
+        }
         self.gpu_scene.update(gpu, scene);
         let frame = Frame { scene, gpu_scene: &self.gpu_scene, view, settings, bounds: scene.bounds() };
         let mut graph = Graph::new(seed(gpu));
         declare(&mut graph, &frame)?;
-        let plan = graph.compile(&self.targets, &CompileOptions { no_cache: settings.no_cache })?;
-        let report = plan.execute(gpu, &mut self.targets)?;
-        if let Some(lost) = gpu.device_lost() {
-            return Err(RenderError::Device(lost));
+        execute(gpu, graph, &mut self.targets, settings)
+    }
+
+    /// Traces the view instead of drawing it.
+    fn render_reference(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        view: &SceneView,
+        settings: &RenderSettings,
+        reference: &ReferenceSettings,
+    ) -> Result<FrameReport, RenderError> {
+        let tracer = self.tracer.get_or_insert_with(|| PathTracer::new(gpu));
+        if settings.no_cache {
+            tracer.restart();
         }
-        match gpu.take_errors() {
-            errors if errors.is_empty() => Ok(report),
-            errors => Err(RenderError::Device(errors.join("\n"))),
-        }
+        tracer.begin(gpu, scene, view, &reference.trace)?;
+        let mut graph = Graph::new(seed(gpu));
+        graph.skip("gbuffer", "the path tracer finds what the camera sees by itself");
+        let radiance =
+            reference::declare(&mut graph, tracer, settings.only, reference.samples, reference.samples_a_frame);
+        finish(&mut graph, settings, radiance, view.size);
+        execute(gpu, graph, &mut self.targets, settings)
+    }
+
+    /// The path tracer, for measurements: none before the first traced frame.
+    pub fn tracer(&self) -> Option<&PathTracer> {
+        self.tracer.as_ref()
+    }
+
+    /// The path tracer, to trace images beside the frames.
+    pub fn tracer_mut(&mut self, gpu: &Gpu) -> &mut PathTracer {
+        self.tracer.get_or_insert_with(|| PathTracer::new(gpu))
     }
 
     /// The last frame's linear radiance [W/(m² sr)], unexposed: rgba32float.
@@ -110,6 +143,24 @@ impl Renderer {
     /// Any retained buffer by its name, for tools and measurements.
     pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.targets.buffer(name)
+    }
+}
+
+/// Compiles and runs the graph.
+fn execute(
+    gpu: &Gpu,
+    graph: Graph,
+    targets: &mut TargetCache,
+    settings: &RenderSettings,
+) -> Result<FrameReport, RenderError> {
+    let plan = graph.compile(targets, &CompileOptions { no_cache: settings.no_cache })?;
+    let report = plan.execute(gpu, targets)?;
+    if let Some(lost) = gpu.device_lost() {
+        return Err(RenderError::Device(lost));
+    }
+    match gpu.take_errors() {
+        errors if errors.is_empty() => Ok(report),
+        errors => Err(RenderError::Device(errors.join("\n"))),
     }
 }
 
@@ -137,14 +188,19 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Result<(), RenderErr
         lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
     }
     let radiance = compose::declare(graph, frame, &gbuffer, lights);
+    finish(graph, frame.settings, radiance, frame.view.size);
+    Ok(())
+}
+
+/// Asks for the radiance, and for the display image where it is wanted.
+fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture>, size: [u32; 2]) {
     graph.output(radiance);
-    if frame.settings.display {
-        let display = tone_map::declare(graph, frame, radiance);
+    if settings.display {
+        let display = tone_map::declare(graph, settings, radiance, size);
         graph.output(display);
     } else {
         graph.skip("tone map", "no display image is wanted");
     }
-    Ok(())
 }
 
 fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {

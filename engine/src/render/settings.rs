@@ -1,5 +1,7 @@
 //! How a frame is to be drawn.
 
+use super::reference::TraceSettings;
+
 /// Method of indirect light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GiMethod {
@@ -8,6 +10,25 @@ pub enum GiMethod {
     /// Cascaded light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
     #[default]
     Clpv,
+    /// Path tracing, the reference: all light, direct and indirect.
+    Reference(ReferenceSettings),
+}
+
+/// Settings of a path-traced image that is shown as a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ReferenceSettings {
+    /// What is traced.
+    pub trace: TraceSettings,
+    /// Samples a pixel of the finished image.
+    pub samples: u32,
+    /// Samples a pixel that one frame adds at most. Less than `samples` shows the image while it gets better.
+    pub samples_a_frame: u32,
+}
+
+impl Default for ReferenceSettings {
+    fn default() -> Self {
+        Self { trace: TraceSettings::default(), samples: 64, samples_a_frame: 64 }
+    }
 }
 
 /// What the image shows.
@@ -26,6 +47,13 @@ pub enum Layer {
     Normal,
     /// Distance from the eye \[m\].
     Depth,
+}
+
+impl Layer {
+    /// Whether it shows light, rather than what the surfaces are.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Total | Self::Direct | Self::Indirect)
+    }
 }
 
 /// Settings of a frame.

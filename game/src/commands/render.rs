@@ -3,12 +3,18 @@
 use crate::cli::{Common, RenderArgs};
 use crate::session::Session;
 use crate::{jitter, progress};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use lightwell::measure::{self, Image, srgb_decode};
-use lightwell::render::RenderSettings;
+use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Samples between two looks at the clock.
+const SAMPLES_A_STEP: u32 = 64;
+/// How often a half-done image is kept.
+const SAVE_EVERY: Duration = Duration::from_secs(30);
 
 /// Renders one image, or one for each frame.
 ///
@@ -19,6 +25,11 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
     let shot = Shot { size: args.size, aa: args.aa, linear: extension_is(&args.output, "exr") };
     let Some(frames) = args.frames.clone() else {
         session.set_seconds(args.time.unwrap_or(0.0));
+        if let GiMethod::Reference(settings) = session.render_settings(true).gi {
+            trace_ahead(&mut session, args, &settings)?;
+        } else if args.resume.is_some() {
+            bail!("--resume goes with `--gi reference`, whose images take long");
+        }
         let bar = progress::bar(u64::from(args.aa), "rendering");
         shot.write(&mut session, &args.output, &bar)?;
         bar.finish_and_clear();
@@ -30,6 +41,42 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
         shot.write(&mut session, &numbered(&args.output, frame), &bar)?;
     }
     bar.finish_and_clear();
+    Ok(())
+}
+
+/// Traces all samples of the image, with a bar and the half-done image in a file where one is wanted, and says how
+/// much noise is left. The frame that is written then finds them done.
+fn trace_ahead(session: &mut Session, args: &RenderArgs, settings: &ReferenceSettings) -> Result<()> {
+    let view = SceneView { camera: session.camera()?, size: args.size, jitter: [0.0; 2] };
+    let (mut tracing, key) = session.begin_trace(&view, &settings.trace)?;
+    let bar = progress::bar(u64::from(settings.samples), "tracing");
+    let mut saved = Instant::now();
+    if let Some(file) = &args.resume {
+        let samples = tracing.resume(file, key)?;
+        if samples > 0 {
+            say!("{}: {samples} samples a pixel are there already", file.display());
+        }
+        bar.set_position(u64::from(samples));
+    }
+    while tracing.tracer.samples() < settings.samples {
+        let next = settings.samples.min(tracing.tracer.samples() + SAMPLES_A_STEP);
+        tracing.advance_to(next, &mut |done| bar.set_position(u64::from(done)))?;
+        let finished = tracing.tracer.samples() >= settings.samples;
+        if let Some(file) = args.resume.as_ref().filter(|_| finished || saved.elapsed() > SAVE_EVERY) {
+            tracing.save(file, key)?;
+            saved = Instant::now();
+        }
+    }
+    bar.finish_and_clear();
+    let estimate = tracing.estimate()?;
+    let noise = |layer| estimate.noise(layer).map(|noise| format!("{:.2} %", 100.0 * noise));
+    say!(
+        "{} samples a pixel; noise relative to the mean: direct {}, indirect {}, total {}",
+        estimate.samples,
+        noise(Layer::Direct)?,
+        noise(Layer::Indirect)?,
+        noise(Layer::Total)?
+    );
     Ok(())
 }
 
@@ -54,19 +101,21 @@ impl Shot {
         }
         let settings = session.render_settings(!self.linear);
         let camera = session.camera()?;
+        // The tracer filters over the pixel by itself.
+        let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
         let mut sum = vec![[0.0f64; 3]; self.size[0] as usize * self.size[1] as usize];
-        for index in 0..self.aa {
-            let view = SceneView { camera: camera.clone(), size: self.size, jitter: jitter::shift(index, self.aa) };
+        for index in 0..aa {
+            let view = SceneView { camera: camera.clone(), size: self.size, jitter: jitter::shift(index, aa) };
             session.render(&view, &settings)?;
-            if self.aa == 1 && !self.linear {
+            if aa == 1 && !self.linear {
                 let (size, rgb) = session.display_bytes()?;
                 bar.inc(1);
                 return Ok(measure::write_png_rgb8(path, size, &rgb)?);
             }
             self.add(session, &settings, &mut sum)?;
-            bar.inc(1);
+            bar.inc(u64::from(self.aa / aa));
         }
-        let count = f64::from(self.aa);
+        let count = f64::from(aa);
         let pixels = sum.iter().map(|pixel| pixel.map(|value| (value / count) as f32)).collect();
         let image = Image::from_pixels(self.size[0], self.size[1], pixels).context("the image is incomplete")?;
         if let Some([x, y]) = image.first_non_finite() {

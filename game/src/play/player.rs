@@ -13,6 +13,7 @@ use glam::Vec3;
 use lightwell::graph::FrameReport;
 use lightwell::measure;
 use lightwell::profile::{FrameRecorder, Profiler};
+use lightwell::render::GiMethod;
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -224,9 +225,14 @@ impl Player {
             let limit = self.session.gpu.limits.max_texture_dimension_2d;
             let size = size.map(|edge| edge.min(limit));
             let view = SceneView { camera: self.camera.apply(&camera), size, jitter: [0.0; 2] };
-            let settings = self.session.render_settings(true);
+            let mut settings = self.session.render_settings(true);
+            if let GiMethod::Reference(reference) = &mut settings.gi {
+                // One sample a frame: the image gets better while it is looked at.
+                reference.samples_a_frame = 1;
+            }
             self.session.render(&view, &settings)
         });
+        self.stale |= self.session.is_tracing();
         match result {
             Ok(report) => {
                 self.report = report;

@@ -50,7 +50,7 @@ impl MaterialUniform {
 
 /// Alpha below which nothing is drawn; negative: everything is. The deferred passes hold one surface a pixel, so
 /// that a blended surface is there where it is more than half opaque.
-pub(super) fn alpha_cutoff(material: &Material) -> f32 {
+pub(in crate::render) fn alpha_cutoff(material: &Material) -> f32 {
     match material.alpha_mode {
         AlphaMode::Opaque => -1.0,
         AlphaMode::Mask(cutoff) => cutoff,

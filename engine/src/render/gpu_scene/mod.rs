@@ -12,7 +12,8 @@ use crate::gpu::{Binding, Gpu, RasterKey};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId};
 use bytemuck::{Pod, Zeroable};
-use material::{MaterialStore, alpha_cutoff};
+use material::MaterialStore;
+pub(super) use material::alpha_cutoff;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 

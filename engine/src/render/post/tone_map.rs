@@ -2,8 +2,7 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::frame::Frame;
-use crate::render::settings::Layer;
+use crate::render::settings::{Layer, RenderSettings};
 use encase::ShaderType;
 
 /// Name of the retained display image.
@@ -17,8 +16,12 @@ pub(crate) struct ToneMapUniform {
 }
 
 /// Declares the pass; the result is rgba8unorm, sRGB-encoded.
-pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, radiance: Handle<Texture>) -> Handle<Texture> {
-    let [width, height] = frame.view.size;
+pub fn declare(
+    graph: &mut Graph,
+    settings: &RenderSettings,
+    radiance: Handle<Texture>,
+    [width, height]: [u32; 2],
+) -> Handle<Texture> {
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let display =
         graph.retained_texture(DISPLAY, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
@@ -26,9 +29,9 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, radiance: Handle<Te
     pass.read(radiance);
     let display = pass.write(display);
     // 2^±60 shows anything that a float can hold; beyond, the factor itself would leave the range.
-    let exposure = if frame.settings.exposure.is_finite() { frame.settings.exposure.clamp(-60.0, 60.0) } else { 0.0 };
+    let exposure = if settings.exposure.is_finite() { settings.exposure.clamp(-60.0, 60.0) } else { 0.0 };
     // The constants of `post/tone_map.wgsl`.
-    let (mode, scale) = match frame.settings.only {
+    let (mode, scale) = match settings.only {
         Layer::Total | Layer::Direct | Layer::Indirect => (0, exposure.exp2()),
         Layer::Albedo | Layer::Normal => (1, 1.0),
         Layer::Depth => (2, 1.0),

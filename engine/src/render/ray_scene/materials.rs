@@ -1,0 +1,96 @@
+//! Materials as rays read them: factors, and where in the atlas their textures lie.
+
+use super::atlas::Atlas;
+use super::{RayError, check_size};
+use crate::assets::{AssetId, Material};
+use crate::gpu::Gpu;
+use crate::render::gpu_scene::alpha_cutoff;
+use crate::scene::Scene;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use std::collections::HashMap;
+
+/// `Material` of `lib/rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct RayMaterial {
+    base_color: [f32; 4],
+    emissive: [f32; 3],
+    metallic: f32,
+    specular_color: [f32; 3],
+    roughness: f32,
+    specular: f32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    double_sided: u32,
+    /// Base colour, metallic-roughness, normal, emissive.
+    textures: [[u32; 4]; 4],
+}
+
+impl RayMaterial {
+    fn new(material: &Material, atlas: &Atlas) -> Self {
+        let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
+        let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO).min(Vec3::splat(1e30)) } else { Vec3::ZERO };
+        let base_color = material.base_color;
+        let textures = [
+            &material.base_color_texture,
+            &material.metallic_roughness_texture,
+            &material.normal_texture,
+            &material.emissive_texture,
+        ];
+        Self {
+            base_color: if base_color.is_finite() { base_color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::W }
+                .to_array(),
+            emissive: positive(material.emissive).to_array(),
+            metallic: unit(material.metallic),
+            specular_color: positive(material.specular_color).to_array(),
+            roughness: unit(material.roughness),
+            specular: unit(material.specular),
+            alpha_cutoff: alpha_cutoff(material),
+            normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 0.0 },
+            double_sided: u32::from(material.double_sided),
+            textures: textures.map(|texture| texture.as_ref().map_or([0; 4], |texture| atlas.slot(texture.id))),
+        }
+    }
+}
+
+/// Materials on the device.
+pub(super) struct GpuMaterials {
+    pub(super) buffer: wgpu::Buffer,
+    indices: HashMap<AssetId, u32>,
+    masked: Vec<bool>,
+}
+
+impl GpuMaterials {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
+        Self { buffer, indices: HashMap::new(), masked: Vec::new() }
+    }
+
+    /// Uploads all materials of the scene.
+    pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
+        self.indices.clear();
+        self.masked.clear();
+        let mut list = Vec::new();
+        for primitive in &scene.primitives {
+            let material = &primitive.material;
+            self.indices.entry(material.id).or_insert_with(|| {
+                list.push(RayMaterial::new(material, atlas));
+                self.masked.push(alpha_cutoff(material) >= 0.0);
+                list.len() as u32 - 1
+            });
+        }
+        list.resize(list.len().max(1), RayMaterial::zeroed());
+        check_size(gpu, "materials", size_of_val(list.as_slice()) as u64)?;
+        self.buffer = gpu.storage("ray materials", &list, wgpu::BufferUsages::empty());
+        Ok(())
+    }
+
+    pub(super) fn index(&self, material: AssetId) -> u32 {
+        self.indices.get(&material).copied().unwrap_or(0)
+    }
+
+    pub(super) fn is_masked(&self, index: u32) -> bool {
+        self.masked.get(index as usize).copied().unwrap_or(false)
+    }
+}

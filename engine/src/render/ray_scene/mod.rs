@@ -1,0 +1,182 @@
+//! The scene as rays see it on the device: hierarchies, triangles, materials, textures, lights and emitters.
+//!
+//! Passes that cast rays import `lightwell::rays` and bind [`RayScene::bindings`] as group 1.
+
+mod atlas;
+mod emitters;
+mod geometry;
+mod materials;
+
+use crate::assets::AssetId;
+use crate::bvh::SceneBvh;
+use crate::gpu::{Binding, Gpu};
+use crate::render::light_uniform::LightUniform;
+use crate::scene::{Scene, SceneLight};
+use atlas::Atlas;
+use encase::ShaderType;
+use geometry::GpuGeometry;
+use glam::Vec3;
+use materials::GpuMaterials;
+use std::collections::HashMap;
+
+#[cfg(test)]
+pub(crate) use {
+    emitters::Emitter,
+    geometry::{RayInstance, RayTriangle, RayVertex},
+    materials::RayMaterial,
+};
+
+/// Why a scene cannot be traced on this device.
+#[derive(Debug, thiserror::Error)]
+pub enum RayError {
+    /// A buffer would be larger than the device can bind.
+    #[error(
+        "the scene's {what} take {needed} MiB, and this adapter binds at most {limit} MiB at once: use fewer or simpler models"
+    )]
+    TooLarge {
+        /// What it holds.
+        what: &'static str,
+        /// Needed [MiB].
+        needed: u64,
+        /// Possible [MiB].
+        limit: u64,
+    },
+    /// More textures than an array can hold.
+    #[error("the scene's textures need {needed} layers of {size}² texels, and this adapter has at most {limit}")]
+    Textures {
+        /// Layers needed.
+        needed: u32,
+        /// Edge of a layer [texels].
+        size: u32,
+        /// Layers possible.
+        limit: u32,
+    },
+}
+
+/// `RayLight` of `lib/rays.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct RayLight {
+    light: LightUniform,
+    casts_shadow: u32,
+    indirect: u32,
+}
+
+impl RayLight {
+    fn new((light, index): (&SceneLight, u32)) -> Self {
+        Self {
+            light: LightUniform::new(light, index),
+            casts_shadow: u32::from(light.casts_shadow),
+            indirect: u32::from(light.indirect),
+        }
+    }
+}
+
+/// A scene on the device, ready for rays.
+pub struct RayScene {
+    /// The same hierarchies on the CPU.
+    pub bvh: SceneBvh,
+    geometry: GpuGeometry,
+    materials: GpuMaterials,
+    atlas: Atlas,
+    lights: wgpu::Buffer,
+    emitters: wgpu::Buffer,
+    /// Mean colour of emissive textures, which takes its time to find.
+    mean_colors: HashMap<AssetId, Vec3>,
+    synced: Option<[u64; 4]>,
+    /// Number of lights.
+    pub light_count: u32,
+    /// Number of triangles that emit light.
+    pub emitter_count: u32,
+}
+
+impl RayScene {
+    /// An empty scene.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            bvh: SceneBvh::default(),
+            geometry: GpuGeometry::new(gpu),
+            materials: GpuMaterials::new(gpu),
+            atlas: Atlas::new(gpu),
+            lights: no_lights(gpu),
+            emitters: gpu.storage("emitters", &[0.0_f32; 4], wgpu::BufferUsages::empty()),
+            mean_colors: HashMap::new(),
+            synced: None,
+            light_count: 0,
+            emitter_count: 0,
+        }
+    }
+
+    /// Brings the device up to date with the scene. Costs nothing if nothing changed; moved objects cost the top
+    /// level, new ones their own mesh.
+    ///
+    /// # Errors
+    /// If the scene is larger than the device can bind.
+    pub fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RayError> {
+        let revisions = &scene.revisions;
+        let state = [scene.identity, revisions.geometry, revisions.materials, revisions.lights];
+        if self.synced == Some(state) {
+            return Ok(());
+        }
+        let surfaces_changed = self.synced.is_none_or(|synced| synced[..3] != state[..3]);
+        self.synced = None;
+        if surfaces_changed {
+            self.bvh.update(scene);
+            self.atlas.update(gpu, scene)?;
+            self.materials.update(gpu, scene, &self.atlas)?;
+            let emitters = emitters::collect(scene, &self.bvh, &mut self.mean_colors);
+            self.geometry.update(gpu, scene, &self.bvh, &self.materials, &emitters.first)?;
+            self.emitter_count = emitters.list.len() as u32;
+            self.emitters = gpu.storage("emitters", &emitters.list, wgpu::BufferUsages::empty());
+        }
+        self.light_count = scene.lights.len() as u32;
+        let lights: Vec<RayLight> = scene.lights.iter().zip(0..).map(RayLight::new).collect();
+        self.lights = if lights.is_empty() { no_lights(gpu) } else { gpu.storage_of("ray lights", &lights) };
+        self.synced = Some(state);
+        Ok(())
+    }
+
+    /// Index of the root of the hierarchy over the instances; `u32::MAX` if there is nothing to meet.
+    pub fn root(&self) -> u32 {
+        if self.bvh.top.nodes.is_empty() { u32::MAX } else { self.geometry.root }
+    }
+
+    /// Entries that a traversal stack needs for this scene.
+    pub fn stack_size(&self) -> u32 {
+        let deepest = self.bvh.meshes.iter().map(|mesh| mesh.bvh.bvh.depth()).max().unwrap_or(0);
+        (self.bvh.top.depth() + deepest + 2).next_multiple_of(16)
+    }
+
+    /// Number of triangles in memory; instances share theirs.
+    pub fn triangle_count(&self) -> usize {
+        self.bvh.meshes.iter().map(|mesh| mesh.bvh.corners().len()).sum()
+    }
+
+    /// Group 1 of all passes that cast rays.
+    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
+        [
+            ("nodes", Binding::Buffer(&self.geometry.nodes)),
+            ("triangles", Binding::Buffer(&self.geometry.triangles)),
+            ("vertices", Binding::Buffer(&self.geometry.vertices)),
+            ("instances", Binding::Buffer(&self.geometry.instances)),
+            ("materials", Binding::Buffer(&self.materials.buffer)),
+            ("emitters", Binding::Buffer(&self.emitters)),
+            ("lights", Binding::Buffer(&self.lights)),
+            ("atlas", Binding::Texture(self.atlas.view())),
+        ]
+    }
+}
+
+/// Room for one light: a binding holds one element at least.
+fn no_lights(gpu: &Gpu) -> wgpu::Buffer {
+    let room = vec![0_u8; RayLight::min_size().get() as usize];
+    gpu.storage("ray lights", &room, wgpu::BufferUsages::empty())
+}
+
+/// Whether a buffer of so many bytes can be bound.
+fn check_size(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<(), RayError> {
+    let limit = gpu.limits.max_storage_buffer_binding_size;
+    if bytes > limit {
+        return Err(RayError::TooLarge { what, needed: bytes.div_ceil(1 << 20), limit: limit >> 20 });
+    }
+    Ok(())
+}

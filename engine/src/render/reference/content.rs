@@ -1,0 +1,113 @@
+//! A key of everything that a traced image depends on, the same in every process.
+
+use super::TraceSettings;
+use crate::assets::{AlphaMode, AssetId, Material, Mesh, Texture};
+use crate::scene::{LightShape, Scene, SceneLight, SceneView};
+use std::collections::HashMap;
+use std::sync::Arc;
+use xxhash_rust::xxh3::Xxh3;
+
+/// Changes with every change of how paths are traced that is more than rounding: stored images of older versions are
+/// then no references any more.
+const VERSION: u32 = 1;
+
+/// A hash (XXH3, 128 bits) of the scene's content, the view and the settings. It does not depend on where files lie,
+/// on names, or on the order in which things were loaded beyond that of their identities.
+pub fn content_key(scene: &Scene, view: &SceneView, settings: &TraceSettings) -> u128 {
+    let mut hasher = Content { hash: Xxh3::new(), assets: HashMap::new() };
+    hasher.u32s([VERSION, settings.bounces.unwrap_or(u32::MAX), settings.seed]);
+    hasher.view(view);
+    hasher.f32s(scene.sky.to_array());
+    for primitive in &scene.primitives {
+        hasher.f32s(primitive.world_from_object.to_cols_array());
+        hasher.u32s([u32::from(primitive.casts_shadow)]);
+        hasher.mesh(&primitive.mesh);
+        hasher.material(&primitive.material);
+    }
+    hasher.u32s([scene.lights.len() as u32]);
+    scene.lights.iter().for_each(|light| hasher.light(light));
+    hasher.hash.digest128()
+}
+
+struct Content {
+    hash: Xxh3,
+    /// Hashes of the assets that came by already.
+    assets: HashMap<AssetId, u128>,
+}
+
+impl Content {
+    fn u32s<const N: usize>(&mut self, values: [u32; N]) {
+        values.iter().for_each(|value| self.hash.update(&value.to_le_bytes()));
+    }
+
+    fn f32s<const N: usize>(&mut self, values: [f32; N]) {
+        // Adding zero makes one zero of the two.
+        self.u32s(values.map(|value| (value + 0.0).to_bits()));
+    }
+
+    fn view(&mut self, view: &SceneView) {
+        let camera = &view.camera;
+        self.f32s(camera.world_from_view.to_cols_array());
+        self.f32s([camera.vertical_fov, camera.near, camera.far.unwrap_or(0.0), view.jitter[0], view.jitter[1]]);
+        self.u32s(view.size);
+    }
+
+    fn light(&mut self, light: &SceneLight) {
+        let (kind, inner, outer) = match light.shape {
+            LightShape::Directional => (0, 0.0, 0.0),
+            LightShape::Point => (1, 0.0, 0.0),
+            LightShape::Spot { inner, outer } => (2, inner, outer),
+        };
+        self.u32s([kind, u32::from(light.casts_shadow), u32::from(light.indirect)]);
+        self.f32s([inner, outer, light.range.unwrap_or(0.0)]);
+        self.f32s(light.intensity.to_array());
+        self.f32s(light.position.to_array());
+        self.f32s(light.direction.to_array());
+    }
+
+    fn asset(&mut self, id: AssetId, bytes: impl FnOnce() -> u128) {
+        let key = *self.assets.entry(id).or_insert_with(bytes);
+        self.hash.update(&key.to_le_bytes());
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        self.asset(mesh.id, || {
+            let mut hash = Xxh3::new();
+            hash.update(bytemuck::cast_slice(&mesh.vertices));
+            hash.update(bytemuck::cast_slice(&mesh.indices));
+            hash.digest128()
+        });
+    }
+
+    fn material(&mut self, material: &Material) {
+        let alpha = match material.alpha_mode {
+            AlphaMode::Opaque => (0, 0.0),
+            AlphaMode::Mask(cutoff) => (1, cutoff),
+            AlphaMode::Blend => (2, 0.0),
+        };
+        self.u32s([alpha.0, u32::from(material.double_sided)]);
+        self.f32s(material.base_color.to_array());
+        self.f32s(material.specular_color.to_array());
+        self.f32s(material.emissive.to_array());
+        self.f32s([material.metallic, material.roughness, material.specular, material.normal_scale, alpha.1]);
+        let textures = [
+            &material.base_color_texture,
+            &material.metallic_roughness_texture,
+            &material.normal_texture,
+            &material.emissive_texture,
+        ];
+        textures.into_iter().for_each(|texture| self.texture(texture.as_ref()));
+    }
+
+    fn texture(&mut self, texture: Option<&Arc<Texture>>) {
+        let Some(texture) = texture else { return self.u32s([0]) };
+        self.u32s([1, texture.width, texture.height, u32::from(texture.srgb)]);
+        let sampling = texture.sampling;
+        self.u32s([sampling.wrap_u as u32, sampling.wrap_v as u32, u32::from(sampling.nearest)]);
+        self.asset(texture.id, || {
+            let mut hash = Xxh3::new();
+            hash.update(&texture.rgba);
+            hash.digest128()
+        });
+    }
+}

@@ -1,0 +1,97 @@
+#define_import_path lightwell::sampling
+
+// Random numbers and directions for path tracing.
+
+const TAU: f32 = 6.28318530717959;
+const INVERSE_PI: f32 = 0.31830988618379;
+
+// One path's numbers: a scrambled Sobol' sequence over the samples of a pixel, a fresh pair of dimensions a call.
+struct Sampler {
+    seed: u32,             // of the pixel and the half
+    index: u32,            // of the sample in its half
+    dimension: u32,        // pairs used so far
+}
+
+// O'Neill's PCG output function, as a hash (Jarzynski and Olano 2020).
+fn hash(value: u32) -> u32 {
+    let state = value * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+fn hash_pair(a: u32, b: u32) -> u32 {
+    return hash(a ^ hash(b));
+}
+
+// Owen scrambling as a hash of the reversed bits (Laine and Karras 2011, with the constants of Burley 2020).
+fn scramble(value: u32, seed: u32) -> u32 {
+    var x = reverseBits(value);
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return reverseBits(x);
+}
+
+// Second dimension of the Sobol' (0, 2)-sequence: its direction numbers are the rows of Pascal's triangle mod 2.
+fn sobol_second(index: u32) -> u32 {
+    var x = 0u;
+    var direction = 0x80000000u;
+    for (var i = index; i != 0u; i >>= 1u) {
+        x ^= select(0u, direction, (i & 1u) != 0u);
+        direction ^= direction >> 1u;
+    }
+    return x;
+}
+
+fn unit_float(bits: u32) -> f32 {
+    return f32(bits >> 8u) * 0x1p-24f;
+}
+
+// Two numbers in [0, 1), stratified together over the samples; different pairs are shuffled against each other
+// (Burley 2020, "Practical hash-based Owen scrambling").
+fn next_pair(state: ptr<function, Sampler>) -> vec2f {
+    let seed = hash_pair((*state).seed, (*state).dimension);
+    (*state).dimension += 1u;
+    let index = scramble((*state).index, seed);
+    let x = scramble(reverseBits(index), hash(seed ^ 0x9e3779b9u));
+    let y = scramble(sobol_second(index), hash(seed ^ 0x85ebca6bu));
+    return vec2f(unit_float(x), unit_float(y));
+}
+
+// Two unit vectors perpendicular to a third (Duff et al. 2017).
+fn basis(n: vec3f) -> mat3x3f {
+    let s = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (s + n.z);
+    let b = n.x * n.y * a;
+    return mat3x3f(vec3f(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3f(b, s + n.y * n.y * a, -n.y), n);
+}
+
+// Direction with density cosθ/π around n (Malley's method).
+fn cosine_direction(n: vec3f, random: vec2f) -> vec3f {
+    let radius = sqrt(random.x);
+    let angle = TAU * random.y;
+    let local = vec3f(radius * cos(angle), radius * sin(angle), sqrt(max(0.0, 1.0 - random.x)));
+    return normalize(basis(n) * local);
+}
+
+// Microfacet normal with the density of those that v sees (Heitz 2018, "Sampling the GGX distribution of visible
+// normals"); v unit, in the hemisphere of n.
+fn visible_ggx_normal(n: vec3f, v: vec3f, alpha: f32, random: vec2f) -> vec3f {
+    let frame = basis(n);
+    let local = v * frame;
+    let stretched = normalize(vec3f(alpha * local.xy, local.z));
+    let length_squared = dot(stretched.xy, stretched.xy);
+    let first = select(
+        vec3f(1.0, 0.0, 0.0), vec3f(-stretched.y, stretched.x, 0.0) * inverseSqrt(max(length_squared, 1e-30)), length_squared > 1e-12,
+    );
+    let second = cross(stretched, first);
+    let radius = sqrt(random.x);
+    let angle = TAU * random.y;
+    let x = radius * cos(angle);
+    let blend = 0.5 * (1.0 + stretched.z);
+    let y = mix(sqrt(max(0.0, 1.0 - x * x)), radius * sin(angle), blend);
+    let h = x * first + y * second + sqrt(max(0.0, 1.0 - x * x - y * y)) * stretched;
+    return normalize(frame * vec3f(alpha * h.xy, max(1e-7, h.z)));
+}

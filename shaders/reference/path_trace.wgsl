@@ -1,0 +1,360 @@
+// Path tracing (Kajiya 1986): the reference that every other method is measured against.
+//
+// A vertex of a path gathers light in two ways: next-event estimation towards the lights and towards the emissive
+// triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
+// find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
+// passes. Direct light is what comes straight from the lights to the surface that the camera sees, with that
+// surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
+
+#import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
+#import lightwell::lights::light_incidence
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, trace, surface_at, leave_surface, to_world_point, hit_uv, sample_texture, instances, triangles, materials, emitters, lights}
+#import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
+
+struct Trace {
+    eye: vec3f,
+    near: f32,             // [m]
+    right: vec3f,          // half the image plane at distance 1
+    far: f32,              // [m]
+    up: vec3f,
+    bounces: u32,          // most rays that go on; all: unlimited
+    forward: vec3f,        // unit
+    seed: u32,
+    sky: vec3f,            // radiance [W/(m² sr)]
+    root: u32,
+    size: vec2u,           // [pixels]
+    jitter: vec2f,         // shift of the pixel grid [pixels]
+    first_row: u32,        // of this dispatch
+    first_sample: u32,
+    samples: u32,          // of this dispatch
+    light_count: u32,
+    emitter_count: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Trace;
+// Sums of each pixel: direct and indirect light of the even samples, then of the odd ones.
+@group(0) @binding(1) var<storage, read_write> sums: array<vec4f>;
+
+// Nothing brighter is counted, so that no sum over samples leaves the range of floats.
+const MAX_RADIANCE: f32 = 1e30;
+// Rays that go on in "unlimited" paths: the chance to get here is below 1e-9, see `survives`.
+const MAX_BOUNCES: u32 = 1024u;
+// Rays that always go on; later ones by Russian roulette.
+const SAFE_BOUNCES: u32 = 3u;
+
+struct Path {
+    ray: Ray,
+    near: f32,
+    reach: f32,
+    throughput: vec3f,
+    density: f32,          // of the direction that was sampled last [1/sr]
+    vertices: u32,         // surfaces met so far
+    direct: vec3f,
+    indirect: vec3f,
+}
+
+fn bounded(value: vec3f) -> vec3f {
+    return clamp(value, vec3f(0.0), vec3f(MAX_RADIANCE));
+}
+
+fn add(path: ptr<function, Path>, radiance: vec3f, is_direct: bool) {
+    let value = bounded((*path).throughput * bounded(radiance));
+    if is_direct {
+        (*path).direct += value;
+    } else {
+        (*path).indirect += value;
+    }
+}
+
+fn camera_path(pixel: vec2u, random: ptr<function, Sampler>) -> Path {
+    let at = (vec2f(pixel) - params.jitter + next_pair(random)) / vec2f(params.size) * 2.0 - 1.0;
+    let direction = params.forward + at.x * params.right - at.y * params.up;
+    var path: Path;
+    // Not of unit length: the near and far planes lie at fixed distances along the axis.
+    path.ray = Ray(params.eye + direction * params.near, direction);
+    path.reach = params.far - params.near;
+    path.throughput = vec3f(1.0);
+    return path;
+}
+
+// ---- Reflection ----
+
+// Chance to sample the specular lobe.
+fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
+    let n_dot_v = dot(surface.normal, to_eye);
+    if n_dot_v <= 0.0 {
+        return 0.0;
+    }
+    let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, n_dot_v);
+    let specular = max(f.r, max(f.g, f.b));
+    let diffuse = max(surface.albedo.r, max(surface.albedo.g, surface.albedo.b)) * (1.0 - specular);
+    if specular <= 0.0 {
+        return 0.0;
+    }
+    return select(clamp(specular / (specular + diffuse), 0.1, 0.9), 1.0, diffuse <= 0.0);
+}
+
+// Density with which `sample_direction` gives a direction [1/sr].
+fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
+    let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
+    if share <= 0.0 {
+        return diffuse;
+    }
+    // Density of visible normals over 4·v·h: G₁(v)·D/(4·n·v) (Heitz 2018, eq. 17).
+    let h = normalize(to_eye + direction);
+    let n_dot_v = dot(surface.normal, to_eye);
+    let a2 = surface.alpha * surface.alpha;
+    let d = distribution_ggx(surface.normal, h, surface.alpha);
+    let specular = d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
+    return mix(diffuse, specular, share);
+}
+
+fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
+    if choice < share {
+        let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
+        return reflect(-to_eye, h);
+    }
+    return cosine_direction(surface.normal, random);
+}
+
+fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
+    // What shines through from below the surface itself is none of its light.
+    if dot(surface.geometric_normal, direction) <= 0.0 {
+        return vec3f(0.0);
+    }
+    return eval_brdf_cosine(
+        surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
+    );
+}
+
+// ---- Next-event estimation ----
+
+// One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
+// Chao 1982): a single light is sampled without noise.
+fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) {
+    let is_direct = (*path).vertices == 1u;
+    var total = 0.0;
+    var chosen = 0u;
+    var chosen_weight = 0.0;
+    var chosen_light = vec3f(0.0);
+    var pick = 0.0;
+    if params.light_count > 1u {
+        pick = next_pair(random).x;
+    }
+    for (var i = 0u; i < params.light_count; i++) {
+        if !is_direct && lights[i].indirect == 0u {
+            continue;
+        }
+        let incidence = light_incidence(lights[i].light, surface.position);
+        if all(incidence.irradiance <= vec3f(0.0)) {
+            continue;
+        }
+        let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+        let weight = light.r + light.g + light.b;
+        if weight <= 0.0 {
+            continue;
+        }
+        total += weight;
+        // The random number is used up and stretched again at each choice.
+        let chance = weight / total;
+        if pick < chance {
+            pick /= chance;
+            chosen = i;
+            chosen_weight = weight;
+            chosen_light = light;
+        } else {
+            pick = (pick - chance) / (1.0 - chance);
+        }
+    }
+    if chosen_weight <= 0.0 {
+        return;
+    }
+    if lights[chosen].casts_shadow != 0u {
+        let incidence = light_incidence(lights[chosen].light, surface.position);
+        let origin = leave_surface(surface, incidence.to_light);
+        // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
+        let offset = select(lights[chosen].light.position - origin, incidence.to_light, incidence.distance == 0.0);
+        let reach = select(1.0, 3e38, incidence.distance == 0.0);
+        if trace(params.root, Ray(origin, offset), reach, SHADOW).instance != NONE {
+            return;
+        }
+    }
+    add(path, chosen_light * (total / chosen_weight), is_direct);
+}
+
+fn choose_emitter(random: f32) -> u32 {
+    var low = 0u;
+    var high = params.emitter_count - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitters[middle].cumulative > random {
+            high = middle;
+        } else {
+            low = middle + 1u;
+        }
+    }
+    return low;
+}
+
+fn emitted_at(instance: u32, triangle: u32, barycentric: vec2f) -> vec3f {
+    let material = instances[instance].material;
+    let texel = sample_texture(materials[material].emissive_texture, hit_uv(triangle, barycentric), vec4f(1.0));
+    return materials[material].emissive * texel.rgb;
+}
+
+fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
+    let choice = next_pair(random);
+    let place = next_pair(random);
+    let emitter = emitters[choose_emitter(choice.x)];
+    if emitter.density <= 0.0 {
+        return;
+    }
+    let triangle = instances[emitter.instance].first_triangle + emitter.triangle;
+    // Uniform over the triangle (Turk 1990).
+    let root = sqrt(place.x);
+    let barycentric = vec2f(root * (1.0 - place.y), root * place.y);
+    let a = to_world_point(emitter.instance, triangles[triangle].corner_a);
+    let b = to_world_point(emitter.instance, triangles[triangle].corner_b);
+    let c = to_world_point(emitter.instance, triangles[triangle].corner_c);
+    let place_on = a + barycentric.x * (b - a) + barycentric.y * (c - a);
+    let offset = place_on - surface.position;
+    let distance_squared = dot(offset, offset);
+    if distance_squared <= 0.0 {
+        return;
+    }
+    let direction = offset * inverseSqrt(distance_squared);
+    let response = reflected(surface, to_eye, direction);
+    let outward = cross(b - a, c - a);
+    let mirrored = is_mirrored(emitter.instance);
+    let facing = -dot(outward, direction) / length(outward) * select(1.0, -1.0, mirrored);
+    let both_sides = materials[instances[emitter.instance].material].double_sided != 0u;
+    let cosine = select(facing, abs(facing), both_sides);
+    if cosine <= 0.0 || all(response <= vec3f(0.0)) {
+        return;
+    }
+    // Solid angle of the triangle's area as seen from here.
+    let density = emitter.density * distance_squared / cosine;
+    let origin = leave_surface(surface, direction);
+    if trace(params.root, Ray(origin, place_on - origin), 0.9999, SHADOW).instance != NONE {
+        return;
+    }
+    let weight = density / (density + direction_density(surface, to_eye, direction, share));
+    add(path, response * emitted_at(emitter.instance, triangle, barycentric) * (weight / density), false);
+}
+
+fn is_mirrored(i: u32) -> bool {
+    let a = instances[i].world_from_object[0].xyz;
+    let b = instances[i].world_from_object[1].xyz;
+    let c = instances[i].world_from_object[2].xyz;
+    return dot(a, cross(b, c)) < 0.0;
+}
+
+// Emission of a surface that a path met, weighted against `add_emitter` of the vertex before.
+fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
+    if all(surface.emissive <= vec3f(0.0)) {
+        return;
+    }
+    if (*path).vertices == 1u {
+        add(path, surface.emissive, true);
+        return;
+    }
+    let first = instances[hit.instance].first_emitter;
+    var weight = 1.0;
+    if first != NONE {
+        let per_area = emitters[first + hit.triangle - instances[hit.instance].first_triangle].density;
+        // The ray's direction is of unit length here.
+        let density = per_area * hit.t * hit.t / max(1e-20, abs(dot(surface.geometric_normal, (*path).ray.direction)));
+        weight = (*path).density / ((*path).density + density);
+    }
+    add(path, surface.emissive * weight, false);
+}
+
+// ---- The path ----
+
+// Russian roulette (Arvo and Kirk 1990): the throughput of what goes on is divided by the chance to go on.
+fn survives(path: ptr<function, Path>, random: f32) -> bool {
+    if (*path).vertices <= SAFE_BOUNCES {
+        return true;
+    }
+    let t = (*path).throughput;
+    let chance = clamp(max(t.r, max(t.g, t.b)), 0.05, 0.98);
+    (*path).throughput /= chance;
+    return random < chance;
+}
+
+// Follows the path to the next surface; false where it ends.
+fn extend(path: ptr<function, Path>, random: ptr<function, Sampler>) -> bool {
+    let kind = select(LIGHT, CAMERA, (*path).vertices == 0u);
+    let hit = trace(params.root, (*path).ray, (*path).reach, kind);
+    if hit.instance == NONE {
+        add(path, params.sky, (*path).vertices == 0u);
+        return false;
+    }
+    (*path).vertices += 1u;
+    let surface = surface_at(hit, (*path).ray.direction);
+    if !surface.visible {
+        return false;
+    }
+    add_emission(path, surface, hit);
+    let to_eye = -normalize((*path).ray.direction);
+    add_light(path, surface, to_eye, random);
+    let bounces = (*path).vertices - 1u;
+    if bounces >= min(params.bounces, MAX_BOUNCES) {
+        return false;
+    }
+    let share = specular_share(surface, to_eye);
+    if params.emitter_count > 0u {
+        add_emitter(path, surface, to_eye, share, random);
+    }
+    let choice = next_pair(random);
+    let direction = sample_direction(surface, to_eye, share, choice.x, next_pair(random));
+    let density = direction_density(surface, to_eye, direction, share);
+    let response = reflected(surface, to_eye, direction);
+    if !(density > 0.0) || all(response <= vec3f(0.0)) {
+        return false;
+    }
+    (*path).throughput *= response / density;
+    (*path).density = density;
+    (*path).ray = Ray(leave_surface(surface, direction), direction);
+    (*path).reach = 3e38;
+    return survives(path, choice.y);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    let pixel = vec2u(thread.x, thread.y + params.first_row);
+    if any(pixel >= params.size) || params.samples == 0u {
+        return;
+    }
+    let index = pixel.y * params.size.x + pixel.x;
+    // Every sample is added to what was there before, one by one: in whatever pieces, the sums get the same bits.
+    var sum: array<vec3f, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        sum[i] = sums[4u * index + i].rgb;
+    }
+    var sample = params.first_sample;
+    let end = sample + params.samples;
+    var random: Sampler;
+    var path: Path;
+    var alive = false;
+    // A thread whose path has ended starts the next one at once, so that its neighbours do not wait for it.
+    loop {
+        if !alive {
+            if sample == end {
+                break;
+            }
+            random = Sampler(hash_pair(index, hash_pair(params.seed, sample & 1u)), sample >> 1u, 0u);
+            path = camera_path(pixel, &random);
+        }
+        alive = extend(&path, &random);
+        if !alive {
+            let half = (sample & 1u) * 2u;
+            sum[half] += path.direct;
+            sum[half + 1u] += path.indirect;
+            sample += 1u;
+        }
+    }
+    for (var i = 0u; i < 4u; i++) {
+        sums[4u * index + i] = vec4f(sum[i], 0.0);
+    }
+}
