@@ -1,6 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde::Deserialize;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ Examples:
   lightwell render cornell -o dim.exr --set 'Spot light.light.intensity=5' --only indirect
   lightwell compare a.exr reference.exr --max nrmse=0.1 --difference where.png
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
+  lightwell test                              the scene tests in tests/scenes
 
 A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
 Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
@@ -30,7 +32,7 @@ pub struct Cli {
 }
 
 /// Options of every command.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct Common {
     /// Folder of third-party models that some scenes use
     #[arg(long, global = true, value_name = "DIR", env = "LIGHTWELL_MODELS")]
@@ -54,6 +56,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Show which passes a frame runs, reuses or skips, and why
     Explain(ExplainArgs),
+    /// Run headless scene tests
+    Test(TestArgs),
     /// Show the graphics adapter, its features and limits
     Info,
 }
@@ -84,7 +88,7 @@ pub struct PlayArgs {
 }
 
 /// Choices that change the picture.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct LookArgs {
     /// Indirect light [default: what the scene asks for]
     #[arg(long, value_enum)]
@@ -158,7 +162,7 @@ pub struct RenderArgs {
 }
 
 /// Method of indirect light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
 pub enum Gi {
     /// Direct light alone
     None,
@@ -169,9 +173,10 @@ pub enum Gi {
 }
 
 /// Part of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Only {
     /// Direct and indirect light
+    #[default]
     Total,
     /// Light that comes straight from lights
     Direct,
@@ -249,6 +254,42 @@ pub struct ExplainArgs {
     pub look: LookArgs,
 }
 
+const TEST_HELP: &str = "\
+A scene test is a file NAME.test.ron: a scene, times, camera, size and settings, and what must hold: golden images,
+errors against references, what passes do, counts, equal bits in a second run. No pixel may ever be NaN.
+
+Examples:
+  lightwell test                                all tests in tests/scenes
+  lightwell test --filter cornell               those with `cornell` in their name
+  lightwell test my.test.ron --bless            write its golden images: look at them before they are committed
+  lightwell test -o failures --jobs 1           pictures of what fails into failures/, one test at a time
+
+Exit codes: 0 all that ran passed; 1 a test failed or there are none; 2 wrong usage.";
+
+/// Arguments of `test`.
+#[derive(Args, Debug)]
+#[command(after_help = TEST_HELP)]
+pub struct TestArgs {
+    /// Scene tests, or folders of them [default: tests/scenes]
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Run only tests with TEXT in their name; may be given many times
+    #[arg(short, long, value_name = "TEXT")]
+    pub filter: Vec<String>,
+    /// List the tests and run none
+    #[arg(long)]
+    pub list: bool,
+    /// Write the golden images that differ or are missing
+    #[arg(long, conflicts_with = "list")]
+    pub bless: bool,
+    /// Folder for pictures of what fails
+    #[arg(short, long, value_name = "DIR", default_value = "out/tests")]
+    pub output: PathBuf,
+    /// Number of tests that run side by side [default: by cores and free memory]
+    #[arg(short, long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroU16>,
+}
+
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parse = || {
         let (width, height) = text.split_once(['x', 'X'])?;
@@ -289,7 +330,11 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-fn parse_assignment(text: &str) -> Result<(String, String), String> {
+/// A path and its value, from `PATH=VALUE`.
+///
+/// # Errors
+/// If there is no `=`, or nothing on one side of it.
+pub fn parse_assignment(text: &str) -> Result<(String, String), String> {
     let (path, value) = text.split_once('=').ok_or("write it as PATH=VALUE, for instance clpv.steps=32")?;
     let (path, value) = (path.trim(), value.trim());
     if path.is_empty() || value.is_empty() {

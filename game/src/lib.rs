@@ -4,12 +4,14 @@
 #[macro_use]
 mod output;
 
+mod capture;
 pub mod cli;
 mod commands;
 mod jitter;
 mod play;
 mod progress;
 mod scene_path;
+pub mod scene_test;
 pub mod session;
 mod set;
 
@@ -27,6 +29,7 @@ pub fn run() -> ExitCode {
         Command::Render(args) => commands::render::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Compare(args) => commands::compare::run(args),
         Command::Explain(args) => commands::explain::run(args, common).map(|()| ExitCode::SUCCESS),
+        Command::Test(args) => commands::test::run(args, common),
         Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

@@ -32,7 +32,7 @@ impl Document {
             let text = String::from_utf8_lossy(e.as_bytes()).into_owned();
             let place = Place::of(&text, valid);
             FileError::new(path, FileErrorKind::Syntax, "not valid UTF-8 text")
-                .with_help("scene files are text; save this one as UTF-8")
+                .with_help("such files are text; save this one as UTF-8")
                 .at(&text, place)
         })?;
         Self::parse(path, text)
@@ -233,7 +233,7 @@ fn describe_syntax(error: &Ron) -> (FileErrorKind, String, Option<String>) {
         Ron::Eof | Ron::ExpectedStructLikeEnd | Ron::ExpectedArrayEnd | Ron::ExpectedMapEnd => {
             (Kind::Syntax, "a bracket that was opened before is not closed, or a comma is missing")
         }
-        Ron::TrailingCharacters => (Kind::Syntax, "the file holds one Scene(…) or Prefab(…) and nothing after it"),
+        Ron::TrailingCharacters => (Kind::Syntax, "the file holds one value, such as Scene(…), and nothing after it"),
         _ => (Kind::Syntax, ""),
     };
     let text = error.to_string();

@@ -46,6 +46,8 @@ pub enum FileErrorKind {
     UnknownName,
     /// A file that is not there.
     MissingFile,
+    /// A third-party model that is not there: the file says where to get it.
+    MissingModel,
     /// A prefab that contains itself.
     PrefabCycle,
     /// A mesh, model or image that could not be loaded.

@@ -52,10 +52,13 @@ mod write;
 mod tests;
 
 pub use convert::look_rotation;
+pub use document::Document;
 pub use error::{FileError, FileErrorKind, Place};
 pub use format::*;
 pub use save::save_scene;
 pub use source::{Origin, SceneInfo, Source};
+pub use suggest::suggestion;
+pub use tree::Step;
 
 use crate::assets::AssetLibrary;
 use crate::world::GameWorld;

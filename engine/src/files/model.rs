@@ -88,7 +88,8 @@ impl Loader<'_> {
         if let Some(stand_in) = &details.stand_in {
             help += &format!("; or play its stand-in {stand_in}");
         }
-        context.document.error(at, Kind::MissingFile, message).with_help(help)
+        let kind = if details.source.is_some() { Kind::MissingModel } else { Kind::MissingFile };
+        context.document.error(at, kind, message).with_help(help)
     }
 }
 

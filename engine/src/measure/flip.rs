@@ -51,13 +51,15 @@ pub fn flip(image: &Image, reference: &Image) -> FlipMap {
 }
 
 fn display_bytes(image: &Image, exposure: f64) -> Vec<u8> {
-    let display = |value: f32| {
-        let exposed = (f64::from(value) * exposure).max(0.0);
-        // Huge values would be infinity over infinity.
-        let mapped = if exposed < 1e12 { exposed / (1.0 + exposed) } else { 1.0 };
-        (srgb_encode(mapped as f32) * 255.0).round() as u8
-    };
-    image.values().map(display).collect()
+    image.values().map(|value| (srgb_encode(display_value(value, exposure)) * 255.0).round() as u8).collect()
+}
+
+/// A value exposed and tone mapped by c / (1 + c): 0..1, linear.
+pub(super) fn display_value(value: f32, exposure: f64) -> f32 {
+    let exposed = (f64::from(value) * exposure).max(0.0);
+    // Huge values would be infinity over infinity.
+    let mapped = if exposed < 1e12 { exposed / (1.0 + exposed) } else { 1.0 };
+    mapped as f32
 }
 
 #[cfg(test)]

@@ -70,6 +70,37 @@ impl Image {
         Self { pixels: self.pixels.iter().map(|p| p.map(&f)).collect(), ..*self }
     }
 
+    /// The picture at a smaller size, each pixel the mean of a block: what a box filter over the larger pixels gives.
+    /// `None` if the size is not the same whole fraction of both edges.
+    pub fn reduced(&self, size: [u32; 2]) -> Option<Self> {
+        let [width, height] = size;
+        let factor = self.width.checked_div(width)?;
+        if factor == 0 || width * factor != self.width || height.checked_mul(factor)? != self.height {
+            return None;
+        }
+        let mut sums = vec![[0.0f64; 3]; width as usize * height as usize];
+        for (index, pixel) in self.pixels.iter().enumerate() {
+            let (x, y) = (index as u32 % self.width / factor, index as u32 / self.width / factor);
+            let sum = &mut sums[y as usize * width as usize + x as usize];
+            sum.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += f64::from(*value));
+        }
+        let count = f64::from(factor) * f64::from(factor);
+        Self::from_pixels(width, height, sums.iter().map(|sum| sum.map(|v| (v / count) as f32)).collect())
+    }
+
+    /// First pixel whose bits differ, if any, and how many do. NaN equals NaN of the same bits, and 0 is not -0.
+    /// All pixels differ if the sizes do.
+    pub fn first_bit_difference(&self, other: &Self) -> Option<([u32; 2], usize)> {
+        if self.size() != other.size() {
+            return Some(([0; 2], self.pixels.len()));
+        }
+        let differ = |(a, b): (&[f32; 3], &[f32; 3])| a.map(f32::to_bits) != b.map(f32::to_bits);
+        let mut different = self.pixels.iter().zip(&other.pixels).enumerate().filter(|(_, pair)| differ(*pair));
+        let (first, _) = different.next()?;
+        let at = [first as u32 % self.width, first as u32 / self.width];
+        Some((at, 1 + different.count()))
+    }
+
     /// Bytes of the picture encoded in sRGB, values clamped to 0..1, three a pixel.
     pub fn to_srgb8(&self) -> Vec<u8> {
         self.values().map(|v| (srgb_encode(v.clamp(0.0, 1.0)) * 255.0).round() as u8).collect()
@@ -105,6 +136,29 @@ mod tests {
         assert_eq!(image.first_non_finite(), None);
         image.pixels_mut()[6][2] = f32::NAN;
         assert_eq!(image.first_non_finite(), Some([2, 1]));
+    }
+
+    #[test]
+    fn blocks_are_averaged() {
+        let pixels = (0..24).map(|i| [i as f32, 1.0, 0.0]).collect();
+        let image = Image::from_pixels(6, 4, pixels).expect("24 pixels");
+        let half = image.reduced([3, 2]).expect("a half");
+        assert_eq!((half.size(), half.pixel(0, 0), half.pixel(2, 1)), ([3, 2], [3.5, 1.0, 0.0], [19.5, 1.0, 0.0]));
+        assert_eq!(image.reduced([6, 4]).as_ref(), Some(&image));
+        for size in [[3, 4], [4, 2], [12, 8], [0, 0], [3, 0]] {
+            assert_eq!(image.reduced(size), None, "{size:?}");
+        }
+    }
+
+    #[test]
+    fn bits_are_compared() {
+        let image = Image::filled(4, 3, [0.0, f32::NAN, 1.0]);
+        assert_eq!(image.first_bit_difference(&image.clone()), None);
+        let mut other = image.clone();
+        other.pixels_mut()[6][0] = -0.0;
+        other.pixels_mut()[11][2] = f32::from_bits(1.0f32.to_bits() + 1);
+        assert_eq!(image.first_bit_difference(&other), Some(([2, 1], 2)));
+        assert!(image.first_bit_difference(&Image::filled(3, 4, [0.0; 3])).is_some());
     }
 
     #[test]

@@ -16,12 +16,14 @@
 //! what is reported.
 
 mod difference;
+mod figure;
 mod file;
 mod flip;
 mod image;
 mod metrics;
 
 pub use difference::difference_picture;
+pub use figure::{displayed, figure};
 pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
 pub use flip::{FlipMap, flip, flip_exposure};
 pub use image::{Image, srgb_decode, srgb_encode};

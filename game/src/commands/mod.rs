@@ -4,3 +4,4 @@ pub mod compare;
 pub mod explain;
 pub mod info;
 pub mod render;
+pub mod test;

@@ -111,13 +111,13 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ),
     (
         "(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])",
-        Kind::MissingFile,
+        Kind::MissingModel,
         "x.glb",
         "SOURCE",
     ),
     (
         "(entities: [(name: \"A\", model: ‸(path: \"x.glb\", source: \"SOURCE\", stand_in: \"STAND\"))])",
-        Kind::MissingFile,
+        Kind::MissingModel,
         "x.glb",
         "--models DIR",
     ),

@@ -149,7 +149,7 @@ fn sponza_says_where_to_get_its_model() {
     let error = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &LoadOptions::default())
         .err()
         .unwrap();
-    assert_eq!(error.kind, FileErrorKind::MissingFile, "{error}");
+    assert_eq!(error.kind, FileErrorKind::MissingModel, "{error}");
     let text = error.to_string();
     for part in ["sponza/Sponza.gltf", "glTF-Sample-Assets", "--models", "cornell"] {
         assert!(text.contains(part), "{part} in {text}");
