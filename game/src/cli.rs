@@ -122,6 +122,12 @@ pub struct TraceArgs {
     pub seed: u32,
 }
 
+impl Default for TraceArgs {
+    fn default() -> Self {
+        Self { spp: 64, bounces: None, seed: 0 }
+    }
+}
+
 const RENDER_HELP: &str = "\
 Examples:
   lightwell render cornell -o a.png
@@ -279,7 +285,7 @@ pub struct TestArgs {
     /// List the tests and run none
     #[arg(long)]
     pub list: bool,
-    /// Write the golden images that differ or are missing
+    /// Write the golden images that are missing or do not match
     #[arg(long, conflicts_with = "list")]
     pub bless: bool,
     /// Folder for pictures of what fails

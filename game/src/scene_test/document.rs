@@ -1,7 +1,7 @@
 //! A scene test as its file holds it. The [module](super) describes the format.
 
 use super::count::CountBounds;
-use crate::cli::{Gi, LookArgs, parse_assignment};
+use crate::cli::{Gi, LookArgs, TraceArgs, parse_assignment};
 use lightwell::files::{Document, FileError, FileErrorKind as Kind, Step};
 use lightwell::render::Layer;
 use serde::{Deserialize, Deserializer};
@@ -30,6 +30,9 @@ pub struct SceneTest {
     /// Indirect light; else what the scene asks for.
     #[serde(default, deserialize_with = "method")]
     pub gi: Option<Gi>,
+    /// Samples, bounces and seed of `gi: Reference`.
+    #[serde(default)]
+    pub trace: Traced,
     /// Changes to the loaded scene, each `PATH=VALUE` as for `--set`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -126,6 +129,35 @@ pub enum Reference {
     /// A stored image, `.exr` (or `.png`), from the test's folder on or below `$LIGHTWELL_REFERENCE/`. It may be larger
     /// than the test's images by a whole factor: pixels are then averaged.
     Image(String),
+    /// The path tracer's image of the same view.
+    Traced(Traced),
+}
+
+/// Settings of the path tracer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Traced {
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Indirect bounces; unlimited if not said.
+    pub bounces: Option<u32>,
+    /// Seed of the random numbers.
+    pub seed: u32,
+}
+
+impl Default for Traced {
+    fn default() -> Self {
+        Self { samples: 64, bounces: None, seed: 0 }
+    }
+}
+
+impl Traced {
+    fn check(&self, path: &[Step]) -> Result<(), Fault> {
+        // An even number, so that both halves are of equal weight.
+        let ok = (2..=1 << 24).contains(&self.samples) && self.samples.is_multiple_of(2);
+        let path = [path, &[key("samples")]].concat();
+        require(ok, path, &format!("{} samples a pixel", self.samples), "use an even number, 2 to 16777216")
+    }
 }
 
 /// Largest errors, of bias in size (see [`lightwell::measure`] for the definitions).
@@ -218,7 +250,9 @@ impl SceneTest {
     /// The choices that change the picture, as the command line has them.
     pub fn look(&self) -> LookArgs {
         let sets = self.set.iter().filter_map(|text| parse_assignment(text).ok()).collect();
-        LookArgs { gi: self.gi, camera: self.camera.clone(), sets, ..LookArgs::default() }
+        let Traced { samples, bounces, seed } = self.trace;
+        let trace = TraceArgs { spp: samples, bounces, seed };
+        LookArgs { gi: self.gi, camera: self.camera.clone(), sets, trace, ..LookArgs::default() }
     }
 
     /// The times at which there is a golden image.
@@ -245,6 +279,15 @@ impl SceneTest {
             require(ok, [key("size"), Step::Index(i)], &format!("{edge} pixels"), "use 1 to 16384 pixels")?;
         }
         require((1..=65536).contains(&self.aa), [key("aa")], &format!("`aa` is {}", self.aa), "use 1 to 65536 frames")?;
+        self.trace.check(&[key("trace")])?;
+        // The tracer filters over the pixel by itself.
+        let averaged = self.gi == Some(Gi::Reference) && self.aa > 1;
+        require(
+            !averaged,
+            [key("aa")],
+            "path-traced images need no `aa`",
+            "leave it out, or raise `trace: (samples: …)`",
+        )?;
         for (i, text) in self.set.iter().enumerate() {
             if let Err(message) = parse_assignment(text) {
                 return Err(Fault::new([key("set"), Step::Index(i)], format!("`{text}` sets nothing"), message));
@@ -265,6 +308,9 @@ impl SceneTest {
         for (i, bound) in self.expect.errors.iter().enumerate() {
             let path = expect(&[key("errors"), Step::Index(i)]);
             self.check_times(&path, bound.at.as_deref())?;
+            if let Reference::Traced(traced) = &bound.reference {
+                traced.check(&[path.clone(), vec![key("reference")]].concat())?;
+            }
             let max = [path, vec![key("max")]].concat();
             let any = bound.max.named().next().is_some();
             require(any, max.clone(), "no error is bounded", "bound one of nrmse, bias, rmse, p95 and flip")?;

@@ -2,7 +2,9 @@
 
 use super::document::ErrorBounds;
 use anyhow::{Context, Result};
-use lightwell::measure::{self, Comparison, Image, compare, difference_picture, read_image, write_image};
+use lightwell::measure::{
+    self, Comparison, Image, MeasureError, compare, difference_picture, read_image, two_halves, write_image,
+};
 use std::path::{Path, PathBuf};
 
 /// Where the pictures of a failure go.
@@ -83,7 +85,8 @@ pub enum GoldenVerdict {
     Wrong(String),
 }
 
-/// Compares what a screen shows with a golden image, or keeps it as the golden image if `bless` is set.
+/// Compares what a screen shows with a golden image. Where it does not match and `bless` is set, it becomes the golden
+/// image itself; one that matches is left alone, so that goldens do not drift.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -94,29 +97,26 @@ pub fn check_golden(
     bless: bool,
     pictures: &Pictures,
 ) -> Result<GoldenVerdict> {
-    let golden = file.is_file().then(|| read_image(file));
+    let (difference, golden) = match file.is_file().then(|| read_image(file)) {
+        None => (format!("there is no golden image {}", file.display()), None),
+        Some(Err(error)) => (format!("the golden image cannot be read: {error}"), None),
+        Some(Ok(golden)) => match compare(actual, &golden) {
+            Ok(comparison) if comparison.flip <= max_flip => return Ok(GoldenVerdict::Same),
+            Ok(comparison) => {
+                let flip = comparison.flip;
+                (format!("differs from {}: mean FLIP {flip:.4}, at most {max_flip}", file.display()), Some(golden))
+            }
+            Err(error) => (format!("differs from {}: {error}", file.display()), Some(golden)),
+        },
+    };
     if bless {
-        let same = matches!(&golden, Some(Ok(golden)) if golden.size() == actual.size() && golden.to_srgb8() == actual.to_srgb8());
-        return if same { Ok(GoldenVerdict::Same) } else { write_golden(actual, file) };
+        return write_golden(actual, file);
     }
-    let golden = match golden {
-        None => {
-            let see = pictures.write(&[("actual.png", actual)])?;
-            return Ok(GoldenVerdict::Wrong(format!(
-                "there is no golden image {}: {see}; {HOW_TO_BLESS}",
-                file.display()
-            )));
-        }
-        Some(Err(error)) => return Ok(GoldenVerdict::Wrong(format!("the golden image cannot be read: {error}"))),
-        Some(Ok(golden)) => golden,
+    let see = match &golden {
+        Some(golden) => pictures.write_shown(actual, golden)?,
+        None => pictures.write(&[("actual.png", actual)])?,
     };
-    let difference = match compare(actual, &golden) {
-        Ok(comparison) if comparison.flip <= max_flip => return Ok(GoldenVerdict::Same),
-        Ok(comparison) => format!("mean FLIP {:.4}, at most {max_flip}", comparison.flip),
-        Err(error) => error.to_string(),
-    };
-    let see = pictures.write_shown(actual, &golden)?;
-    Ok(GoldenVerdict::Wrong(format!("differs from {}: {difference}; {see}; {HOW_TO_BLESS}", file.display())))
+    Ok(GoldenVerdict::Wrong(format!("{difference}; {see}; {HOW_TO_BLESS}")))
 }
 
 const HOW_TO_BLESS: &str = "if it is as it should be, keep it with `lightwell test --bless` (or LIGHTWELL_BLESS=1)";
@@ -129,36 +129,61 @@ fn write_golden(actual: &Image, file: &Path) -> Result<GoldenVerdict> {
     Ok(GoldenVerdict::Blessed)
 }
 
-/// Measures radiance against a reference; what is out of bounds, in words.
+/// What an image is measured against.
+pub struct Expected {
+    /// Linear radiance.
+    pub image: Image,
+    /// Two independent halves of it, where it is known only up to noise.
+    pub halves: Option<[Image; 2]>,
+}
+
+/// Measures radiance against a reference; what is out of bounds, in words. Against two halves, `nrmse` and `rmse` are
+/// free of the reference's noise.
 ///
 /// # Errors
 /// If a picture cannot be written.
 pub fn check_errors(
     actual: &Image,
-    expected: &Image,
+    expected: &Expected,
     bounds: &ErrorBounds,
     pictures: &Pictures,
 ) -> Result<Option<String>> {
     let size = actual.size();
-    let Some(expected) = expected.reduced(size) else {
-        let [width, height] = expected.size();
+    let Some(reference) = expected.image.reduced(size) else {
+        let [width, height] = expected.image.size();
         return Ok(Some(format!(
             "the reference has {width}x{height} pixels, no whole multiple of {}x{}",
             size[0], size[1]
         )));
     };
-    let broken = match compare(actual, &expected) {
-        Ok(comparison) => broken_bounds(&comparison, bounds),
+    let broken = match measured(actual, &reference, expected.halves.as_ref()) {
+        Ok((comparison, noise)) => broken_bounds(&comparison, bounds, noise),
         Err(error) => vec![error.to_string()],
     };
     if broken.is_empty() {
         return Ok(None);
     }
-    let see = pictures.write_radiance(actual, &expected)?;
+    let see = pictures.write_radiance(actual, &reference)?;
     Ok(Some(format!("{}; {see}", broken.join(", "))))
 }
 
-fn broken_bounds(comparison: &Comparison, bounds: &ErrorBounds) -> Vec<String> {
+/// All metrics, and the noise of the reference where it is known.
+fn measured(
+    actual: &Image,
+    reference: &Image,
+    halves: Option<&[Image; 2]>,
+) -> Result<(Comparison, Option<f64>), MeasureError> {
+    let comparison = compare(actual, reference)?;
+    // Relative to black there is no noise; whether the image is black too is what counts.
+    let Some([first, second]) = halves.filter(|_| comparison.exactly_zero.is_none()) else {
+        return Ok((comparison, None));
+    };
+    let unbiased = two_halves(actual, first, second)?;
+    let rmse = unbiased.squared_error.max(0.0).sqrt();
+    Ok((Comparison { rmse, nrmse: unbiased.nrmse, ..comparison }, Some(unbiased.noise)))
+}
+
+fn broken_bounds(comparison: &Comparison, bounds: &ErrorBounds, noise: Option<f64>) -> Vec<String> {
     if comparison.exactly_zero == Some(false) {
         return vec!["the reference is black, but the image is not exactly zero".to_owned()];
     }
@@ -173,7 +198,11 @@ fn broken_bounds(comparison: &Comparison, bounds: &ErrorBounds) -> Vec<String> {
         // NaN is within no bound.
         (!(value.abs() <= bound)).then(|| format!("{name} {value:.4}, at most {bound}"))
     });
-    broken.collect()
+    let mut broken: Vec<String> = broken.collect();
+    if let (Some(last), Some(noise)) = (broken.last_mut(), noise) {
+        last.push_str(&format!(" (noise of the reference {noise:.4})"));
+    }
+    broken
 }
 
 /// Bits that differ between two runs, in words.
@@ -187,3 +216,7 @@ pub fn check_equal(first: &Image, second: &Image, pictures: &Pictures) -> Result
         "a second run, with fresh renderer and the times in reverse, differs in {count} pixels, first at column {x} of row {y}; {see}"
     )))
 }
+
+#[cfg(test)]
+#[path = "images_tests.rs"]
+mod tests;

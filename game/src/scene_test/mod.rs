@@ -38,6 +38,7 @@
 //! | `size` | width and height \[pixels\] | `(128, 128)` |
 //! | `camera` | name of a camera | the scene's primary one |
 //! | `gi` | method of indirect light, as for `--gi` | the scene's |
+//! | `trace` | samples, bounces and seed of `gi: Reference` | `(samples: 64)` and unlimited bounces |
 //! | `set` | changes to the loaded scene, as for `--set` | none |
 //! | `aa` | frames with shifted pixel grids that are averaged for an image | 1 |
 //!
@@ -46,8 +47,9 @@
 //! - `golden`: what a screen would show looks like `goldens/NAME_TIMEs.png` beside the test, up to a mean FLIP.
 //!   `lightwell test --bless` writes these images; look at them before they are committed.
 //! - `errors`: bounds on `nrmse`, `bias` (in size), `rmse`, `p95` and `flip` of the total, direct or indirect light,
-//!   measured on linear radiance ([`lightwell::measure`]) against a stored image. The image may be larger by a whole
-//!   factor; blocks of its pixels are then averaged.
+//!   measured on linear radiance ([`lightwell::measure`]) against a stored image, which may be larger by a whole factor
+//!   (blocks of its pixels are then averaged), or against the path tracer's image of the same view,
+//!   `Traced(samples: 256, bounces: 1, seed: 0)`; `nrmse` and `rmse` are then free of that image's own noise.
 //! - `frames`: passes of the frame that must have `ran`, be `cached`, `culled` or `skipped`, or must have `not_run` for
 //!   whatever reason; `idle`: none may run; and `counts` of `draws`, `dispatches`, `triangles`, `texels`, `cells`,
 //!   `lights`, `injections` and `bytes`, exact (`7`) or bounded (`(min: 5, max: 9)`). Names may hold `*` for any text; counts are

@@ -17,7 +17,7 @@ const BYTES_A_WORKER: u64 = 1 << 30;
 pub fn default_workers() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let kind = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
-    let free = System::new_with_specifics(kind).available_memory();
+    let free = System::new_with_specifics(kind).map_or(0, |system| system.available_memory());
     // Where the system does not tell, the cores decide.
     let fit = if free > 0 { usize::try_from(free / BYTES_A_WORKER).unwrap_or(cores) } else { cores };
     cores.min(fit).max(1)

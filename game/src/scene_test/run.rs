@@ -1,8 +1,8 @@
 //! Runs one scene test.
 
 use super::discover::TestCase;
-use super::document::{ErrorBound, FrameExpectation, Reference, SceneTest, Which, applies};
-use super::images::{self, GoldenVerdict, Pictures};
+use super::document::{ErrorBound, FrameExpectation, Reference, SceneTest, Traced, Which, applies};
+use super::images::{self, Expected, GoldenVerdict, Pictures};
 use super::{frames, place, place::Place};
 use crate::capture;
 use crate::cli::Common;
@@ -11,6 +11,7 @@ use anyhow::{Context, Error, Result};
 use lightwell::files::{FileError, FileErrorKind};
 use lightwell::gpu::Gpu;
 use lightwell::measure::{Image, read_image};
+use lightwell::render::reference::TraceSettings;
 use lightwell::render::{Layer, RenderSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
@@ -193,23 +194,46 @@ impl Stage<'_> {
     }
 
     fn check_error(&mut self, time: f64, image: &Image, bound: &ErrorBound, index: usize) -> Result<()> {
-        let Reference::Image(written) = &bound.reference;
-        let expected = match place::file(written, self.case.folder(), &self.options.common) {
-            Place::File(path) => read_image(&path).context("the reference")?,
-            Place::NotGiven(reason) => {
-                // Once, and not at every time.
-                if !self.findings.skips.contains(&reason) {
-                    self.findings.skips.push(reason);
-                }
-                return Ok(());
-            }
-        };
+        let Some((expected, against)) = self.expected(bound)? else { return Ok(()) };
         let name = bound.layer.name();
         let pictures = self.pictures(time, &format!("{name}_{index}"));
         if let Some(what) = images::check_errors(image, &expected, &bound.max, &pictures)? {
-            self.fault(time, &format!("{name} light against {written}: {what}"));
+            self.fault(time, &format!("{name} light against {against}: {what}"));
         }
         Ok(())
+    }
+
+    /// The reference, and what to call it; none if its folder is not given.
+    fn expected(&mut self, bound: &ErrorBound) -> Result<Option<(Expected, String)>> {
+        match &bound.reference {
+            Reference::Image(written) => match place::file(written, self.case.folder(), &self.options.common) {
+                Place::File(path) => {
+                    let image = read_image(&path).context("the reference")?;
+                    Ok(Some((Expected { image, halves: None }, written.clone())))
+                }
+                Place::NotGiven(reason) => {
+                    // Once, and not at every time.
+                    if !self.findings.skips.contains(&reason) {
+                        self.findings.skips.push(reason);
+                    }
+                    Ok(None)
+                }
+            },
+            Reference::Traced(traced) => self.trace(traced, bound.layer.layer()).map(Some),
+        }
+    }
+
+    fn trace(&mut self, traced: &Traced, layer: Layer) -> Result<(Expected, String)> {
+        let view = SceneView { camera: self.session.camera()?, size: self.test.size, jitter: [0.0; 2] };
+        let settings = TraceSettings { bounces: traced.bounces, seed: traced.seed };
+        let estimate = self.session.trace(&view, &settings, traced.samples, &mut |_| {})?;
+        let image = match layer {
+            Layer::Direct => estimate.direct(),
+            Layer::Indirect => estimate.indirect(),
+            _ => estimate.total(),
+        };
+        let expected = Expected { image, halves: Some(estimate.halves(layer)) };
+        Ok((expected, format!("{} traced samples a pixel", estimate.samples)))
     }
 
     /// Draws the time anew; the same bits must come out.
