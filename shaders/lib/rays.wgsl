@@ -1,46 +1,18 @@
 #define_import_path lightwell::rays
 
 // The scene as rays see it: group 1 of all passes that cast rays (engine/src/render/ray_scene/).
+//
+// Nodes and triangles lie in textures of integers: four words come with one fetch, which on some adapters costs a
+// quarter of the same words from a buffer. What a scene does not have is left out of the shader, since adapters that
+// run both sides of a branch would pay for it at every step:
+//   STACK      entries of the traversal stack
+//   TEXTURED   any material has a texture
+//   MASKED     any material's alpha is tested
 
+#import lightwell::gbuffer::decode_octahedral
 #import lightwell::lights::Light
 #import lightwell::mesh::normalize_or_zero
 
-struct Node {
-    low: vec3f,
-    first: u32,            // inner: first of two children; leaf: first triangle, or (top level) the instance
-    high: vec3f,
-    count: u32,            // of a leaf; 0: inner node
-}
-
-struct Triangle {
-    corner_a: vec3f,       // object space [m]
-    vertex_a: u32,
-    corner_b: vec3f,
-    vertex_b: u32,
-    corner_c: vec3f,
-    vertex_c: u32,
-}
-
-struct Vertex {
-    normal: vec3f,         // object space
-    u: f32,
-    tangent: vec4f,
-    v: f32,
-}
-
-struct Instance {
-    object_from_world: array<vec4f, 3>, // row by row
-    world_from_object: array<vec4f, 3>,
-    root: u32,
-    material: u32,
-    flags: u32,
-    first_emitter: u32,
-    first_triangle: u32,
-}
-
-const CASTS_SHADOW: u32 = 1u;
-const DOUBLE_SIDED: u32 = 2u;
-const MASKED: u32 = 4u;
 const NONE: u32 = 0xffffffffu;
 
 struct Material {
@@ -62,8 +34,8 @@ struct Material {
 struct Emitter {
     cumulative: f32,       // chance that it or one before it is chosen
     density: f32,          // its chance over its area [1/m²]
-    instance: u32,
-    triangle: u32,         // in the order of its mesh's leaves
+    triangle: u32,
+    pad: u32,
 }
 
 struct RayLight {
@@ -72,14 +44,53 @@ struct RayLight {
     indirect: u32,
 }
 
-@group(1) @binding(0) var<storage, read> nodes: array<Node>;
-@group(1) @binding(1) var<storage, read> triangles: array<Triangle>;
-@group(1) @binding(2) var<storage, read> vertices: array<Vertex>;
-@group(1) @binding(3) var<storage, read> instances: array<Instance>;
-@group(1) @binding(4) var<storage, read> materials: array<Material>;
-@group(1) @binding(5) var<storage, read> emitters: array<Emitter>;
-@group(1) @binding(6) var<storage, read> lights: array<RayLight>;
-@group(1) @binding(7) var atlas: texture_2d_array<f32>;
+// A node takes two texels: lower corner and link, upper corner and an unused word; the two children of a node lie
+// side by side. A link: number of triangles in the upper three bits, 0 for inner nodes; below them the first triangle
+// or the first child.
+@group(1) @binding(0) var nodes: texture_2d<u32>;
+// Three texels a triangle: a corner in world space [m], and a word: material and flags; emitter or NONE; primitive.
+@group(1) @binding(1) var triangles: texture_2d<u32>;
+// Three texels a triangle, one a corner: normal (octahedral), u, v, tangent (octahedral, sign of the bitangent).
+@group(1) @binding(2) var attributes: texture_2d<u32>;
+@group(1) @binding(3) var<storage, read> materials: array<Material>;
+@group(1) @binding(4) var<storage, read> emitters: array<Emitter>;
+@group(1) @binding(5) var<storage, read> lights: array<RayLight>;
+@group(1) @binding(6) var atlas: texture_2d_array<f32>;
+
+const LINK_BITS: u32 = 29u;
+const LINK_MASK: u32 = 0x1fffffffu;
+
+const MATERIAL_MASK: u32 = 0x1fffffffu;
+const CASTS_SHADOW: u32 = 0x20000000u;
+const DOUBLE_SIDED: u32 = 0x40000000u;
+const ALPHA_TESTED: u32 = 0x80000000u;
+
+struct Triangle {
+    corner_a: vec3f,       // world space [m], counter-clockwise seen from outside
+    corner_b: vec3f,
+    corner_c: vec3f,
+    material: u32,
+    flags: u32,
+    emitter: u32,          // or NONE
+}
+
+// Rows of 4096 texels hold 2048 nodes.
+fn node_texel(index: u32) -> vec2u {
+    return vec2u((2u * index) & 4095u, index >> 11u);
+}
+
+// Rows of 4096 texels hold 1365 triangles.
+fn triangle_texel(index: u32) -> vec2u {
+    return vec2u(3u * (index % 1365u), index / 1365u);
+}
+
+fn load_triangle(index: u32) -> Triangle {
+    let at = triangle_texel(index);
+    let a = textureLoad(triangles, at, 0);
+    let b = textureLoad(triangles, at + vec2u(1u, 0u), 0);
+    let c = textureLoad(triangles, at + vec2u(2u, 0u), 0);
+    return Triangle(bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz), a.w & MATERIAL_MASK, a.w, b.w);
+}
 
 // ---- Textures ----
 
@@ -110,6 +121,9 @@ fn texel_at(slot: vec4u, at: vec2i) -> vec4f {
 
 // The texture at full resolution, with its own filter and wrapping.
 fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
+#ifndef TEXTURED
+    return neutral;
+#else
     if slot.w == 0u {
         return neutral;
     }
@@ -125,6 +139,7 @@ fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
     let top = mix(texel_at(slot, low), texel_at(slot, low + vec2i(1, 0)), f.x);
     let bottom = mix(texel_at(slot, low + vec2i(0, 1)), texel_at(slot, low + vec2i(1, 1)), f.x);
     return mix(top, bottom, f.y);
+#endif
 }
 
 // ---- Traversal ----
@@ -141,8 +156,7 @@ struct Ray {
 
 struct Hit {
     t: f32,
-    instance: u32,         // NONE: nothing was met
-    triangle: u32,
+    triangle: u32,         // NONE: nothing was met
     barycentric: vec2f,    // of the second and third corner
 }
 
@@ -165,125 +179,108 @@ fn enter_box(low: vec3f, high: vec3f, origin: vec3f, inverse: vec3f, t_max: f32)
     return select(FAR, enter, enter <= min(leave, t_max));
 }
 
-fn to_object_point(i: u32, p: vec3f) -> vec3f {
-    let q = vec4f(p, 1.0);
-    return vec3f(
-        dot(instances[i].object_from_world[0], q), dot(instances[i].object_from_world[1], q), dot(instances[i].object_from_world[2], q),
-    );
+fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
+    let at = triangle_texel(triangle);
+    let a = bitcast<vec2f>(textureLoad(attributes, at, 0).yz);
+    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(1u, 0u), 0).yz);
+    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(2u, 0u), 0).yz);
+    return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
 }
 
-fn to_object_vector(i: u32, v: vec3f) -> vec3f {
-    return vec3f(
-        dot(instances[i].object_from_world[0].xyz, v),
-        dot(instances[i].object_from_world[1].xyz, v),
-        dot(instances[i].object_from_world[2].xyz, v),
-    );
-}
-
-fn hit_uv(triangle: u32, barycentric: vec2f) -> vec2f {
-    let a = triangles[triangle].vertex_a;
-    let b = triangles[triangle].vertex_b;
-    let c = triangles[triangle].vertex_c;
-    let w = 1.0 - barycentric.x - barycentric.y;
-    return w * vec2f(vertices[a].u, vertices[a].v) + barycentric.x * vec2f(vertices[b].u, vertices[b].v)
-        + barycentric.y * vec2f(vertices[c].u, vertices[c].v);
-}
-
-fn is_transparent(instance: u32, triangle: u32, barycentric: vec2f) -> bool {
-    let material = instances[instance].material;
-    let texel = sample_texture(materials[material].base_color_texture, hit_uv(triangle, barycentric), vec4f(1.0));
+fn is_transparent(triangle: u32, material: u32, barycentric: vec2f) -> bool {
+    let uv = interpolated_uv(triangle, barycentric);
+    let texel = sample_texture(materials[material].base_color_texture, uv, vec4f(1.0));
     return materials[material].base_color.a * texel.a < materials[material].alpha_cutoff;
 }
 
-// Entries that the deepest way through both levels needs; the host knows.
+// Entries that the deepest way through the tree needs; the host knows.
 #ifdef STACK
 const STACK_SIZE: u32 = #{STACK}u;
 #else
 const STACK_SIZE: u32 = 128u;
 #endif
 
-// One stack serves both levels: entries above `base` belong to the instance that the ray is in.
+// The inner loop goes down to a leaf before any lane looks into one (Aila and Laine 2009). Loops that are known to be
+// entered test at their end: adapters that run lanes in lockstep take a whole turn to find out at the start.
 fn trace(root: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
-    var hit = Hit(t_max, NONE, 0u, vec2f(0.0));
-    if root == NONE {
-        return hit;
-    }
+    var hit = Hit(t_max, NONE, vec2f(0.0));
     var stack: array<u32, STACK_SIZE>;
     var top = 0u;
-    var base = 0u;
-    var origin = ray.origin;
-    var direction = ray.direction;
-    var inverse = inverse_direction(direction);
-    var instance = NONE;
-    var current = root;
-    loop {
-        let node = nodes[current];
-        if node.count == 0u {
-            let left = nodes[node.first];
-            let right = nodes[node.first + 1u];
-            let a = enter_box(left.low, left.high, origin, inverse, hit.t);
-            let b = enter_box(right.low, right.high, origin, inverse, hit.t);
-            if min(a, b) < FAR {
+    let origin = ray.origin;
+    let direction = ray.direction;
+    let inverse = inverse_direction(direction);
+    // The link to look at next; NONE: nothing is left.
+    var link = root;
+    while link != NONE {
+        if link <= LINK_MASK {
+            loop {
+                let at = node_texel(link);
+                let left_low = textureLoad(nodes, at, 0);
+                let left_high = textureLoad(nodes, at + vec2u(1u, 0u), 0);
+                let right_low = textureLoad(nodes, at + vec2u(2u, 0u), 0);
+                let right_high = textureLoad(nodes, at + vec2u(3u, 0u), 0);
+                let a = enter_box(bitcast<vec3f>(left_low.xyz), bitcast<vec3f>(left_high.xyz), origin, inverse, hit.t);
+                let b = enter_box(bitcast<vec3f>(right_low.xyz), bitcast<vec3f>(right_high.xyz), origin, inverse, hit.t);
                 let right_first = b < a;
-                if max(a, b) < FAR && top < STACK_SIZE {
-                    stack[top] = select(node.first + 1u, node.first, right_first);
+                if max(a, b) < FAR {
+                    stack[top] = select(right_low.w, left_low.w, right_first);
                     top += 1u;
                 }
-                current = select(node.first, node.first + 1u, right_first);
-                continue;
+                link = select(left_low.w, right_low.w, right_first);
+                if min(a, b) >= FAR {
+                    link = NONE;
+                    if top > 0u {
+                        top -= 1u;
+                        link = stack[top];
+                    }
+                }
+                continuing {
+                    break if link > LINK_MASK;
+                }
             }
-        } else if instance == NONE {
-            let flags = instances[node.first].flags;
-            if kind == CAMERA || (flags & CASTS_SHADOW) != 0u {
-                instance = node.first;
-                base = top;
-                origin = to_object_point(instance, ray.origin);
-                direction = to_object_vector(instance, ray.direction);
-                inverse = inverse_direction(direction);
-                current = instances[instance].root;
-                continue;
-            }
-        } else {
-            for (var i = node.first; i < node.first + node.count; i++) {
+        }
+        if link != NONE {
+            var i = link & LINK_MASK;
+            let end = i + (link >> LINK_BITS);
+            loop {
                 // Möller and Trumbore 1997, without any tolerance.
-                let edge_b = triangles[i].corner_b - triangles[i].corner_a;
-                let edge_c = triangles[i].corner_c - triangles[i].corner_a;
+                let triangle = load_triangle(i);
+                let edge_b = triangle.corner_b - triangle.corner_a;
+                let edge_c = triangle.corner_c - triangle.corner_a;
                 let p = cross(direction, edge_c);
                 let determinant = dot(edge_b, p);
                 let r = 1.0 / determinant;
-                let s = origin - triangles[i].corner_a;
+                let s = origin - triangle.corner_a;
                 let u = dot(s, p) * r;
                 let q = cross(s, edge_b);
                 let v = dot(direction, q) * r;
                 let t = dot(edge_c, q) * r;
-                if determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t {
-                    let flags = instances[instance].flags;
-                    // Seen from the front the determinant is positive.
-                    if kind == CAMERA && determinant < 0.0 && (flags & DOUBLE_SIDED) == 0u {
-                        continue;
-                    }
-                    if (flags & MASKED) != 0u && is_transparent(instance, i, vec2f(u, v)) {
-                        continue;
-                    }
-                    hit = Hit(t, instance, i, vec2f(u, v));
-                    if kind == SHADOW {
-                        return hit;
-                    }
+                // Seen from the front the determinant is positive.
+                let counts = select(
+                    (triangle.flags & CASTS_SHADOW) != 0u,
+                    determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
+                    kind == CAMERA,
+                );
+                var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
+#ifdef MASKED
+                if met && (triangle.flags & ALPHA_TESTED) != 0u {
+                    met = !is_transparent(i, triangle.material, vec2f(u, v));
+                }
+#endif
+                if met {
+                    hit = Hit(t, i, vec2f(u, v));
+                }
+                continuing {
+                    i += 1u;
+                    break if i >= end;
                 }
             }
+            link = NONE;
+            if top > 0u && (kind != SHADOW || hit.triangle == NONE) {
+                top -= 1u;
+                link = stack[top];
+            }
         }
-        if top == base && instance != NONE {
-            instance = NONE;
-            base = 0u;
-            origin = ray.origin;
-            direction = ray.direction;
-            inverse = inverse_direction(direction);
-        }
-        if top == 0u {
-            break;
-        }
-        top -= 1u;
-        current = stack[top];
     }
     return hit;
 }
@@ -300,84 +297,77 @@ struct Surface {
     alpha: f32,            // GGX α = roughness²
     emissive: vec3f,       // radiance towards the ray [W/(m² sr)]
     error: f32,            // how far rounding may have moved the position [m]
+    emitter: u32,          // or NONE
     visible: bool,         // false: the back of a single-sided surface
 }
 
-fn to_world_point(i: u32, p: vec3f) -> vec3f {
-    let q = vec4f(p, 1.0);
-    return vec3f(
-        dot(instances[i].world_from_object[0], q), dot(instances[i].world_from_object[1], q), dot(instances[i].world_from_object[2], q),
-    );
-}
-
-fn to_world_vector(i: u32, v: vec3f) -> vec3f {
-    return vec3f(
-        dot(instances[i].world_from_object[0].xyz, v),
-        dot(instances[i].world_from_object[1].xyz, v),
-        dot(instances[i].world_from_object[2].xyz, v),
-    );
-}
-
-// By the cofactor matrix, with the sign of the determinant taken out: mirrored objects keep their outside.
-fn to_world_normal(i: u32, n: vec3f) -> vec3f {
-    let a = instances[i].world_from_object[0].xyz;
-    let b = instances[i].world_from_object[1].xyz;
-    let c = instances[i].world_from_object[2].xyz;
-    let bc = cross(b, c);
-    let mirrored = select(1.0, -1.0, dot(a, bc) < 0.0);
-    return normalize_or_zero(mirrored * vec3f(dot(bc, n), dot(cross(c, a), n), dot(cross(a, b), n)));
-}
-
-// Upper bound of the rounding of a world position, relative to all terms that went into it.
-fn position_error(i: u32, object: vec3f) -> f32 {
-    let q = vec4f(abs(object), 1.0);
-    let x = dot(abs(instances[i].world_from_object[0]), q);
-    let y = dot(abs(instances[i].world_from_object[1]), q);
-    let z = dot(abs(instances[i].world_from_object[2]), q);
-    return max(x, max(y, z)) * 0x1p-20f;
+// As `encode_direction` of ray_scene/geometry.rs; zero for no direction.
+fn decode_direction(code: u32) -> vec3f {
+    if code == 0u {
+        return vec3f(0.0);
+    }
+    return decode_octahedral((vec2f(vec2u(code & 0xffffu, code >> 16u)) - 32768.0) / 32767.0);
 }
 
 fn surface_at(hit: Hit, direction: vec3f) -> Surface {
-    let triangle = triangles[hit.triangle];
-    let i = hit.instance;
+    let triangle = load_triangle(hit.triangle);
     let w = 1.0 - hit.barycentric.x - hit.barycentric.y;
-    let object = w * triangle.corner_a + hit.barycentric.x * triangle.corner_b + hit.barycentric.y * triangle.corner_c;
     var surface: Surface;
-    surface.position = to_world_point(i, object);
-    surface.error = position_error(i, object);
-    let outward = to_world_normal(i, cross(triangle.corner_b - triangle.corner_a, triangle.corner_c - triangle.corner_a));
+    surface.position = w * triangle.corner_a + hit.barycentric.x * triangle.corner_b + hit.barycentric.y * triangle.corner_c;
+    let largest = max(abs(triangle.corner_a), max(abs(triangle.corner_b), abs(triangle.corner_c)));
+    surface.error = max(largest.x, max(largest.y, largest.z)) * 0x1p-20f;
+    let outward = normalize_or_zero(cross(triangle.corner_b - triangle.corner_a, triangle.corner_c - triangle.corner_a));
     let back = dot(outward, direction) > 0.0;
     let turn = select(1.0, -1.0, back);
     surface.geometric_normal = turn * outward;
+    surface.emitter = triangle.emitter;
 
-    let material = materials[instances[i].material];
-    surface.visible = !back || material.double_sided != 0u;
-    let a = vertices[triangle.vertex_a];
-    let b = vertices[triangle.vertex_b];
-    let c = vertices[triangle.vertex_c];
-    let uv = w * vec2f(a.u, a.v) + hit.barycentric.x * vec2f(b.u, b.v) + hit.barycentric.y * vec2f(c.u, c.v);
-    let base = material.base_color * sample_texture(material.base_color_texture, uv, vec4f(1.0));
-    let metallic_roughness = sample_texture(material.metallic_roughness_texture, uv, vec4f(1.0));
-    let metallic = saturate(material.metallic * metallic_roughness.b);
-    let dielectric = min(0.04 * material.specular_color, vec3f(1.0)) * material.specular;
+    let at = triangle_texel(hit.triangle);
+    let a = textureLoad(attributes, at, 0);
+    let b = textureLoad(attributes, at + vec2u(1u, 0u), 0);
+    let c = textureLoad(attributes, at + vec2u(2u, 0u), 0);
+#ifdef TEXTURED
+    let uv = w * bitcast<vec2f>(a.yz) + hit.barycentric.x * bitcast<vec2f>(b.yz) + hit.barycentric.y * bitcast<vec2f>(c.yz);
+#else
+    let uv = vec2f(0.0);
+#endif
+    let material = triangle.material;
+    let base = materials[material].base_color * sample_texture(materials[material].base_color_texture, uv, vec4f(1.0));
+    surface.visible = !back || (triangle.flags & DOUBLE_SIDED) != 0u;
+    surface.albedo = base.rgb;
+#ifdef SPECULAR
+    let metallic_roughness = sample_texture(materials[material].metallic_roughness_texture, uv, vec4f(1.0));
+    let metallic = saturate(materials[material].metallic * metallic_roughness.b);
+    let specular = materials[material].specular;
+    let dielectric = min(0.04 * materials[material].specular_color, vec3f(1.0)) * specular;
     surface.albedo = base.rgb * (1.0 - metallic);
     surface.normal_reflectance = mix(dielectric, base.rgb, metallic);
-    surface.grazing_reflectance = mix(material.specular, 1.0, metallic);
-    let roughness = saturate(material.roughness * metallic_roughness.g);
+    surface.grazing_reflectance = mix(specular, 1.0, metallic);
+    let roughness = saturate(materials[material].roughness * metallic_roughness.g);
     surface.alpha = max(roughness * roughness, 1e-3);
-    surface.emissive = material.emissive;
-    if any(material.emissive > vec3f(0.0)) {
-        surface.emissive *= sample_texture(material.emissive_texture, uv, vec4f(1.0)).rgb;
+#endif
+    surface.emissive = materials[material].emissive;
+#ifdef TEXTURED
+    if any(surface.emissive > vec3f(0.0)) {
+        surface.emissive *= sample_texture(materials[material].emissive_texture, uv, vec4f(1.0)).rgb;
     }
+#endif
 
-    let interpolated = w * a.normal + hit.barycentric.x * b.normal + hit.barycentric.y * c.normal;
-    var n = turn * to_world_normal(i, interpolated);
+    let interpolated = w * decode_direction(a.x) + hit.barycentric.x * decode_direction(b.x)
+        + hit.barycentric.y * decode_direction(c.x);
+    var n = turn * normalize_or_zero(interpolated);
     if all(n == vec3f(0.0)) {
         n = surface.geometric_normal;
-    } else if material.normal_texture.w != 0u && material.normal_scale != 0.0 {
-        let tangent = w * a.tangent + hit.barycentric.x * b.tangent + hit.barycentric.y * c.tangent;
-        n = bent_normal(n, to_world_vector(i, tangent.xyz), tangent.w, sample_texture(material.normal_texture, uv, vec4f(0.5, 0.5, 1.0, 1.0)).xyz, material.normal_scale);
     }
+#ifdef TEXTURED
+    if materials[material].normal_texture.w != 0u && materials[material].normal_scale != 0.0 {
+        let tangent = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
+            + hit.barycentric.y * decode_direction(c.w & ~1u);
+        let handedness = select(1.0, -1.0, (a.w & 1u) != 0u);
+        let sampled = sample_texture(materials[material].normal_texture, uv, vec4f(0.5, 0.5, 1.0, 1.0)).xyz;
+        n = bent_normal(n, tangent, handedness, sampled, materials[material].normal_scale);
+    }
+#endif
     surface.normal = n;
     return surface;
 }

@@ -3,12 +3,13 @@
 // A vertex of a path gathers light in two ways: next-event estimation towards the lights and towards the emissive
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
-// passes. Direct light is what comes straight from the lights to the surface that the camera sees, with that
+// passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): EMITTERS, any surface emits
+// light; SPECULAR, any is not purely diffuse. Direct light is what comes straight from the lights to the surface that the camera sees, with that
 // surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
-#import lightwell::lights::light_incidence
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, trace, surface_at, leave_surface, to_world_point, hit_uv, sample_texture, instances, triangles, materials, emitters, lights}
+#import lightwell::lights::{Incidence, light_incidence}
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, surface_at, leave_surface, load_triangle, interpolated_uv, sample_texture, materials, emitters, lights}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
 struct Trace {
@@ -81,6 +82,9 @@ fn camera_path(pixel: vec2u, random: ptr<function, Sampler>) -> Path {
 
 // Chance to sample the specular lobe.
 fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
+#ifndef SPECULAR
+    return 0.0;
+#else
     let n_dot_v = dot(surface.normal, to_eye);
     if n_dot_v <= 0.0 {
         return 0.0;
@@ -92,11 +96,15 @@ fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
         return 0.0;
     }
     return select(clamp(specular / (specular + diffuse), 0.1, 0.9), 1.0, diffuse <= 0.0);
+#endif
 }
 
 // Density with which `sample_direction` gives a direction [1/sr].
 fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
     let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
+#ifndef SPECULAR
+    return diffuse;
+#else
     if share <= 0.0 {
         return diffuse;
     }
@@ -107,13 +115,16 @@ fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f
     let d = distribution_ggx(surface.normal, h, surface.alpha);
     let specular = d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
     return mix(diffuse, specular, share);
+#endif
 }
 
 fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
+#ifdef SPECULAR
     if choice < share {
         let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
         return reflect(-to_eye, h);
     }
+#endif
     return cosine_direction(surface.normal, random);
 }
 
@@ -122,9 +133,13 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
     if dot(surface.geometric_normal, direction) <= 0.0 {
         return vec3f(0.0);
     }
+#ifndef SPECULAR
+    return surface.albedo * (max(0.0, dot(surface.normal, direction)) * INVERSE_PI);
+#else
     return eval_brdf_cosine(
         surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
     );
+#endif
 }
 
 // ---- Next-event estimation ----
@@ -134,9 +149,10 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
 fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) {
     let is_direct = (*path).vertices == 1u;
     var total = 0.0;
-    var chosen = 0u;
+    var chosen: Incidence;
     var chosen_weight = 0.0;
     var chosen_light = vec3f(0.0);
+    var casts_shadow = false;
     var pick = 0.0;
     if params.light_count > 1u {
         pick = next_pair(random).x;
@@ -159,7 +175,8 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
         let chance = weight / total;
         if pick < chance {
             pick /= chance;
-            chosen = i;
+            chosen = incidence;
+            casts_shadow = lights[i].casts_shadow != 0u;
             chosen_weight = weight;
             chosen_light = light;
         } else {
@@ -169,19 +186,20 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
     if chosen_weight <= 0.0 {
         return;
     }
-    if lights[chosen].casts_shadow != 0u {
-        let incidence = light_incidence(lights[chosen].light, surface.position);
-        let origin = leave_surface(surface, incidence.to_light);
+    if casts_shadow {
+        let origin = leave_surface(surface, chosen.to_light);
         // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
-        let offset = select(lights[chosen].light.position - origin, incidence.to_light, incidence.distance == 0.0);
-        let reach = select(1.0, 3e38, incidence.distance == 0.0);
-        if trace(params.root, Ray(origin, offset), reach, SHADOW).instance != NONE {
+        let is_far = chosen.distance == 0.0;
+        let offset = surface.position + chosen.to_light * chosen.distance - origin;
+        let ray = Ray(origin, select(offset, chosen.to_light, is_far));
+        if trace(params.root, ray, select(1.0, 3e38, is_far), SHADOW).triangle != NONE {
             return;
         }
     }
     add(path, chosen_light * (total / chosen_weight), is_direct);
 }
 
+#ifdef EMITTERS
 fn choose_emitter(random: f32) -> u32 {
     var low = 0u;
     var high = params.emitter_count - 1u;
@@ -196,26 +214,22 @@ fn choose_emitter(random: f32) -> u32 {
     return low;
 }
 
-fn emitted_at(instance: u32, triangle: u32, barycentric: vec2f) -> vec3f {
-    let material = instances[instance].material;
-    let texel = sample_texture(materials[material].emissive_texture, hit_uv(triangle, barycentric), vec4f(1.0));
-    return materials[material].emissive * texel.rgb;
+fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
+    let uv = interpolated_uv(triangle, barycentric);
+    return materials[material].emissive * sample_texture(materials[material].emissive_texture, uv, vec4f(1.0)).rgb;
 }
 
 fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
     let choice = next_pair(random);
-    let place = next_pair(random);
+    let on_triangle = next_pair(random);
     let emitter = emitters[choose_emitter(choice.x)];
-    if emitter.density <= 0.0 {
-        return;
-    }
-    let triangle = instances[emitter.instance].first_triangle + emitter.triangle;
+    let triangle = load_triangle(emitter.triangle);
     // Uniform over the triangle (Turk 1990).
-    let root = sqrt(place.x);
-    let barycentric = vec2f(root * (1.0 - place.y), root * place.y);
-    let a = to_world_point(emitter.instance, triangles[triangle].corner_a);
-    let b = to_world_point(emitter.instance, triangles[triangle].corner_b);
-    let c = to_world_point(emitter.instance, triangles[triangle].corner_c);
+    let root = sqrt(on_triangle.x);
+    let barycentric = vec2f(root * (1.0 - on_triangle.y), root * on_triangle.y);
+    let a = triangle.corner_a;
+    let b = triangle.corner_b;
+    let c = triangle.corner_c;
     let place_on = a + barycentric.x * (b - a) + barycentric.y * (c - a);
     let offset = place_on - surface.position;
     let distance_squared = dot(offset, offset);
@@ -225,9 +239,8 @@ fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share
     let direction = offset * inverseSqrt(distance_squared);
     let response = reflected(surface, to_eye, direction);
     let outward = cross(b - a, c - a);
-    let mirrored = is_mirrored(emitter.instance);
-    let facing = -dot(outward, direction) / length(outward) * select(1.0, -1.0, mirrored);
-    let both_sides = materials[instances[emitter.instance].material].double_sided != 0u;
+    let facing = -dot(outward, direction) / length(outward);
+    let both_sides = (triangle.flags & DOUBLE_SIDED) != 0u;
     let cosine = select(facing, abs(facing), both_sides);
     if cosine <= 0.0 || all(response <= vec3f(0.0)) {
         return;
@@ -235,19 +248,14 @@ fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share
     // Solid angle of the triangle's area as seen from here.
     let density = emitter.density * distance_squared / cosine;
     let origin = leave_surface(surface, direction);
-    if trace(params.root, Ray(origin, place_on - origin), 0.9999, SHADOW).instance != NONE {
+    if trace(params.root, Ray(origin, place_on - origin), 0.9999, SHADOW).triangle != NONE {
         return;
     }
     let weight = density / (density + direction_density(surface, to_eye, direction, share));
-    add(path, response * emitted_at(emitter.instance, triangle, barycentric) * (weight / density), false);
+    add(path, response * emitted_at(emitter.triangle, triangle.material, barycentric) * (weight / density), false);
 }
 
-fn is_mirrored(i: u32) -> bool {
-    let a = instances[i].world_from_object[0].xyz;
-    let b = instances[i].world_from_object[1].xyz;
-    let c = instances[i].world_from_object[2].xyz;
-    return dot(a, cross(b, c)) < 0.0;
-}
+#endif
 
 // Emission of a surface that a path met, weighted against `add_emitter` of the vertex before.
 fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
@@ -258,14 +266,15 @@ fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
         add(path, surface.emissive, true);
         return;
     }
-    let first = instances[hit.instance].first_emitter;
     var weight = 1.0;
-    if first != NONE {
-        let per_area = emitters[first + hit.triangle - instances[hit.instance].first_triangle].density;
+#ifdef EMITTERS
+    if surface.emitter != NONE {
+        let per_area = emitters[surface.emitter].density;
         // The ray's direction is of unit length here.
         let density = per_area * hit.t * hit.t / max(1e-20, abs(dot(surface.geometric_normal, (*path).ray.direction)));
         weight = (*path).density / ((*path).density + density);
     }
+#endif
     add(path, surface.emissive * weight, false);
 }
 
@@ -286,7 +295,7 @@ fn survives(path: ptr<function, Path>, random: f32) -> bool {
 fn extend(path: ptr<function, Path>, random: ptr<function, Sampler>) -> bool {
     let kind = select(LIGHT, CAMERA, (*path).vertices == 0u);
     let hit = trace(params.root, (*path).ray, (*path).reach, kind);
-    if hit.instance == NONE {
+    if hit.triangle == NONE {
         add(path, params.sky, (*path).vertices == 0u);
         return false;
     }
@@ -303,9 +312,9 @@ fn extend(path: ptr<function, Path>, random: ptr<function, Sampler>) -> bool {
         return false;
     }
     let share = specular_share(surface, to_eye);
-    if params.emitter_count > 0u {
-        add_emitter(path, surface, to_eye, share, random);
-    }
+#ifdef EMITTERS
+    add_emitter(path, surface, to_eye, share, random);
+#endif
     let choice = next_pair(random);
     let direction = sample_direction(surface, to_eye, share, choice.x, next_pair(random));
     let density = direction_density(surface, to_eye, direction, share);

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchies: which of many boxes a ray may meet.
 //!
-//! Built on the CPU with the surface area heuristic and used there ([`MeshBvh`], [`SceneBvh`]) and, as the same
-//! nodes, on the device. There are two levels: one hierarchy a mesh, in object space, and one over the instances of
-//! a scene, so that a moved object costs a few nodes and no triangle.
+//! Built on the CPU with the surface area heuristic, over the triangles of a mesh ([`MeshBvh`], in object space) or of
+//! a whole scene ([`SceneBvh`], in world space, where moved objects have the boxes fitted anew). Used on the CPU and,
+//! with the same boxes, on the device.
 
 mod build;
 mod mesh;
@@ -13,7 +13,8 @@ mod tests;
 
 pub use mesh::{MeshBvh, MeshHit};
 pub use ray::{Ray, intersect_triangle};
-pub use scene::{Instance, RayKind, SceneBvh, SceneHit, TracedMesh};
+pub use scene::{RayKind, SceneBvh, SceneHit, SceneTriangle, Updated};
+pub(crate) use scene::{vertex_indices, world_normal};
 
 use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};
@@ -23,7 +24,7 @@ use glam::Vec3;
 /// traversal stacks are sized by it.
 pub const MAX_DEPTH: u32 = 48;
 
-/// A node, 32 bytes: `Node` of `lib/rays.wgsl`. The two children of an inner node lie side by side.
+/// A node. The two children of an inner node lie side by side.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Node {

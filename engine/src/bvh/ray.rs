@@ -1,7 +1,7 @@
 //! Rays, and what they meet.
 
 use crate::scene::Aabb;
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 /// A ray: the points `origin + t·direction` with `t` from 0 on. The direction need not be of unit length; distances
 /// are in its units, so that they stay the same under a change of space.
@@ -25,14 +25,6 @@ impl Ray {
     /// The point at `t`.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
-    }
-
-    /// The same ray in another space; `t` means the same points.
-    pub fn transformed(&self, target_from_source: &Affine3A) -> Self {
-        Self::new(
-            target_from_source.transform_point3(self.origin),
-            target_from_source.transform_vector3(self.direction),
-        )
     }
 
     /// Where the ray enters the box (0 if it starts inside), if it does so before `t_max`. The far side is moved out

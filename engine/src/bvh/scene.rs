@@ -1,11 +1,18 @@
-//! The hierarchy over the instances of a scene, in world space.
+//! The hierarchy over all triangles of a scene, in world space.
+//!
+//! One level, not two: rays that cross many overlapping objects are twice as fast, and every static triangle is
+//! transformed once. Moved objects have the boxes above them fitted anew.
 
-use super::{Bvh, MeshBvh, MeshHit, Ray};
-use crate::assets::{AssetId, Mesh, Vertex};
-use crate::scene::{Aabb, Scene};
+use super::{Bvh, Ray, intersect_triangle};
+use crate::assets::AssetId;
+use crate::scene::{Aabb, Primitive, Scene, SceneId};
 use glam::{Affine3A, Vec3};
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Most triangles of a leaf.
+const LEAF_SIZE: usize = 4;
+/// A refitted tree that costs so many times what it did when it was built is built anew.
+const WORN_OUT: f32 = 1.5;
 
 /// What a ray is for, which decides what it can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,23 +23,15 @@ pub enum RayKind {
     Light,
 }
 
-/// A mesh at its place.
-#[derive(Clone, Debug)]
-pub struct Instance {
+/// A triangle of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneTriangle {
+    /// Corners in world space \[m\], counter-clockwise seen from outside (whether its object is mirrored or not).
+    pub corners: [Vec3; 3],
     /// Index in [`Scene::primitives`].
     pub primitive: u32,
-    /// Index in [`SceneBvh::meshes`].
-    pub mesh: u32,
-    /// Object from world space.
-    pub object_from_world: Affine3A,
-    /// World from the space of the mesh's hierarchy.
-    pub world_from_object: Affine3A,
-    /// World bounds.
-    pub bounds: Aabb,
-    /// Whether light meets it; else only the camera does.
-    pub casts_shadow: bool,
-    /// Whether the camera sees its back faces.
-    pub double_sided: bool,
+    /// Index in the primitive's mesh.
+    pub triangle: u32,
 }
 
 /// Where a ray meets a scene.
@@ -40,158 +39,228 @@ pub struct Instance {
 pub struct SceneHit {
     /// Distance in units of the ray's direction.
     pub t: f32,
-    /// Index of the instance.
-    pub instance: u32,
-    /// Where on its mesh.
-    pub mesh: MeshHit,
+    /// Index in [`SceneBvh::triangles`].
+    pub triangle: u32,
+    /// Barycentric coordinates of the second and third corner.
+    pub barycentric: [f32; 2],
 }
 
-/// All surfaces of a scene, ready for rays. [`SceneBvh::update`] does only what a change needs: moved objects cost a
-/// new top level, and a mesh is built once.
+/// What the last [`SceneBvh::update`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Updated {
+    /// Nothing had changed.
+    #[default]
+    Nothing,
+    /// Boxes were fitted to moved triangles.
+    Refitted,
+    /// The tree was built.
+    Built,
+}
+
+/// All surfaces of a scene, ready for rays.
 #[derive(Debug, Default)]
 pub struct SceneBvh {
-    /// The meshes that the instances use.
-    pub meshes: Vec<Arc<TracedMesh>>,
-    /// Instances, in the order of the scene's primitives. Those that no ray can meet are left out.
-    pub instances: Vec<Instance>,
-    /// The hierarchy over the instances; each leaf holds one.
-    pub top: Bvh,
-    built: HashMap<AssetId, Arc<TracedMesh>>,
+    /// Triangles, in the order of the scene's primitives and of their meshes.
+    pub triangles: Vec<SceneTriangle>,
+    /// The hierarchy over them.
+    pub bvh: Bvh,
+    /// How long the last update took.
+    pub update_time: Duration,
+    flags: Vec<Flags>,
+    sources: Vec<Source>,
+    built_cost: f32,
 }
 
-/// A mesh with its hierarchy.
-#[derive(Debug)]
-pub struct TracedMesh {
-    /// Its vertices and triangles.
-    pub mesh: Arc<Mesh>,
-    /// The hierarchy over its triangles.
-    pub bvh: MeshBvh,
+/// Per primitive: what rays may do with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Flags {
+    casts_shadow: bool,
+    double_sided: bool,
 }
 
-impl TracedMesh {
-    fn new(mesh: Arc<Mesh>) -> Arc<Self> {
-        let bvh = MeshBvh::new(&mesh);
-        Arc::new(Self { mesh, bvh })
-    }
+/// Where the triangles of a primitive come from.
+#[derive(Clone, Debug, PartialEq)]
+struct Source {
+    id: SceneId,
+    mesh: AssetId,
+    world_from_object: Affine3A,
+    first: usize,
 }
 
 impl SceneBvh {
-    /// The hierarchies of a scene.
+    /// The hierarchy of a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut bvh = Self::default();
         bvh.update(scene);
         bvh
     }
 
-    /// Brings everything up to date with the scene.
-    pub fn update(&mut self, scene: &Scene) {
-        let used: HashMap<AssetId, &Arc<Mesh>> = scene.primitives.iter().map(|p| (p.mesh.id, &p.mesh)).collect();
-        self.built.retain(|id, _| used.contains_key(id));
-        self.meshes.clear();
-        self.instances.clear();
-        let mut places: HashMap<AssetId, u32> = HashMap::new();
+    /// Brings everything up to date with the scene. If the same primitives have only moved, the tree is kept and its
+    /// boxes are fitted to them, unless that has made it too slow.
+    pub fn update(&mut self, scene: &Scene) -> Updated {
+        let start = Instant::now();
+        let flags = |p: &Primitive| Flags { casts_shadow: p.casts_shadow, double_sided: p.material.double_sided };
+        self.flags = scene.primitives.iter().map(flags).collect();
+        let same = self.sources.len() == scene.primitives.len()
+            && self.sources.iter().zip(&scene.primitives).all(|(s, p)| s.id == p.id && s.mesh == p.mesh.id);
+        let updated = if same && !self.sources.is_empty() { self.refit(scene) } else { self.rebuild(scene) };
+        self.update_time = start.elapsed();
+        updated
+    }
+
+    fn rebuild(&mut self, scene: &Scene) -> Updated {
+        self.triangles.clear();
+        self.sources.clear();
         for (primitive, index) in scene.primitives.iter().zip(0..) {
-            let built = self.built.entry(primitive.mesh.id).or_insert_with(|| TracedMesh::new(primitive.mesh.clone()));
-            let world_from_object = primitive.world_from_object;
-            let (mesh, world_from_object, object_from_world) = match inverse(&world_from_object) {
-                Some(inverse) => {
-                    let meshes = &mut self.meshes;
-                    let mesh = *places.entry(primitive.mesh.id).or_insert_with(|| push(meshes, built.clone()));
-                    (mesh, world_from_object, inverse)
-                }
-                // A transform that flattens has no inverse: the triangles themselves go to world space.
-                None => {
-                    let flat =
-                        push(&mut self.meshes, TracedMesh::new(Arc::new(moved(&built.mesh, &world_from_object))));
-                    (flat, Affine3A::IDENTITY, Affine3A::IDENTITY)
-                }
-            };
-            let Some(root) = self.meshes[mesh as usize].bvh.bvh.nodes.first() else { continue };
-            let bounds = root.bounds().transformed(&world_from_object);
-            self.instances.push(Instance {
-                primitive: index,
-                mesh,
-                object_from_world,
-                world_from_object,
-                bounds: grown(&bounds),
-                casts_shadow: primitive.casts_shadow,
-                double_sided: primitive.material.double_sided,
+            self.sources.push(Source {
+                id: primitive.id,
+                mesh: primitive.mesh.id,
+                world_from_object: primitive.world_from_object,
+                first: self.triangles.len(),
             });
+            let count = primitive.mesh.triangle_count() as u32;
+            self.triangles.extend((0..count).map(|triangle| SceneTriangle {
+                corners: world_corners(primitive, triangle),
+                primitive: index,
+                triangle,
+            }));
         }
-        let boxes: Vec<Aabb> = self.instances.iter().map(|instance| instance.bounds).collect();
-        self.top = Bvh::new(&boxes, 1);
+        self.build()
+    }
+
+    fn build(&mut self) -> Updated {
+        self.bvh = Bvh::new(&self.boxes(), LEAF_SIZE);
+        self.built_cost = self.bvh.cost();
+        Updated::Built
+    }
+
+    fn refit(&mut self, scene: &Scene) -> Updated {
+        let mut moved = false;
+        for (source, primitive) in self.sources.iter_mut().zip(&scene.primitives) {
+            if source.world_from_object == primitive.world_from_object {
+                continue;
+            }
+            moved = true;
+            source.world_from_object = primitive.world_from_object;
+            let count = primitive.mesh.triangle_count();
+            for triangle in &mut self.triangles[source.first..source.first + count] {
+                triangle.corners = world_corners(primitive, triangle.triangle);
+            }
+        }
+        if !moved {
+            return Updated::Nothing;
+        }
+        let boxes = self.boxes();
+        // Boxes that were empty at the building are in no leaf.
+        let placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
+        if placed != self.bvh.order.len() {
+            return self.build();
+        }
+        self.bvh.refit(&boxes);
+        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build() } else { Updated::Refitted }
+    }
+
+    fn boxes(&self) -> Vec<Aabb> {
+        let bounds = |triangle: &SceneTriangle| {
+            if triangle.corners.iter().all(|corner| corner.is_finite()) {
+                Aabb::from_points(triangle.corners)
+            } else {
+                Aabb::EMPTY
+            }
+        };
+        self.triangles.iter().map(bounds).collect()
     }
 
     /// The nearest surface that the ray meets before `t_max`. Alpha is not looked at.
     pub fn closest_hit(&self, ray: &Ray, t_max: f32, kind: RayKind) -> Option<SceneHit> {
         let mut closest: Option<SceneHit> = None;
-        self.top.traverse(ray, t_max, |index, bound| {
-            let instance = &self.instances[index as usize];
-            if kind == RayKind::Light && !instance.casts_shadow {
-                return bound;
+        self.bvh.traverse(ray, t_max, |index, bound| match self.meets(ray, index, bound, kind) {
+            Some(hit) => {
+                closest = Some(hit);
+                hit.t
             }
-            let local = ray.transformed(&instance.object_from_world);
-            let mesh = &self.meshes[instance.mesh as usize].bvh;
-            let culled = kind == RayKind::Camera && !instance.double_sided;
-            let seen = |hit: &MeshHit| !culled || is_front(mesh.corners()[hit.triangle as usize], &local);
-            match mesh.closest_hit(&local, bound, seen) {
-                Some(hit) => {
-                    closest = Some(SceneHit { t: hit.t, instance: index, mesh: hit });
-                    hit.t
-                }
-                None => bound,
-            }
+            None => bound,
         });
         closest
     }
 
     /// Whether anything that casts shadows lies on the ray before `t_max`.
     pub fn is_blocked(&self, ray: &Ray, t_max: f32) -> bool {
-        self.closest_hit(ray, t_max, RayKind::Light).is_some()
+        let mut blocked = false;
+        self.bvh.traverse(ray, t_max, |index, bound| {
+            blocked |= self.meets(ray, index, bound, RayKind::Light).is_some();
+            // Nothing lies before the ray's start: a bound below it ends the search.
+            if blocked { -1.0 } else { bound }
+        });
+        blocked
+    }
+
+    fn meets(&self, ray: &Ray, index: u32, bound: f32, kind: RayKind) -> Option<SceneHit> {
+        let triangle = &self.triangles[index as usize];
+        let (t, u, v) = intersect_triangle(ray, triangle.corners, bound)?;
+        let flags = self.flags[triangle.primitive as usize];
+        let counts = match kind {
+            RayKind::Light => flags.casts_shadow,
+            RayKind::Camera => flags.double_sided || triangle.is_front(ray),
+        };
+        counts.then_some(SceneHit { t, triangle: index, barycentric: [u, v] })
     }
 }
 
-/// Whether the ray meets the side from which the corners run counter-clockwise.
-fn is_front(corners: [Vec3; 3], ray: &Ray) -> bool {
-    (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(ray.direction) < 0.0
+impl SceneTriangle {
+    /// Normal, as long as twice the area \[m²\].
+    pub fn area_normal(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+
+    /// Whether the ray meets the side from which the corners run counter-clockwise.
+    pub fn is_front(&self, ray: &Ray) -> bool {
+        self.area_normal().dot(ray.direction) < 0.0
+    }
 }
 
-fn push(meshes: &mut Vec<Arc<TracedMesh>>, mesh: Arc<TracedMesh>) -> u32 {
-    meshes.push(mesh);
-    meshes.len() as u32 - 1
+/// Corners of a triangle of the primitive's mesh in world space. A mirroring transform turns the order around, so that
+/// outside stays outside.
+fn world_corners(primitive: &Primitive, triangle: u32) -> [Vec3; 3] {
+    let mut corners = std::array::from_fn(|corner| {
+        let vertex = &primitive.mesh.vertices[corner_index(primitive, triangle, corner)];
+        primitive.world_from_object.transform_point3(vertex.position.into())
+    });
+    if is_mirrored(&primitive.world_from_object) {
+        corners.swap(1, 2);
+    }
+    corners
 }
 
-/// The inverse, where there is one to speak of: the volume of the transformed unit cube against the product of its
-/// edges tells how flat it is.
-fn inverse(transform: &Affine3A) -> Option<Affine3A> {
-    let m = transform.matrix3;
-    let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    let flatness = m.determinant().abs() / edges;
-    let inverse = transform.inverse();
-    // The negated comparison is true for NaN.
-    if !(flatness > 1e-6) || !inverse.is_finite() { None } else { Some(inverse) }
+/// Whether a transform turns the inside out.
+fn is_mirrored(transform: &Affine3A) -> bool {
+    transform.matrix3.determinant() < 0.0
 }
 
-/// The mesh with its vertices in the target space. Normals go by the cofactor matrix, which singular transforms have
-/// too.
-fn moved(mesh: &Mesh, transform: &Affine3A) -> Mesh {
+fn corner_index(primitive: &Primitive, triangle: u32, corner: usize) -> usize {
+    primitive.mesh.indices[3 * triangle as usize + corner] as usize
+}
+
+/// Indices of a triangle's vertices in its mesh, in the order of [`SceneTriangle::corners`].
+pub(crate) fn vertex_indices(primitive: &Primitive, triangle: u32) -> [usize; 3] {
+    let mut indices = std::array::from_fn(|corner| corner_index(primitive, triangle, corner));
+    if is_mirrored(&primitive.world_from_object) {
+        indices.swap(1, 2);
+    }
+    indices
+}
+
+/// World normal of an object's normal, by the cofactor matrix, which singular transforms have too; the sign of the
+/// determinant is taken out, so that mirrored objects keep their outside. Zero stays zero.
+pub(crate) fn world_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
     let m = transform.matrix3;
     let (x, y, z) = (Vec3::from(m.x_axis), Vec3::from(m.y_axis), Vec3::from(m.z_axis));
-    let normal = |n: Vec3| (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).normalize_or_zero();
-    let vertex = |vertex: &Vertex| {
-        let tangent = transform.transform_vector3(Vec3::from_slice(&vertex.tangent[..3])).normalize_or_zero();
-        Vertex {
-            position: transform.transform_point3(vertex.position.into()).to_array(),
-            normal: normal(vertex.normal.into()).to_array(),
-            tangent: tangent.extend(vertex.tangent[3]).to_array(),
-            uv: vertex.uv,
-        }
-    };
-    Mesh::new(mesh.name.clone(), mesh.vertices.iter().map(vertex).collect(), mesh.indices.clone())
-}
-
-/// A little larger than computed: the corners that rays meet are rounded on another way than the box is.
-fn grown(bounds: &Aabb) -> Aabb {
-    let margin = 4.0 * f32::EPSILON * bounds.min.abs().max(bounds.max.abs());
-    Aabb { min: bounds.min - margin, max: bounds.max + margin }
+    let cofactor = y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z;
+    let largest = cofactor.abs().max_element();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return Vec3::ZERO;
+    }
+    let unit = (cofactor / largest).normalize_or_zero();
+    if is_mirrored(transform) { -unit } else { unit }
 }

@@ -153,17 +153,16 @@ fn primitive(id: u64, mesh: &Arc<Mesh>, transform: Affine3A) -> Primitive {
 }
 
 #[test]
-fn instances_share_a_mesh_and_hits_come_in_world_space() {
+fn hits_come_in_world_space_and_backs_are_for_light_alone() {
     let cube = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().unwrap());
     let at = |x: f32| Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), Quat::IDENTITY, Vec3::X * x);
     let scene =
         Scene { primitives: vec![primitive(1, &cube, at(5.0)), primitive(2, &cube, at(9.0))], ..Scene::default() };
     let bvh = SceneBvh::new(&scene);
-    assert_eq!(bvh.meshes.len(), 1);
     let ray = Ray::new(Vec3::new(0.0, 0.1, 0.2), Vec3::X);
     let hit = bvh.closest_hit(&ray, f32::INFINITY, RayKind::Light).unwrap();
-    assert_eq!((hit.t, hit.instance), (4.0, 0));
-    assert!(!bvh.is_blocked(&ray, 3.9));
+    assert_eq!((hit.t, bvh.triangles[hit.triangle as usize].primitive), (4.0, 0));
+    assert!(bvh.is_blocked(&ray, 4.1) && !bvh.is_blocked(&ray, 3.9));
     // From inside, the camera looks through the back face and meets the next cube.
     let inside = Ray::new(Vec3::new(5.0, 0.1, 0.2), Vec3::X);
     assert_eq!(bvh.closest_hit(&inside, f32::INFINITY, RayKind::Camera).map(|hit| hit.t), Some(3.0));
@@ -182,4 +181,26 @@ fn flattened_and_mirrored_objects_are_met() {
     assert_eq!(bvh.closest_hit(&down, f32::INFINITY, RayKind::Light).map(|hit| hit.t), Some(4.0));
     let up = Ray::new(Vec3::new(0.2, -8.0, 0.1), Vec3::Y);
     assert_eq!(bvh.closest_hit(&up, f32::INFINITY, RayKind::Camera).map(|hit| hit.t), Some(4.5));
+}
+
+#[test]
+fn moved_objects_are_refitted_until_that_is_too_slow() {
+    let cube = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().unwrap());
+    let place = |i: u64| Affine3A::from_translation(Vec3::X * 3.0 * i as f32);
+    let primitives = (0..20).map(|i| primitive(i, &cube, place(i))).collect();
+    let mut scene = Scene { primitives, ..Scene::default() };
+    let mut bvh = SceneBvh::new(&scene);
+    assert_eq!(bvh.update(&scene), Updated::Nothing);
+    scene.primitives[3].world_from_object.translation.y += 0.5;
+    assert_eq!(bvh.update(&scene), Updated::Refitted);
+    let down = Ray::new(Vec3::new(9.0, 5.0, 0.1), Vec3::NEG_Y);
+    assert_eq!(bvh.closest_hit(&down, f32::INFINITY, RayKind::Light).map(|hit| hit.t), Some(4.0));
+    // All change places: neighbours in the tree lie far from one another.
+    for (index, primitive) in scene.primitives.iter_mut().enumerate() {
+        primitive.world_from_object = place((index as u64 * 7) % 20);
+    }
+    assert_eq!(bvh.update(&scene), Updated::Built);
+    scene.primitives.remove(5);
+    assert_eq!(bvh.update(&scene), Updated::Built);
+    assert_eq!(bvh.triangles.len(), 19 * 12);
 }

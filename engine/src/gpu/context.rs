@@ -101,7 +101,8 @@ const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::RG11B10UFLOAT_RENDERABLE)
     .union(wgpu::Features::DEPTH_CLIP_CONTROL)
     .union(wgpu::Features::SHADER_F16)
-    .union(wgpu::Features::CLEAR_TEXTURE);
+    .union(wgpu::Features::CLEAR_TEXTURE)
+    .union(wgpu::Features::SUBGROUP);
 
 impl Gpu {
     /// Opens a device without a window.

@@ -7,11 +7,10 @@ use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
 use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
-use super::ray_scene::{Emitter, RayInstance, RayLight, RayMaterial, RayTriangle, RayVertex};
+use super::ray_scene::{Emitter, RayLight, RayMaterial};
 use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
-use crate::bvh::Node;
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use encase::ShaderType;
 
@@ -45,10 +44,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, TraceUniform::min_size().get(), "reference/path_trace.wgsl", "Trace");
     check(&gpu, ResolveUniform::min_size().get(), "reference/resolve.wgsl", "Resolve");
     let rays = "reference/path_trace.wgsl";
-    check(&gpu, size_of::<Node>() as u64, rays, "Node");
-    check(&gpu, size_of::<RayTriangle>() as u64, rays, "Triangle");
-    check(&gpu, size_of::<RayVertex>() as u64, rays, "Vertex");
-    check(&gpu, size_of::<RayInstance>() as u64, rays, "Instance");
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");
     check(&gpu, RayLight::min_size().get(), rays, "RayLight");

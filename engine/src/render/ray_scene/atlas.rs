@@ -33,6 +33,10 @@ impl Atlas {
         &self.view
     }
 
+    pub(super) fn holds_textures(&self) -> bool {
+        !self.slots.is_empty()
+    }
+
     pub(super) fn slot(&self, texture: AssetId) -> Slot {
         self.slots.get(&texture).copied().unwrap_or([0; 4])
     }

@@ -5,7 +5,7 @@ use crate::assets::{AssetId, Texture};
 use crate::bvh::SceneBvh;
 use crate::scene::{Primitive, Scene};
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -17,64 +17,56 @@ pub(crate) struct Emitter {
     cumulative: f32,
     /// Chance of this triangle over its area [1/m²].
     density: f32,
-    instance: u32,
-    /// In the order of the leaves of its mesh.
+    /// Place of the triangle in the order of the leaves.
     triangle: u32,
+    padding: u32,
 }
 
 /// All emitters of a scene.
 pub(super) struct Emitters {
-    /// Ordered by instance, then as the mesh's leaves are.
+    /// In the order of the leaves.
     pub(super) list: Vec<Emitter>,
-    /// For each instance its first emitter, or [`NONE`].
-    pub(super) first: Vec<u32>,
+    /// For each triangle in the order of the leaves its emitter, or [`NONE`].
+    pub(super) of_triangle: Vec<u32>,
 }
 
-/// Finds them; each is chosen in proportion to the flux that it sends out, area times mean radiance.
+/// Finds them; each is chosen in proportion to the flux that it sends out, area times mean radiance. `mean_colors`
+/// keeps what takes its time to find.
 pub(super) fn collect(scene: &Scene, bvh: &SceneBvh, mean_colors: &mut HashMap<AssetId, Vec3>) -> Emitters {
-    let mut list = Vec::new();
-    let mut first = Vec::with_capacity(bvh.instances.len());
+    let radiance: Vec<f32> = scene.primitives.iter().map(|p| mean_radiance(p, mean_colors)).collect();
+    let mut found = Vec::new();
+    let mut of_triangle = vec![NONE; bvh.bvh.order.len()];
     let mut total = 0.0_f64;
-    for (instance, index) in bvh.instances.iter().zip(0..) {
-        let radiance = mean_radiance(&scene.primitives[instance.primitive as usize], mean_colors);
-        if !(radiance > 0.0) || !instance.casts_shadow {
-            first.push(NONE);
-            continue;
-        }
-        first.push(list.len() as u32);
-        let mesh = &bvh.meshes[instance.mesh as usize].bvh;
-        for (&triangle, place) in mesh.bvh.order.iter().zip(0..) {
-            let area = world_area(mesh.corners()[triangle as usize], &instance.world_from_object);
-            // Without area there is nothing to sample, and the density has no meaning.
-            let flux = if area > 0.0 { f64::from(radiance) * f64::from(area) } else { 0.0 };
+    for (place, &index) in bvh.bvh.order.iter().enumerate() {
+        let triangle = &bvh.triangles[index as usize];
+        let area = 0.5 * triangle.area_normal().length();
+        let radiance = radiance[triangle.primitive as usize];
+        let flux = f64::from(radiance) * f64::from(area);
+        // Without area there is nothing to sample, and the density has no meaning.
+        if flux > 0.0 && flux.is_finite() {
             total += flux;
-            list.push((flux, area, total, index, place));
+            of_triangle[place] = found.len() as u32;
+            found.push((flux, f64::from(area), total, place as u32));
         }
     }
-    let share = |value: f64| if total > 0.0 { (value / total) as f32 } else { 0.0 };
-    let emitter = |&(flux, area, sum, instance, triangle): &(f64, f32, f64, u32, u32)| Emitter {
-        cumulative: share(sum),
-        density: if flux > 0.0 { (flux / total / f64::from(area)) as f32 } else { 0.0 },
-        instance,
+    let emitter = |(flux, area, sum, triangle): (f64, f64, f64, u32)| Emitter {
+        cumulative: (sum / total) as f32,
+        density: (flux / total / area) as f32,
         triangle,
+        padding: 0,
     };
-    Emitters { list: list.iter().map(emitter).collect(), first }
+    Emitters { list: found.into_iter().map(emitter).collect(), of_triangle }
 }
 
-/// Largest channel of the mean emitted radiance, bounded so that sums over all triangles stay finite.
+/// Largest channel of the mean emitted radiance; zero for what only the camera sees. Bounded so that sums over all
+/// triangles stay finite.
 fn mean_radiance(primitive: &Primitive, mean_colors: &mut HashMap<AssetId, Vec3>) -> f32 {
     let material = &primitive.material;
-    if !(material.emissive.max_element() > 0.0) {
+    if !(material.emissive.max_element() > 0.0) || !primitive.casts_shadow {
         return 0.0;
     }
-    let mut mean = |texture: &Arc<Texture>| *mean_colors.entry(texture.id).or_insert_with(|| texture.mean_color());
-    let texture = material.emissive_texture.as_ref().map_or(Vec3::ONE, &mut mean);
+    let mean = |texture: &Arc<Texture>| *mean_colors.entry(texture.id).or_insert_with(|| texture.mean_color());
+    let texture = material.emissive_texture.as_ref().map_or(Vec3::ONE, mean);
     let radiance = (material.emissive * texture).max_element();
     if radiance.is_finite() { radiance.min(1e30) } else { 0.0 }
-}
-
-fn world_area(corners: [Vec3; 3], world_from_object: &Affine3A) -> f32 {
-    let [a, b, c] = corners.map(|corner| world_from_object.transform_point3(corner));
-    let area = 0.5 * (b - a).cross(c - a).length();
-    if area.is_finite() { area } else { 0.0 }
 }

@@ -1,201 +1,189 @@
-//! Nodes, triangles, vertices and instances in the layouts of `lib/rays.wgsl`.
+//! Nodes and triangles in the layouts of `lib/rays.wgsl`.
 
+use super::RayError;
 use super::materials::GpuMaterials;
-use super::{RayError, check_size};
-use crate::assets::AssetId;
-use crate::bvh::{Instance, Node, SceneBvh, TracedMesh};
+use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
 use crate::scene::Scene;
-use bytemuck::{Pod, Zeroable};
-use glam::Affine3A;
-use std::sync::Arc;
+use glam::{Affine3A, Vec2, Vec3};
 
-/// Flags of an instance.
-const CASTS_SHADOW: u32 = 1;
-const DOUBLE_SIDED: u32 = 2;
-const MASKED: u32 = 4;
+/// Flags of a triangle, above the index of its material.
+const CASTS_SHADOW: u32 = 1 << 29;
+const DOUBLE_SIDED: u32 = 1 << 30;
+const MASKED: u32 = 1 << 31;
 
-/// Stands for "no emitters".
+/// Stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// `Triangle` of `lib/rays.wgsl`: three corners in object space with the indices of their vertices.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct RayTriangle {
-    /// Bits of the position, and the index of the vertex.
-    corners: [[u32; 4]; 3],
+/// Texels of a row of all these textures.
+const ROW: u32 = 4096;
+/// Bits of a link below the number of triangles.
+const LINK_BITS: u32 = 29;
+
+/// Four words.
+type Texel = [u32; 4];
+
+/// A texture of four words a texel.
+struct Words {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
 }
 
-/// `Vertex` of `lib/rays.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct RayVertex {
-    normal: [f32; 3],
-    u: f32,
-    tangent: [f32; 4],
-    v: f32,
-    padding: [f32; 3],
-}
+impl Words {
+    fn new(gpu: &Gpu, label: &str, rows: u32) -> Self {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Self { view: texture.create_view(&Default::default()), texture }
+    }
 
-/// `Instance` of `lib/rays.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(crate) struct RayInstance {
-    object_from_world: [[f32; 4]; 3],
-    world_from_object: [[f32; 4]; 3],
-    root: u32,
-    material: u32,
-    flags: u32,
-    first_emitter: u32,
-    first_triangle: u32,
-    padding: [u32; 3],
-}
-
-/// Where a mesh lies in the shared buffers.
-#[derive(Clone, Copy)]
-struct Place {
-    root: u32,
-    first_triangle: u32,
+    /// Writes all of it; makes it anew if it is of another size.
+    fn upload(&mut self, gpu: &Gpu, label: &str, what: &'static str, texels: &mut Vec<Texel>) -> Result<(), RayError> {
+        texels.resize(texels.len().next_multiple_of(ROW as usize).max(ROW as usize), Texel::default());
+        let rows = texels.len() as u32 / ROW;
+        let limit = gpu.limits.max_texture_dimension_2d;
+        if rows > limit {
+            let mebibytes = |rows: u32| (16 * u64::from(ROW) * u64::from(rows)).div_ceil(1 << 20);
+            return Err(RayError::TooLarge { what, needed: mebibytes(rows), limit: mebibytes(limit) });
+        }
+        if self.texture.height() != rows {
+            *self = Self::new(gpu, label, rows);
+        }
+        gpu.queue.write_texture(
+            self.texture.as_image_copy(),
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW), rows_per_image: Some(rows) },
+            wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
+        );
+        Ok(())
+    }
 }
 
 /// Geometry on the device.
 pub(super) struct GpuGeometry {
-    pub(super) nodes: wgpu::Buffer,
-    pub(super) triangles: wgpu::Buffer,
-    pub(super) vertices: wgpu::Buffer,
-    pub(super) instances: wgpu::Buffer,
-    /// Where the top level begins.
+    nodes: Words,
+    triangles: Words,
+    attributes: Words,
+    /// Link to the root.
     pub(super) root: u32,
-    /// Meshes that are in the buffers, and where.
-    meshes: Vec<AssetId>,
-    places: Vec<Place>,
-    /// Nodes that there is room for after those of the meshes.
-    room: usize,
 }
 
 impl GpuGeometry {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        let empty = |label| gpu.storage(label, &[0.0_f32; 32], wgpu::BufferUsages::empty());
         Self {
-            nodes: empty("ray nodes"),
-            triangles: empty("ray triangles"),
-            vertices: empty("ray vertices"),
-            instances: empty("ray instances"),
-            root: 0,
-            meshes: Vec::new(),
-            places: Vec::new(),
-            room: 0,
+            nodes: Words::new(gpu, "ray nodes", 1),
+            triangles: Words::new(gpu, "ray triangles", 1),
+            attributes: Words::new(gpu, "ray attributes", 1),
+            root: NONE,
         }
     }
 
-    /// Uploads what changed: the meshes only if they are others than before.
+    pub(super) fn nodes(&self) -> &wgpu::TextureView {
+        &self.nodes.view
+    }
+
+    pub(super) fn triangles(&self) -> &wgpu::TextureView {
+        &self.triangles.view
+    }
+
+    pub(super) fn attributes(&self) -> &wgpu::TextureView {
+        &self.attributes.view
+    }
+
+    /// Uploads all triangles in the order of the leaves. `emitters` gives each its emitter, or [`NONE`].
     pub(super) fn update(
         &mut self,
         gpu: &Gpu,
         scene: &Scene,
         bvh: &SceneBvh,
         materials: &GpuMaterials,
-        first_emitters: &[u32],
+        emitters: &[u32],
     ) -> Result<(), RayError> {
-        let meshes: Vec<AssetId> = bvh.meshes.iter().map(|mesh| mesh.mesh.id).collect();
-        if meshes != self.meshes || bvh.top.nodes.len() > self.room {
-            self.meshes.clear();
-            self.upload_meshes(gpu, bvh)?;
-            self.meshes = meshes;
-        }
-        let place = |(instance, &first_emitter): (&Instance, &u32)| {
-            let Place { root, first_triangle } = self.places[instance.mesh as usize];
-            let primitive = &scene.primitives[instance.primitive as usize];
+        let (mut nodes, root) = nodes_of(&bvh.bvh);
+        self.nodes.upload(gpu, "ray nodes", "hierarchies", &mut nodes)?;
+        self.root = root;
+        let (mut triangles, mut attributes) = (Vec::new(), Vec::new());
+        for (&index, &emitter) in bvh.bvh.order.iter().zip(emitters) {
+            let triangle = &bvh.triangles[index as usize];
+            let primitive = &scene.primitives[triangle.primitive as usize];
             let material = materials.index(primitive.material.id);
             let flag = |set: bool, flag: u32| if set { flag } else { 0 };
-            RayInstance {
-                object_from_world: rows(&instance.object_from_world),
-                world_from_object: rows(&instance.world_from_object),
-                root,
-                material,
-                flags: flag(instance.casts_shadow, CASTS_SHADOW)
-                    | flag(instance.double_sided, DOUBLE_SIDED)
-                    | flag(materials.is_masked(material), MASKED),
-                first_emitter,
-                first_triangle,
-                padding: [0; 3],
-            }
-        };
-        let mut instances: Vec<RayInstance> = bvh.instances.iter().zip(first_emitters).map(place).collect();
-        // A binding holds one element at least.
-        instances.resize(instances.len().max(1), RayInstance::zeroed());
-        check_size(gpu, "instances", size_of_val(instances.as_slice()) as u64)?;
-        self.instances = gpu.storage("ray instances", &instances, wgpu::BufferUsages::empty());
-        let top: Vec<Node> = bvh.top.nodes.iter().map(|node| self.top_node(node, &bvh.top.order)).collect();
-        gpu.queue.write_buffer(
-            &self.nodes,
-            u64::from(self.root) * size_of::<Node>() as u64,
-            bytemuck::cast_slice(&top),
-        );
-        Ok(())
-    }
-
-    /// Leaves of the top level name their one instance.
-    fn top_node(&self, node: &Node, order: &[u32]) -> Node {
-        let first = if node.count > 0 { order[node.first as usize] } else { self.root + node.first };
-        Node { first, ..*node }
-    }
-
-    fn upload_meshes(&mut self, gpu: &Gpu, bvh: &SceneBvh) -> Result<(), RayError> {
-        let (mut nodes, mut triangles, mut vertices) = (Vec::new(), Vec::new(), Vec::new());
-        self.places.clear();
-        for mesh in &bvh.meshes {
-            self.places.push(append(mesh, &mut nodes, &mut triangles, &mut vertices));
+            let head = material
+                | flag(primitive.casts_shadow, CASTS_SHADOW)
+                | flag(primitive.material.double_sided, DOUBLE_SIDED)
+                | flag(materials.is_masked(material), MASKED);
+            let words = [head, emitter, triangle.primitive];
+            // Rows end before a triangle would be cut in two.
+            pad_row(&mut triangles);
+            pad_row(&mut attributes);
+            triangles.extend(triangle.corners.iter().zip(words).map(|(corner, word)| {
+                let [x, y, z] = corner.to_array().map(f32::to_bits);
+                [x, y, z, word]
+            }));
+            let vertices = vertex_indices(primitive, triangle.triangle).map(|vertex| &primitive.mesh.vertices[vertex]);
+            let transform = &primitive.world_from_object;
+            attributes.extend(vertices.map(|vertex| {
+                let normal = encode_direction(world_normal(transform, vertex.normal.into()));
+                let [u, v] = vertex.uv.map(f32::to_bits);
+                [normal, u, v, encode_tangent(transform, vertex.tangent)]
+            }));
         }
-        self.root = nodes.len() as u32;
-        self.room = (2 * bvh.instances.len()).max(1);
-        nodes.resize(nodes.len() + self.room, Node::default());
-        triangles.resize(triangles.len().max(1), RayTriangle::zeroed());
-        vertices.resize(vertices.len().max(1), RayVertex::zeroed());
-        check_size(gpu, "hierarchies", size_of_val(nodes.as_slice()) as u64)?;
-        check_size(gpu, "triangles", size_of_val(triangles.as_slice()) as u64)?;
-        check_size(gpu, "vertices", size_of_val(vertices.as_slice()) as u64)?;
-        self.nodes = gpu.storage("ray nodes", &nodes, wgpu::BufferUsages::COPY_DST);
-        self.triangles = gpu.storage("ray triangles", &triangles, wgpu::BufferUsages::empty());
-        self.vertices = gpu.storage("ray vertices", &vertices, wgpu::BufferUsages::empty());
-        Ok(())
+        self.triangles.upload(gpu, "ray triangles", "triangles", &mut triangles)?;
+        self.attributes.upload(gpu, "ray attributes", "triangles", &mut attributes)
     }
 }
 
-/// Appends a mesh to the shared arrays: triangles in the order of the leaves.
-fn append(
-    mesh: &Arc<TracedMesh>,
-    nodes: &mut Vec<Node>,
-    triangles: &mut Vec<RayTriangle>,
-    vertices: &mut Vec<RayVertex>,
-) -> Place {
-    let place = Place { root: nodes.len() as u32, first_triangle: triangles.len() as u32 };
-    let first_vertex = vertices.len() as u32;
-    let bvh = &mesh.bvh.bvh;
-    nodes.extend(bvh.nodes.iter().map(|node| {
-        let base = if node.count > 0 { place.first_triangle } else { place.root };
-        Node { first: base + node.first, ..*node }
-    }));
-    triangles.extend(bvh.order.iter().map(|&triangle| {
-        let corners = mesh.bvh.corners()[triangle as usize];
-        let indices = &mesh.mesh.indices[3 * triangle as usize..];
-        let corner = |i: usize| {
-            let [x, y, z] = corners[i].to_array().map(f32::to_bits);
-            [x, y, z, first_vertex + indices[i]]
-        };
-        RayTriangle { corners: [corner(0), corner(1), corner(2)] }
-    }));
-    vertices.extend(mesh.mesh.vertices.iter().map(|vertex| RayVertex {
-        normal: vertex.normal,
-        u: vertex.uv[0],
-        tangent: vertex.tangent,
-        v: vertex.uv[1],
-        padding: [0.0; 3],
-    }));
-    place
+/// Rows hold 1365 triangles; the last texel of each stays empty.
+fn pad_row(texels: &mut Vec<Texel>) {
+    if texels.len() % ROW as usize == (ROW - 1) as usize {
+        texels.push(Texel::default());
+    }
 }
 
-fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
-    let m = transform;
-    std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]])
+/// All nodes but the root, and the link to it. The children of a node are met by one look at both, so that the root,
+/// which has no sibling, is not stored: node k lies at k − 1, and pairs of children start at even places. The box of a
+/// tree that is a single leaf is tested nowhere, which costs little.
+fn nodes_of(bvh: &Bvh) -> (Vec<Texel>, u32) {
+    let link = |node: &Node| match node.count {
+        0 => node.first - 1,
+        count => node.first | count << LINK_BITS,
+    };
+    let Some((root, rest)) = bvh.nodes.split_first() else { return (Vec::new(), NONE) };
+    let texels = rest.iter().flat_map(|node| {
+        let ([ax, ay, az], [bx, by, bz]) = (node.min.map(f32::to_bits), node.max.map(f32::to_bits));
+        [[ax, ay, az, link(node)], [bx, by, bz, 0]]
+    });
+    (texels.collect(), link(root))
+}
+
+/// Octahedral coordinates of a unit vector (Cigolle et al. 2014) in −1..1.
+fn octahedral(n: Vec3) -> Vec2 {
+    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
+    let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
+    if n.z >= 0.0 { p } else { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) }
+}
+
+/// Two 16-bit octahedral coordinates, 0x7fff being zero as in the G-buffer; all zero for no direction.
+fn encode_direction(n: Vec3) -> u32 {
+    if n == Vec3::ZERO || !n.is_finite() {
+        return 0;
+    }
+    let [x, y] = octahedral(n).to_array().map(|v| (v * 32767.0).round() as i32 + 32768);
+    x as u32 | (y as u32) << 16
+}
+
+/// As a direction, but the lowest bit says that the bitangent is turned around.
+fn encode_tangent(transform: &Affine3A, [x, y, z, handedness]: [f32; 4]) -> u32 {
+    let tangent = transform.transform_vector3(Vec3::new(x, y, z)).normalize_or_zero();
+    if tangent == Vec3::ZERO {
+        return 0;
+    }
+    encode_direction(tangent) & !1 | u32::from(handedness < 0.0)
 }

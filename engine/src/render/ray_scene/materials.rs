@@ -59,18 +59,20 @@ pub(super) struct GpuMaterials {
     pub(super) buffer: wgpu::Buffer,
     indices: HashMap<AssetId, u32>,
     masked: Vec<bool>,
+    specular: bool,
 }
 
 impl GpuMaterials {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
-        Self { buffer, indices: HashMap::new(), masked: Vec::new() }
+        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false }
     }
 
     /// Uploads all materials of the scene.
     pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
         self.indices.clear();
         self.masked.clear();
+        self.specular = scene.primitives.iter().any(|p| p.material.specular != 0.0 || p.material.metallic != 0.0);
         let mut list = Vec::new();
         for primitive in &scene.primitives {
             let material = &primitive.material;
@@ -88,6 +90,15 @@ impl GpuMaterials {
 
     pub(super) fn index(&self, material: AssetId) -> u32 {
         self.indices.get(&material).copied().unwrap_or(0)
+    }
+
+    pub(super) fn any_masked(&self) -> bool {
+        self.masked.contains(&true)
+    }
+
+    /// Whether any material is not purely diffuse.
+    pub(super) fn any_specular(&self) -> bool {
+        self.specular
     }
 
     pub(super) fn is_masked(&self, index: u32) -> bool {

@@ -9,7 +9,7 @@ mod materials;
 
 use crate::assets::AssetId;
 use crate::bvh::SceneBvh;
-use crate::gpu::{Binding, Gpu};
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::render::light_uniform::LightUniform;
 use crate::scene::{Scene, SceneLight};
 use atlas::Atlas;
@@ -20,11 +20,7 @@ use materials::GpuMaterials;
 use std::collections::HashMap;
 
 #[cfg(test)]
-pub(crate) use {
-    emitters::Emitter,
-    geometry::{RayInstance, RayTriangle, RayVertex},
-    materials::RayMaterial,
-};
+pub(crate) use {emitters::Emitter, materials::RayMaterial};
 
 /// Why a scene cannot be traced on this device.
 #[derive(Debug, thiserror::Error)]
@@ -106,8 +102,7 @@ impl RayScene {
         }
     }
 
-    /// Brings the device up to date with the scene. Costs nothing if nothing changed; moved objects cost the top
-    /// level, new ones their own mesh.
+    /// Brings the device up to date with the scene. Costs nothing if nothing changed.
     ///
     /// # Errors
     /// If the scene is larger than the device can bind.
@@ -124,7 +119,7 @@ impl RayScene {
             self.atlas.update(gpu, scene)?;
             self.materials.update(gpu, scene, &self.atlas)?;
             let emitters = emitters::collect(scene, &self.bvh, &mut self.mean_colors);
-            self.geometry.update(gpu, scene, &self.bvh, &self.materials, &emitters.first)?;
+            self.geometry.update(gpu, scene, &self.bvh, &self.materials, &emitters.of_triangle)?;
             self.emitter_count = emitters.list.len() as u32;
             self.emitters = gpu.storage("emitters", &emitters.list, wgpu::BufferUsages::empty());
         }
@@ -135,29 +130,31 @@ impl RayScene {
         Ok(())
     }
 
-    /// Index of the root of the hierarchy over the instances; `u32::MAX` if there is nothing to meet.
+    /// Link to the root of the hierarchy; `u32::MAX` if there is nothing to meet.
     pub fn root(&self) -> u32 {
-        if self.bvh.top.nodes.is_empty() { u32::MAX } else { self.geometry.root }
+        self.geometry.root
     }
 
-    /// Entries that a traversal stack needs for this scene.
-    pub fn stack_size(&self) -> u32 {
-        let deepest = self.bvh.meshes.iter().map(|mesh| mesh.bvh.bvh.depth()).max().unwrap_or(0);
-        (self.bvh.top.depth() + deepest + 2).next_multiple_of(16)
-    }
-
-    /// Number of triangles in memory; instances share theirs.
-    pub fn triangle_count(&self) -> usize {
-        self.bvh.meshes.iter().map(|mesh| mesh.bvh.corners().len()).sum()
+    /// The shader with all that this scene needs of `lib/rays.wgsl`, and no more.
+    pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
+        let stack = (self.bvh.bvh.depth() + 1).next_multiple_of(16);
+        let flags = [
+            ("TEXTURED", self.atlas.holds_textures()),
+            ("MASKED", self.materials.any_masked()),
+            ("SPECULAR", self.materials.any_specular()),
+            ("EMITTERS", self.emitter_count > 0),
+        ];
+        let key = ComputeKey::new(file, entry).def("STACK", ShaderDef::Uint(stack));
+        let set = flags.into_iter().filter(|(_, set)| *set);
+        set.fold(key, |key, (name, _)| key.def(name, ShaderDef::Flag(true)))
     }
 
     /// Group 1 of all passes that cast rays.
-    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
+    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 7] {
         [
-            ("nodes", Binding::Buffer(&self.geometry.nodes)),
-            ("triangles", Binding::Buffer(&self.geometry.triangles)),
-            ("vertices", Binding::Buffer(&self.geometry.vertices)),
-            ("instances", Binding::Buffer(&self.geometry.instances)),
+            ("nodes", Binding::Texture(self.geometry.nodes())),
+            ("triangles", Binding::Texture(self.geometry.triangles())),
+            ("attributes", Binding::Texture(self.geometry.attributes())),
             ("materials", Binding::Buffer(&self.materials.buffer)),
             ("emitters", Binding::Buffer(&self.emitters)),
             ("lights", Binding::Buffer(&self.lights)),

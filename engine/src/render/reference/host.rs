@@ -2,7 +2,7 @@
 //! its speed is held against. Purely diffuse surfaces without textures.
 
 use super::TraceSettings;
-use crate::bvh::{Ray, RayKind, SceneBvh, SceneHit};
+use crate::bvh::{Ray, RayKind, SceneBvh, SceneHit, vertex_indices, world_normal};
 use crate::scene::{LightShape, Scene, SceneLight, SceneView};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -152,41 +152,28 @@ impl<'a> HostTracer<'a> {
 
     /// None at the back of a single-sided surface.
     fn vertex(&self, hit: &SceneHit, ray: &Ray) -> Option<Vertex> {
-        let instance = &self.bvh.instances[hit.instance as usize];
-        let mesh = &self.bvh.meshes[instance.mesh as usize];
-        let corners = mesh.bvh.corners()[hit.mesh.triangle as usize];
-        let [u, v] = hit.mesh.barycentric;
-        let weights = [1.0 - u - v, u, v];
-        let object: Vec3 = corners.iter().zip(weights).map(|(&corner, weight)| weight * corner).sum();
-        let transform = &instance.world_from_object;
-        let to_world = |n: Vec3| {
-            let m = transform.matrix3;
-            let (x, y, z) = (Vec3::from(m.x_axis), Vec3::from(m.y_axis), Vec3::from(m.z_axis));
-            let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-            (sign * (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z)).normalize_or_zero()
-        };
-        let outward = to_world((corners[1] - corners[0]).cross(corners[2] - corners[0]));
-        let material = &self.scene.primitives[instance.primitive as usize].material;
+        let triangle = &self.bvh.triangles[hit.triangle as usize];
+        let primitive = &self.scene.primitives[triangle.primitive as usize];
+        let [u, v] = hit.barycentric;
+        let [a, b, c] = triangle.corners;
+        let w = 1.0 - u - v;
+        let position = w * a + u * b + v * c;
+        let outward = triangle.area_normal().normalize_or_zero();
         let back = outward.dot(ray.direction) > 0.0;
-        if back && !material.double_sided {
+        if back && !primitive.material.double_sided {
             return None;
         }
         let turn = if back { -1.0 } else { 1.0 };
-        let indices = &mesh.mesh.indices[3 * hit.mesh.triangle as usize..];
-        let normal_of = |index: u32| Vec3::from(mesh.mesh.vertices[index as usize].normal);
-        let interpolated: Vec3 = (0..3).map(|i| weights[i] * normal_of(indices[i])).sum();
-        let normal = turn * to_world(interpolated);
-        let m = transform.matrix3;
-        let bound = Vec3::from(m.x_axis.abs()) * object.x.abs()
-            + Vec3::from(m.y_axis.abs()) * object.y.abs()
-            + Vec3::from(m.z_axis.abs()) * object.z.abs()
-            + Vec3::from(transform.translation.abs());
+        let normals = vertex_indices(primitive, triangle.triangle)
+            .map(|vertex| world_normal(&primitive.world_from_object, primitive.mesh.vertices[vertex].normal.into()));
+        let normal = turn * (w * normals[0] + u * normals[1] + v * normals[2]).normalize_or_zero();
+        let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
         Some(Vertex {
-            position: transform.transform_point3(object),
+            position,
             geometric_normal: turn * outward,
             normal: if normal == Vec3::ZERO { turn * outward } else { normal },
-            albedo: material.base_color.truncate(),
-            error: bound.max_element() * 2.0_f32.powi(-20),
+            albedo: primitive.material.base_color.truncate(),
+            error: largest * 2.0_f32.powi(-20),
         })
     }
 

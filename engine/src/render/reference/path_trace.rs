@@ -1,7 +1,7 @@
 //! The path tracer on the device: progressive, seeded, and the same bits whatever the pieces it is traced in.
 
 use super::{Estimate, TraceSettings};
-use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
+use crate::gpu::{self, Binding, ComputeKey, Gpu};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::measure::Image;
 use crate::render::compose::RADIANCE;
@@ -258,8 +258,7 @@ impl PathTracer {
         let uniform =
             gpu.uniform("trace", &TraceUniform { first_row, first_sample, samples, ..progress.uniform.clone() });
         let group = [("params", Binding::Buffer(&uniform)), ("sums", Binding::Buffer(&progress.sums))];
-        let key =
-            ComputeKey::new("reference/path_trace.wgsl", "main").def("STACK", ShaderDef::Uint(self.scene.stack_size()));
+        let key = self.scene.shader("reference/path_trace.wgsl", "main");
         let groups = [progress.uniform.size.x.div_ceil(8), rows.div_ceil(8), 1];
         dispatch_rays(gpu, encoder, &key, &group, &self.scene, groups)?;
         Ok(())
