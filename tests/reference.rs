@@ -1,9 +1,11 @@
-//! The raster image against images of an independent renderer. They lie in the folder that `LIGHTWELL_REFERENCE`
+//! The raster image and the path tracer against images of an independent renderer. They lie in the folder that `LIGHTWELL_REFERENCE`
 //! names, and the real models in that of `LIGHTWELL_MODELS`; without them the tests say so and pass.
 
 use lightwell::measure::{compare, read_image};
+use lightwell::render::reference::{Estimate, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell_tests::{Stage, folder_from_env, root};
+use std::path::Path;
 
 /// Direct light alone differs by shadow borders and the edges of pixels, and by nothing else.
 fn direct_light_of(scene: &str) {
@@ -33,6 +35,55 @@ fn direct_light_of_the_diffuse_cubes() {
 #[test]
 fn direct_light_of_the_glossy_cubes() {
     direct_light_of("bleeding_gloss");
+}
+
+/// The path tracer differs from the independent images by noise alone: the error is that of both noises together, and
+/// the mean is right to half a percent.
+fn traced_light_of(scene: &str) {
+    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder.join(scene);
+    let meta = std::fs::read_to_string(folder.join("meta.json")).expect("meta.json");
+    let mut stage = Stage::open(&folder.join("scene.glb"), None, [512, 512]);
+    stage.set_seconds(0.0);
+    for (bounces, name) in [(Some(1), "indirect_k1"), (Some(2), "indirect_k2"), (None, "indirect_inf")] {
+        let estimate = stage.trace(&TraceSettings { bounces, seed: 11 }, 8);
+        if bounces == Some(1) {
+            assert_is_noise(scene, "direct", &estimate, Layer::Direct, &folder, &meta);
+        }
+        assert_is_noise(scene, name, &estimate, Layer::Indirect, &folder, &meta);
+    }
+}
+
+fn assert_is_noise(scene: &str, name: &str, estimate: &Estimate, layer: Layer, folder: &Path, meta: &str) {
+    let reference = read_image(&folder.join(format!("{name}.exr"))).unwrap_or_else(|error| panic!("{error}"));
+    let image = if layer == Layer::Direct { estimate.direct() } else { estimate.indirect() };
+    let comparison = compare(&image, &reference).unwrap_or_else(|error| panic!("{error}"));
+    let noise = estimate.noise(layer).expect("finite images").hypot(noise_in(meta, name));
+    let (nrmse, bias) = (comparison.nrmse, comparison.bias);
+    eprintln!("{scene} {name}: nrmse {nrmse:.4}, both noises {noise:.4}, bias {bias:+.5}");
+    assert!(nrmse < 1.3 * noise, "{scene} {name}: nrmse {nrmse:.4} is more than noise of {noise:.4}");
+    assert!(bias.abs() < 0.005, "{scene} {name}: bias {bias:+.5}");
+}
+
+/// `noise_nrmse` of an image in `meta.json`.
+fn noise_in(meta: &str, image: &str) -> f64 {
+    let meta: serde_json::Value = serde_json::from_str(meta).expect("JSON");
+    meta["images"][image]["noise_nrmse"].as_f64().expect("the noise of the image")
+}
+
+#[test]
+fn traced_light_of_the_cornell_box() {
+    traced_light_of("cornell");
+}
+
+#[test]
+fn traced_light_of_the_diffuse_cubes() {
+    traced_light_of("bleeding_diffuse");
+}
+
+#[test]
+fn traced_light_of_the_glossy_cubes() {
+    traced_light_of("bleeding_gloss");
 }
 
 #[test]

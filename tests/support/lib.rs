@@ -5,6 +5,7 @@ use lightwell::files::{LoadOptions, load_scene};
 use lightwell::gpu::{Gpu, GpuOptions, default_shader_dir, read_texture_f32};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
+use lightwell::render::reference::{Estimate, PathTracer, TraceSettings};
 use lightwell::render::{RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
 use lightwell::world::GameWorld;
@@ -65,6 +66,15 @@ impl Stage {
     pub fn draw(&mut self, settings: &RenderSettings, jitter: [f32; 2]) -> FrameReport {
         let view = SceneView { camera: self.camera(), size: self.size, jitter };
         self.renderer.render(&self.gpu, &self.scene, &view, settings).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Path-traces the view, with so many samples a pixel.
+    pub fn trace(&self, settings: &TraceSettings, samples: u32) -> Estimate {
+        let view = SceneView { camera: self.camera(), size: self.size, jitter: [0.0; 2] };
+        let mut tracer = PathTracer::new(&self.gpu);
+        tracer.begin(&self.gpu, &self.scene, &view, settings).unwrap_or_else(|error| panic!("{error}"));
+        tracer.advance(&self.gpu, samples).unwrap_or_else(|error| panic!("{error}"));
+        tracer.estimate(&self.gpu).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// Linear radiance of the last frame.
