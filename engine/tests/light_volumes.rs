@@ -7,7 +7,7 @@ use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, read_buffer};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
-use lightwell::world::{CellSize, Clpv};
+use lightwell::world::{CellSize, Clpv, Transport};
 use std::f32::consts::PI;
 use support::{Stage, gpu};
 
@@ -23,7 +23,13 @@ fn room(albedo: f32, settings: Clpv) -> Stage {
 }
 
 fn half_metre_cells(cells: u32, steps: u32) -> Clpv {
-    Clpv { cells: [cells; 3], cell_size: CellSize::Meters(0.5), steps, ..Default::default() }
+    Clpv {
+        transport: Transport::Diffusion,
+        cells: [cells; 3],
+        cell_size: CellSize::Meters(0.5),
+        steps,
+        ..Default::default()
+    }
 }
 
 /// Flux of all cells together [W], one channel: ∫I = √(4π)·I_00, and the volume holds I/h².

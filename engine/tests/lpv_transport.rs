@@ -8,7 +8,7 @@ use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, read_buffer};
 use lightwell::render::{Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
-use lightwell::world::{CellSize, Clpv};
+use lightwell::world::{CellSize, Clpv, Transport};
 use std::f64::consts::PI;
 use support::grid::{
     AXES, BLOCKED, FREE, Grid, Settings, all, cosine_lobe, dot, faces, largest, propagate, random_grid, reference_step,
@@ -272,7 +272,13 @@ fn floor_at(gpu: &Gpu, cell: f32, height: f32, shape: LightShape) -> Grid {
     let floor = Affine3A::from_translation(Vec3::new(0.0, lower.y + height * cell, 0.0));
     stage.add(Shape::Plane { size: [6.0, 6.0], subdivisions: [1, 1] }, Vec3::ONE, floor);
     stage.light(shape, Vec3::ONE, Vec3::new(0.03, 7.0 * cell, 0.01), slanted).rsm_size = 256;
-    let cells = Clpv { cells: [10; 3], cell_size: CellSize::Meters(cell), steps: 0, ..Default::default() };
+    let cells = Clpv {
+        transport: Transport::Diffusion,
+        cells: [10; 3],
+        cell_size: CellSize::Meters(cell),
+        steps: 0,
+        ..Default::default()
+    };
     stage.clpv(lower + 5.0 * cell, cells);
     let mut renderer = Renderer::new(gpu);
     stage.render_with(gpu, &mut renderer, &RenderSettings { only: Layer::Indirect, ..Default::default() });

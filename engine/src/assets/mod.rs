@@ -6,7 +6,7 @@ mod image;
 mod library;
 mod material;
 mod mesh;
-mod parallel;
+pub(crate) mod parallel;
 mod shape;
 mod shape_mesh;
 #[cfg(test)]

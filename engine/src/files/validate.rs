@@ -6,7 +6,7 @@ use super::suggest::suggestion;
 use super::tree::Step;
 use crate::assets::AssetError;
 use crate::world::animation::AnimationError;
-use crate::world::{Animation, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
+use crate::world::{Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 
@@ -358,6 +358,14 @@ impl Validator {
                 "cell_size",
                 format!("the cell size is {h}"),
                 "use a length above zero [m], or Auto",
+            )?;
+        }
+        if let Bounces::Count(n) = c.bounces {
+            self.require(
+                (1..=32).contains(&n),
+                "bounces",
+                format!("{n} bounces"),
+                "use Count(1) to Count(32), or Converged",
             )?;
         }
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;

@@ -11,13 +11,15 @@
 use super::compose::{self, Lights, RADIANCE};
 use super::frame::Frame;
 use super::gpu_scene::GpuScene;
+use super::lpv::sweep::GpuSurfels;
 use super::post::tone_map::{self, DISPLAY};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::{direct, gbuffer, lpv};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
-use crate::scene::{Scene, SceneView};
+use crate::scene::{Aabb, Scene, SceneView};
+use crate::world::Transport;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Why a frame could not be drawn.
@@ -58,6 +60,7 @@ pub enum RenderError {
 /// Draws scenes. Keeps what may be used again: the scene on the device, and the targets of earlier frames.
 pub struct Renderer {
     gpu_scene: GpuScene,
+    surfels: GpuSurfels,
     targets: TargetCache,
     /// Made when it is first asked for.
     tracer: Option<PathTracer>,
@@ -66,7 +69,7 @@ pub struct Renderer {
 impl Renderer {
     /// A renderer with nothing drawn yet.
     pub fn new(gpu: &Gpu) -> Self {
-        Self { gpu_scene: GpuScene::new(gpu), targets: TargetCache::new(), tracer: None }
+        Self { gpu_scene: GpuScene::new(gpu), surfels: GpuSurfels::new(gpu), targets: TargetCache::new(), tracer: None }
     }
 
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
@@ -87,7 +90,11 @@ impl Renderer {
             return self.render_reference(gpu, scene, view, settings, &reference);
         }
         self.gpu_scene.update(gpu, scene);
-        let frame = Frame { scene, gpu_scene: &self.gpu_scene, view, settings, bounds: scene.bounds() };
+        let bounds = scene.bounds();
+        if let Some(cell) = finest_cell(scene, view, settings, &bounds)? {
+            self.surfels.update(gpu, scene, cell);
+        }
+        let frame = Frame { scene, gpu_scene: &self.gpu_scene, surfels: &self.surfels, view, settings, bounds };
         let mut graph = Graph::new(seed(gpu));
         declare(&mut graph, &frame)?;
         execute(gpu, graph, &mut self.targets, settings)
@@ -201,6 +208,19 @@ fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture
     } else {
         graph.skip("tone map", "no display image is wanted");
     }
+}
+
+/// Edge of the finest cells that light is swept through, if it is \[m\].
+fn finest_cell(
+    scene: &Scene,
+    view: &SceneView,
+    settings: &RenderSettings,
+    bounds: &Aabb,
+) -> Result<Option<f32>, RenderError> {
+    let shows_indirect = matches!(settings.only, Layer::Total | Layer::Indirect);
+    let swept = scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
+    let (Some(clpv), GiMethod::Clpv, true) = (swept, settings.gi, shows_indirect) else { return Ok(None) };
+    Ok(lpv::sweep::volumes(clpv, bounds, view)?.first().map(|volume| volume.cell))
 }
 
 fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {

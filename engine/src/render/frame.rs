@@ -1,6 +1,7 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
 use super::gpu_scene::GpuScene;
+use super::lpv::sweep::GpuSurfels;
 use super::settings::RenderSettings;
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Frustum, Scene, SceneView};
@@ -23,6 +24,8 @@ pub struct Frame<'a> {
     pub scene: &'a Scene,
     /// The same scene on the device.
     pub gpu_scene: &'a GpuScene,
+    /// Its surfaces as surfels, where a method needs them.
+    pub surfels: &'a GpuSurfels,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.

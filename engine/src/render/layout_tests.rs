@@ -5,6 +5,7 @@ use super::direct::Region;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
+use super::lpv::sweep::{EmitUniform, LookupUniform, SliceUniform, SumUniform};
 use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
 use super::ray_scene::{Emitter, RayLight, RayMaterial};
@@ -12,6 +13,7 @@ use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
+use crate::scene::Surfel;
 use encase::ShaderType;
 
 fn gpu() -> Gpu {
@@ -47,5 +49,10 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");
     check(&gpu, RayLight::min_size().get(), rays, "RayLight");
+    check(&gpu, EmitUniform::min_size().get(), "lpv/sweep/emit.wgsl", "Emit");
+    check(&gpu, LookupUniform::min_size().get(), "lpv/sweep/irradiance.wgsl", "Lookup");
+    check(&gpu, SliceUniform::min_size().get(), "lpv/sweep/transport.wgsl", "Slice");
+    check(&gpu, SumUniform::min_size().get(), "lpv/sweep/sum.wgsl", "Sum");
+    check(&gpu, size_of::<Surfel>() as u64, "lpv/sweep/emit.wgsl", "Surfel");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

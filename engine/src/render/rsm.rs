@@ -81,13 +81,40 @@ impl Rsm<'_> {
     }
 }
 
-/// Declares the light's RSM; none, with the reason in the report, if it feeds no indirect light into `reach`.
+/// Edge \[texels\] with which a texel is no larger than `spacing` \[m\] at the far end of the light's views: a power of
+/// two times the light's own size, and at most 1024 or the light's own.
+pub fn size_for_spacing(light: &SceneLight, bounds: &Aabb, spacing: f32) -> u32 {
+    let width = |view: &LightView| match light.shape {
+        LightShape::Directional => 2.0 * view.half_extent,
+        LightShape::Point | LightShape::Spot { .. } => 2.0 * view.half_extent * view.far,
+    };
+    let widest = light_views(light, bounds).iter().map(width).fold(0.0, f32::max);
+    let mut size = light.rsm_size;
+    while size > 0 && 2 * size <= 1024 && (size as f32) * spacing < widest {
+        size *= 2;
+    }
+    size
+}
+
+/// Declares the light's RSM of its own size; none, with the reason in the report, if it feeds no indirect light into `reach`.
 pub fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     light: &'a SceneLight,
     index: u32,
     reach: &Aabb,
+) -> Option<Rsm<'a>> {
+    declare_sized(graph, frame, light, index, reach, light.rsm_size)
+}
+
+/// Declares the light's RSM as [`declare`] does, with that many texels along an edge.
+pub fn declare_sized<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    light: &'a SceneLight,
+    index: u32,
+    reach: &Aabb,
+    size: u32,
 ) -> Option<Rsm<'a>> {
     let name = format!("rsm {}", light.pass_name());
     let skip = |graph: &mut Graph<'a>, reason: &str| {
@@ -114,7 +141,7 @@ pub fn declare<'a>(
         let left_out = format!("{} of {faces} faces see no surface or light no volume", faces - views.len());
         graph.skip(format!("{name}, faces"), left_out);
     }
-    let size = light.rsm_size.clamp(1, 4096);
+    let size = size.clamp(1, 4096);
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let target = |graph: &mut Graph<'a>, part: &str, format| {
         let desc = TextureDesc::d2_array(size, size, views.len() as u32, format, usage);

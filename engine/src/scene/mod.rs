@@ -6,11 +6,13 @@
 mod bounds;
 mod extract;
 mod light;
+mod surfels;
 mod view;
 
 pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
+pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
 pub use view::{SceneCamera, SceneView, perspective};
 
 use crate::assets::{Material, Mesh};

@@ -184,17 +184,58 @@ pub enum CellSize {
     Meters(f32),
 }
 
+/// How light gets from cell to cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Transport {
+    /// Directions are kept: for each of many the light is swept once through the grid. Accurate; the default.
+    #[default]
+    Sweep,
+    /// The thesis's propagation step by step, with four SH coefficients a cell. Off by 65 to 100 % of the indirect
+    /// light whatever the grid, and kept as the measure of the thesis's tables.
+    Diffusion,
+}
+
+/// How often light is reflected on its way (sweep transport).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Bounces {
+    /// Without end: what is left after the bounces that are swept follows as a geometric series.
+    #[default]
+    Converged,
+    /// So many reflections, 1 to 32. One: camera, surface, surface, light.
+    Count(u32),
+}
+
+/// Accuracy against cost (sweep transport): directions, and with [`CellSize::Auto`] the cells too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Quality {
+    /// 96 directions for the first bounce; Auto: 24³ cells.
+    Low,
+    /// 192 directions; 40³ cells.
+    Medium,
+    /// 432 directions; 64³ cells.
+    #[default]
+    High,
+    /// 768 directions; 96³ cells.
+    Ultra,
+}
+
 /// Cascaded light propagation volumes: indirect light for the scene that holds this component.
 ///
 /// Design and formulas: Šefčík 2016, chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Clpv {
+    /// How light gets from cell to cell. Steps, occlusion, bounce, blockers and gain belong to the diffusion.
+    pub transport: Transport,
+    /// How often light is reflected (sweep).
+    pub bounces: Bounces,
+    /// Accuracy against cost (sweep).
+    pub quality: Quality,
     /// Where the volumes lie.
     pub placement: ClpvPlacement,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before.
     pub cascades: u32,
-    /// Cells along x, y and z, the same in each cascade; 1 to 128.
+    /// Cells along x, y and z, the same in each cascade; 1 to 128. The sweep with [`CellSize::Auto`] takes its own.
     pub cells: [u32; 3],
     /// Cell size of the finest cascade.
     pub cell_size: CellSize,
@@ -217,6 +258,9 @@ pub struct Clpv {
 impl Default for Clpv {
     fn default() -> Self {
         Self {
+            transport: Transport::Sweep,
+            bounces: Bounces::Converged,
+            quality: Quality::High,
             placement: ClpvPlacement::Fixed,
             cascades: 1,
             cells: [16, 16, 16],

@@ -78,6 +78,7 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ("(entities: [(name: \"A\", camera: (fov: ‸180))])", Kind::BadValue, "fov", "180"),
     ("(entities: [(name: \"A\", camera: (near: 1, far: ‸0.5))])", Kind::BadValue, "far", "behind"),
     ("(entities: [(name: \"A\", clpv: (cells: (8, ‸0, 8)))])", Kind::BadValue, "along y", "1 to 128"),
+    ("(entities: [(name: \"A\", clpv: (bounces: ‸Count(0)))])", Kind::BadValue, "bounces", "Converged"),
     ("(entities: [(name: \"A\", clpv: (cascades: ‸5))])", Kind::BadValue, "cascades", "1 to 4"),
     ("(entities: [(name: \"A\", clpv: (cell_size: ‸Meters(0)))])", Kind::BadValue, "cell size", "Auto"),
     (

@@ -5,7 +5,10 @@ use super::super::save::scene_text;
 use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
-use crate::world::{Animation, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings, Transform};
+use crate::world::{
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, Quality, SceneSettings, Transform,
+    Transport,
+};
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
 use proptest::option::of;
@@ -173,8 +176,15 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     let placement =
         prop_oneof![Just(ClpvPlacement::Fixed), (0.0f32..1.0).prop_map(|ahead| ClpvPlacement::Camera { ahead })];
     let size = prop_oneof![Just(CellSize::Auto), (0.01f32..10.0).prop_map(CellSize::Meters)];
-    (placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
-        |(placement, cascades, cells, cell_size, steps)| Clpv {
+    let transport = prop_oneof![Just(Transport::Sweep), Just(Transport::Diffusion)];
+    let bounces = prop_oneof![Just(Bounces::Converged), (1u32..=32).prop_map(Bounces::Count)];
+    let quality = prop_oneof![Just(Quality::Low), Just(Quality::Medium), Just(Quality::High), Just(Quality::Ultra)];
+    let method = (transport, bounces, quality);
+    (method, placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
+        |((transport, bounces, quality), placement, cascades, cells, cell_size, steps)| Clpv {
+            transport,
+            bounces,
+            quality,
             placement,
             cascades,
             cells,

@@ -10,6 +10,7 @@ mod blockers;
 mod inject;
 mod propagate;
 mod relight;
+pub mod sweep;
 mod volume;
 
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
@@ -27,6 +28,7 @@ use super::rsm::{self, Rsm};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::scene::Aabb;
+use crate::world::Transport;
 
 /// Bytes of a cell of light: three channels of four coefficients.
 const LIGHT_BYTES: u64 = 48;
@@ -45,6 +47,9 @@ pub fn declare<'a>(
         graph.skip("clpv", "the scene has no Clpv component");
         return Ok(None);
     };
+    if clpv.settings.transport == Transport::Sweep {
+        return sweep::declare(graph, frame, gbuffer, clpv);
+    }
     let volumes = volumes(clpv, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let lights = frame.scene.lights.iter().zip(0..);
@@ -77,6 +82,18 @@ fn dispatch_texels(
     fixed: &wgpu::Buffer,
     scale: f32,
 ) -> Result<(), PassError> {
+    dispatch_rsm(cx, key, rsm, volume, scale, &[("fixed", Binding::Buffer(fixed))])
+}
+
+/// Runs an entry point for each texel of all layers of an RSM, with further bindings.
+fn dispatch_rsm(
+    cx: &mut PassContext,
+    key: &ComputeKey,
+    rsm: &Rsm,
+    volume: &Volume,
+    scale: f32,
+    more: &[(&str, Binding)],
+) -> Result<(), PassError> {
     let gpu = cx.gpu;
     let volume = gpu.uniform("volume", &volume.uniform());
     let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
@@ -84,19 +101,16 @@ fn dispatch_texels(
     let groups = rsm.size.div_ceil(8);
     for layer in 0..rsm.views.len() {
         let layer = gpu.uniform("rsm", &rsm.layer_uniform(layer, scale));
-        cx.dispatch(
-            key,
-            &[
-                ("volume", Binding::Buffer(&volume)),
-                ("light", Binding::Buffer(&light)),
-                ("rsm", Binding::Buffer(&layer)),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("fixed", Binding::Buffer(fixed)),
-            ],
-            [groups, groups, 1],
-        )?;
+        let mut bindings = vec![
+            ("volume", Binding::Buffer(&volume)),
+            ("light", Binding::Buffer(&light)),
+            ("rsm", Binding::Buffer(&layer)),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("depth", Binding::Texture(&depth)),
+        ];
+        bindings.extend_from_slice(more);
+        cx.dispatch(key, &bindings, [groups, groups, 1])?;
     }
     cx.counts().injections += rsm.texels();
     Ok(())

@@ -19,6 +19,18 @@ pub(crate) struct CascadeUniform {
     padding: f32,
 }
 
+impl CascadeUniform {
+    pub(super) fn new(volume: &Volume, fade_cells: f32) -> Self {
+        Self {
+            volume: volume.uniform(),
+            fade_center: volume.fade_center,
+            fade_cells,
+            fade_half: volume.fade_half,
+            padding: 0.0,
+        }
+    }
+}
+
 /// `Relight` of `lpv/relight.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct RelightUniform {
@@ -52,11 +64,7 @@ pub(super) fn declare<'a>(
     }
     let indirect = pass.write(indirect);
     let uniform = uniform(settings, volumes);
-    let fades: Vec<[u32; 6]> = volumes
-        .iter()
-        .map(|v| [v.fade_center.to_array(), v.fade_half.to_array()].concat().try_into().unwrap_or([0.0; 6]))
-        .map(|fade: [f32; 6]| fade.map(f32::to_bits))
-        .collect();
+    let fades: Vec<_> = volumes.iter().map(Volume::fade_key).collect();
     let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
     pass.key(&(keys, fades, uniform.gain.to_bits(), settings.border_fade.to_bits(), frame.view_key()));
     let (frame, lit) = (frame.clone(), lit.to_vec());
@@ -91,16 +99,8 @@ pub(super) fn declare<'a>(
 
 fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
     let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
-    let cascade = |level: usize| {
-        let volume = &volumes[level.min(volumes.len() - 1)];
-        CascadeUniform {
-            volume: volume.uniform(),
-            fade_center: volume.fade_center,
-            fade_cells: finite(settings.border_fade),
-            fade_half: volume.fade_half,
-            padding: 0.0,
-        }
-    };
+    let cascade =
+        |level: usize| CascadeUniform::new(&volumes[level.min(volumes.len() - 1)], finite(settings.border_fade));
     RelightUniform {
         cascades: std::array::from_fn(cascade),
         count: volumes.len() as u32,

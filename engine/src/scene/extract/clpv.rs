@@ -2,7 +2,7 @@
 
 use super::Context;
 use crate::scene::{Scene, SceneClpv};
-use crate::world::{CellSize, Clpv, ClpvPlacement, GlobalTransform, Identity, Name};
+use crate::world::{Bounces, CellSize, Clpv, ClpvPlacement, GlobalTransform, Identity, Name};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 
@@ -71,6 +71,10 @@ fn sanitized(clpv: &Clpv) -> Clpv {
         cell_size: match clpv.cell_size {
             CellSize::Meters(size) if size.is_finite() && size > 0.0 => clpv.cell_size,
             _ => CellSize::Auto,
+        },
+        bounces: match clpv.bounces {
+            Bounces::Converged => Bounces::Converged,
+            Bounces::Count(count) => Bounces::Count(count.clamp(1, 32)),
         },
         steps: clpv.steps.min(1024),
         blocker_scale: positive(clpv.blocker_scale, default.blocker_scale),

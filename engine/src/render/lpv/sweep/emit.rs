@@ -1,0 +1,234 @@
+//! The sources of a bounce: what each cell sends out.
+
+use super::super::volume::Volume;
+use super::super::{dispatch_rsm, linear_groups};
+use super::Level;
+use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::render::frame::Frame;
+use crate::render::rsm::Rsm;
+use crate::scene::LightShape;
+use encase::ShaderType;
+use glam::Vec3;
+use std::f32::consts::PI;
+use wgpu::BufferUsages;
+
+/// `Emit` of `lpv/sweep/emit.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct EmitUniform {
+    scale: f32,
+    bounce: u32,
+    counted: u32,
+    padding: u32,
+    sky: Vec3,
+}
+
+/// Bytes of the sums of a bounce: see `totals` of `lpv/sweep/emit.wgsl`.
+const TOTAL_BYTES: u64 = 64;
+
+/// Where light comes from.
+pub(super) struct Sources<'s, 'a> {
+    /// What the lights see.
+    pub rsms: &'s [Rsm<'a>],
+    /// The scene's surfaces.
+    pub surfels: Handle<Buffer>,
+    /// How many.
+    pub count: u32,
+    /// Turns flux [W] into fixed point.
+    pub scale: f32,
+}
+
+/// One bounce of one cascade.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    /// The cascade.
+    pub index: usize,
+    /// 0: light straight from the lights.
+    pub bounce: u32,
+    /// Irradiance of the surfels in the bounce before.
+    pub received: Option<Handle<Buffer>>,
+}
+
+/// The buffer of the flux of all bounces.
+pub(super) fn totals(graph: &mut Graph<'_>, bounces: u32) -> Handle<Buffer> {
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let totals = graph.retained_buffer("flux of the bounces", BufferDesc::new(TOTAL_BYTES * u64::from(bounces), usage));
+    let mut pass = graph.pass("flux of the bounces");
+    let totals = pass.write(totals);
+    pass.key(&());
+    pass.execute(move |cx| {
+        let buffer = cx.buffer(totals).clone();
+        cx.encoder().clear_buffer(&buffer, 0, None);
+        Ok(())
+    });
+    totals
+}
+
+/// Power of two that turns flux [W] into fixed point: all light together is below 2⁴⁰ of 2⁴⁵.
+///
+/// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
+pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
+    let of_light = |rsm: &Rsm| {
+        let extent: f32 = match rsm.light.shape {
+            LightShape::Directional => rsm.views.iter().map(|v| 4.0 * v.half_extent * v.half_extent).sum(),
+            LightShape::Point | LightShape::Spot { .. } => 4.0 * PI,
+        };
+        f64::from(rsm.light.intensity.max_element()) * f64::from(extent)
+    };
+    let sky = levels.last().map_or(Vec3::ZERO, |level| sky_flux(frame, &level.volume));
+    let surfaces = f64::from((frame.surfels.emitted() + sky).max_element());
+    let total = rsms.iter().map(of_light).sum::<f64>() + surfaces;
+    ((40.0 - total.clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
+}
+
+/// What enters a box from the sky [W].
+fn sky_flux(frame: &Frame, volume: &Volume) -> Vec3 {
+    let size = volume.cells.as_vec3() * volume.cell;
+    frame.scene.sky * (2.0 * PI * (size.x * size.y + size.y * size.z + size.z * size.x))
+}
+
+/// Declares the sources of a bounce in a cascade.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    sources: &Sources<'_, 'a>,
+    levels: &mut [Level],
+    totals: &mut Handle<Buffer>,
+    step: Step,
+) {
+    let is_coarsest = step.index + 1 == levels.len();
+    let level = &mut levels[step.index];
+    let volume = level.volume;
+    let name = match step.bounce {
+        0 => format!("emit, cascade {}", step.index),
+        bounce => format!("emit, cascade {}, bounce {}", step.index, bounce + 1),
+    };
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let sums = graph.buffer(format!("{name}, sums"), BufferDesc::new(144 * u64::from(volume.cell_count()), usage));
+    let mut pass = graph.pass(name);
+    pass.read(sources.surfels);
+    pass.read(level.opacity);
+    if step.bounce == 0 {
+        for rsm in sources.rsms {
+            pass.read(rsm.base_color);
+            pass.read(rsm.normal);
+            pass.read(rsm.depth);
+        }
+    }
+    if let Some(received) = step.received {
+        pass.read(received);
+    }
+    let buffers = Buffers {
+        surfels: sources.surfels,
+        opacity: level.opacity,
+        received: step.received,
+        sums: pass.write(sums),
+        emission: pass.write(level.emission),
+        totals: pass.write(*totals),
+    };
+    (level.emission, *totals) = (buffers.emission, buffers.totals);
+    let sky = if is_coarsest && step.bounce == 0 { sky_flux(frame, &volume) } else { Vec3::ZERO };
+    let lights: Vec<u64> = sources.rsms.iter().map(|rsm| rsm.light.revision).collect();
+    let lights = if step.bounce == 0 { lights } else { Vec::new() };
+    let sky_bits = sky.to_array().map(f32::to_bits);
+    pass.key(&(volume.key(), lights, sky_bits, sources.scale.to_bits(), step.bounce, frame.scene.identity));
+    let emit = EmitUniform {
+        scale: sources.scale,
+        bounce: step.bounce,
+        counted: u32::from(is_coarsest),
+        padding: 0,
+        sky: sky * sources.scale,
+    };
+    let rsms = if step.bounce == 0 { sources.rsms.to_vec() } else { Vec::new() };
+    let surfels = frame.surfels;
+    pass.execute(move |cx| {
+        let sums = cx.buffer(buffers.sums).clone();
+        cx.encoder().clear_buffer(&sums, 0, None);
+        let uniforms = Uniforms::new(cx.gpu, &volume, &emit);
+        for rsm in &rsms {
+            from_rsm(cx, rsm, &volume, &uniforms, &buffers)?;
+        }
+        if step.bounce > 0 {
+            from_surfels(cx, "from_bounce", surfels.count(), &uniforms, &buffers)?;
+        } else if surfels.is_emissive() {
+            from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers)?;
+        }
+        finish(cx, &volume, &uniforms, &buffers)
+    });
+}
+
+struct Buffers {
+    surfels: Handle<Buffer>,
+    opacity: Handle<Buffer>,
+    received: Option<Handle<Buffer>>,
+    sums: Handle<Buffer>,
+    emission: Handle<Buffer>,
+    totals: Handle<Buffer>,
+}
+
+struct Uniforms {
+    volume: wgpu::Buffer,
+    emit: wgpu::Buffer,
+}
+
+impl Uniforms {
+    fn new(gpu: &Gpu, volume: &Volume, emit: &EmitUniform) -> Self {
+        Self { volume: gpu.uniform("volume", &volume.uniform()), emit: gpu.uniform("emit", emit) }
+    }
+}
+
+fn from_rsm(
+    cx: &mut PassContext,
+    rsm: &Rsm,
+    volume: &Volume,
+    uniforms: &Uniforms,
+    buffers: &Buffers,
+) -> Result<(), PassError> {
+    let (opacity, sums) = (cx.buffer(buffers.opacity).clone(), cx.buffer(buffers.sums).clone());
+    cx.counts().lights += 1;
+    let more = [
+        ("emit", Binding::Buffer(&uniforms.emit)),
+        ("opacity", Binding::Buffer(&opacity)),
+        ("sums", Binding::Buffer(&sums)),
+    ];
+    dispatch_rsm(cx, &ComputeKey::new("lpv/sweep/emit.wgsl", "from_rsm"), rsm, volume, 1.0, &more)
+}
+
+fn from_surfels(
+    cx: &mut PassContext,
+    entry: &'static str,
+    count: u32,
+    uniforms: &Uniforms,
+    buffers: &Buffers,
+) -> Result<(), PassError> {
+    let [surfels, sums, totals] = [buffers.surfels, buffers.sums, buffers.totals].map(|h| cx.buffer(h).clone());
+    let received = buffers.received.map(|handle| cx.buffer(handle).clone());
+    let mut bindings = vec![
+        ("volume", Binding::Buffer(&uniforms.volume)),
+        ("emit", Binding::Buffer(&uniforms.emit)),
+        ("surfels", Binding::Buffer(&surfels)),
+        ("sums", Binding::Buffer(&sums)),
+    ];
+    if let Some(received) = &received {
+        bindings.push(("received", Binding::Buffer(received)));
+        bindings.push(("totals", Binding::Buffer(&totals)));
+    }
+    cx.counts().injections += u64::from(count);
+    cx.dispatch(&ComputeKey::new("lpv/sweep/emit.wgsl", entry), &bindings, linear_groups(count))
+}
+
+fn finish(cx: &mut PassContext, volume: &Volume, uniforms: &Uniforms, buffers: &Buffers) -> Result<(), PassError> {
+    let [sums, emission, totals] = [buffers.sums, buffers.emission, buffers.totals].map(|h| cx.buffer(h).clone());
+    cx.counts().cells += u64::from(volume.cell_count());
+    cx.dispatch(
+        &ComputeKey::new("lpv/sweep/emit.wgsl", "finish"),
+        &[
+            ("volume", Binding::Buffer(&uniforms.volume)),
+            ("emit", Binding::Buffer(&uniforms.emit)),
+            ("sums", Binding::Buffer(&sums)),
+            ("emission", Binding::Buffer(&emission)),
+            ("totals", Binding::Buffer(&totals)),
+        ],
+        linear_groups(volume.cell_count()),
+    )
+}

@@ -1,0 +1,158 @@
+//! Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
+
+use super::super::linear_groups;
+use super::super::relight::CascadeUniform;
+use super::emit::Sources;
+use super::{Irradiance, Level};
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::world::Clpv;
+use encase::ShaderType;
+use wgpu::BufferUsages;
+
+/// `Lookup` of `lpv/sweep/irradiance.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct LookupUniform {
+    cascade: CascadeUniform,
+    is_first: u32,
+    is_last: u32,
+    bounce: u32,
+    scale: f32,
+}
+
+fn lookup(levels: &[Level], index: usize, fade_cells: f32, bounce: u32, scale: f32) -> LookupUniform {
+    LookupUniform {
+        cascade: CascadeUniform::new(&levels[index].volume, fade_cells),
+        is_first: u32::from(index == 0),
+        is_last: u32::from(index + 1 == levels.len()),
+        bounce,
+        scale,
+    }
+}
+
+/// Width of the border between cascades at the surfels [cells].
+const SURFEL_FADE: f32 = 2.0;
+
+/// Declares the irradiance that the surfels receive in a bounce; the result is E [W/m²], a vector each.
+pub(super) fn at_surfels<'a>(
+    graph: &mut Graph<'a>,
+    sources: &Sources<'_, 'a>,
+    levels: &[Level],
+    totals: &mut Handle<Buffer>,
+    bounce: u32,
+) -> Handle<Buffer> {
+    let name = format!("receive, bounce {}", bounce + 1);
+    let surfels = sources.surfels;
+    let count = sources.count;
+    let received =
+        graph.buffer(format!("{name}, irradiance"), BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE));
+    let mut pass = graph.pass(name);
+    pass.read(surfels);
+    let light: Vec<Irradiance> = levels.iter().map(|level| level.bounce).collect();
+    for Irradiance { axes, diagonals } in &light {
+        pass.read(*axes);
+        pass.read(*diagonals);
+    }
+    let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
+    for opacity in &opacities {
+        pass.read(*opacity);
+    }
+    *totals = pass.write(*totals);
+    let (received, totals) = (pass.write(received), *totals);
+    let scale = sources.scale;
+    let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
+    pass.key(&(keys, bounce, scale.to_bits()));
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE, bounce, scale)).collect();
+    pass.execute(move |cx| {
+        let [surfels, target, totals] = [surfels, received, totals].map(|handle| cx.buffer(handle).clone());
+        for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
+            let opacity = cx.buffer(*opacity).clone();
+            let lookup = cx.gpu.uniform("lookup", lookup);
+            let [axes, diagonals] = [light.axes, light.diagonals].map(|handle| cx.buffer(handle).clone());
+            cx.dispatch(
+                &ComputeKey::new("lpv/sweep/irradiance.wgsl", "at_surfels"),
+                &[
+                    ("lookup", Binding::Buffer(&lookup)),
+                    ("axes", Binding::Buffer(&axes)),
+                    ("diagonals", Binding::Buffer(&diagonals)),
+                    ("opacity", Binding::Buffer(&opacity)),
+                    ("surfels", Binding::Buffer(&surfels)),
+                    ("received", Binding::Buffer(&target)),
+                    ("totals", Binding::Buffer(&totals)),
+                ],
+                linear_groups(count),
+            )?;
+        }
+        Ok(())
+    });
+    received
+}
+
+/// Declares the light of the visible surfaces; the result is reflected radiance.
+pub(super) fn relight<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    levels: &[Level],
+) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let indirect = graph.retained_texture("indirect radiance", desc);
+    let pixels = u64::from(width) * u64::from(height);
+    // One level needs no memory between levels.
+    let between = if levels.len() > 1 { pixels } else { 1 };
+    let partial = graph.buffer("relight, between cascades", BufferDesc::new(16 * between, BufferUsages::STORAGE));
+    let mut pass = graph.pass("relight");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    let light: Vec<Irradiance> = levels.iter().map(|level| level.sum).collect();
+    for Irradiance { axes, diagonals } in &light {
+        pass.read(*axes);
+        pass.read(*diagonals);
+    }
+    let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
+    for opacity in &opacities {
+        pass.read(*opacity);
+    }
+    let (indirect, partial) = (pass.write(indirect), pass.write(partial));
+    let keys: Vec<_> = levels.iter().map(|level| (level.volume.key(), level.volume.fade_key())).collect();
+    let fade = settings.border_fade.max(0.0);
+    pass.key(&(keys, fade.to_bits(), frame.view_key()));
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, fade, 0, 1.0)).collect();
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
+        let (target, partial) = (cx.view(indirect), cx.buffer(partial).clone());
+        cx.counts().texels += pixels;
+        for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
+            let opacity = cx.buffer(*opacity).clone();
+            let lookup = gpu.uniform("lookup", lookup);
+            let [axes, diagonals] = [light.axes, light.diagonals].map(|handle| cx.buffer(handle).clone());
+            cx.dispatch(
+                &ComputeKey::new("lpv/sweep/irradiance.wgsl", "relight"),
+                &[
+                    ("lookup", Binding::Buffer(&lookup)),
+                    ("axes", Binding::Buffer(&axes)),
+                    ("diagonals", Binding::Buffer(&diagonals)),
+                    ("opacity", Binding::Buffer(&opacity)),
+                    ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                    ("base_color", Binding::Texture(&base_color)),
+                    ("normal", Binding::Texture(&normal)),
+                    ("depth", Binding::Texture(&depth)),
+                    ("partial", Binding::Buffer(&partial)),
+                    ("indirect", Binding::Texture(&target)),
+                ],
+                [width.div_ceil(8), height.div_ceil(8), 1],
+            )?;
+        }
+        Ok(())
+    });
+    indirect
+}

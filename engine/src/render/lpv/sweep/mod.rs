@@ -1,0 +1,140 @@
+//! The sweep transport: directions kept, light swept once through the grid for each (discrete ordinates).
+//!
+//! ```text
+//! surfels ── opacity (a cascade) ──────────────┐
+//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── reflect ── emit ── sweep ── … ── relight
+//! ```
+//! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`), and from the second bounce on
+//! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
+//! emissive surfels. All lengths in the shaders are in cells.
+
+mod directions;
+mod emit;
+mod grid;
+mod irradiance;
+mod opacity;
+mod surfels;
+mod transport;
+
+pub use grid::volumes;
+
+#[cfg(test)]
+pub(crate) use self::{emit::EmitUniform, irradiance::LookupUniform, transport::SliceUniform, transport::SumUniform};
+
+use super::volume::Volume;
+use crate::graph::{Buffer, Graph, Handle, Texture};
+use crate::render::RenderError;
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::render::rsm::{self, Rsm};
+use crate::scene::{Aabb, SceneClpv, SceneLight};
+use crate::world::{Bounces, Clpv};
+use directions::Directions;
+use glam::Vec3;
+
+pub use surfels::GpuSurfels;
+
+/// Most bounces that a `Count` may ask for.
+pub const MAX_BOUNCES: u32 = 32;
+
+/// Texels of a reflective shadow map along the edge of a cell: fewer leave some cells with more light than others.
+const TEXELS_A_CELL: f32 = 3.0;
+
+/// Share of the light that may be left when the geometric series takes over.
+const TAIL: f32 = 0.1;
+
+/// A cascade with what is in it so far.
+struct Level {
+    volume: Volume,
+    opacity: Handle<Buffer>,
+    emission: Handle<Buffer>,
+    /// Irradiance of the bounce that is under way.
+    bounce: Irradiance,
+    /// Irradiance of all bounces.
+    sum: Irradiance,
+}
+
+/// Irradiance by cell and normal, see `lib/sweep.wgsl`.
+#[derive(Clone, Copy)]
+struct Irradiance {
+    axes: Handle<Buffer>,
+    diagonals: Handle<Buffer>,
+}
+
+/// Declares all passes; the result is reflected radiance, rgba32float. None, with the reason in the report, if there
+/// is no light.
+///
+/// # Errors
+/// Settings that make no volume.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    clpv: &'a SceneClpv,
+) -> Result<Option<Handle<Texture>>, RenderError> {
+    let volumes = volumes(clpv, &frame.bounds, frame.view)?;
+    let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
+    let rsms = rsms(graph, frame, &volumes, &reach);
+    let cloud = frame.surfels;
+    if rsms.is_empty() && !cloud.is_emissive() && frame.scene.sky == Vec3::ZERO {
+        graph.skip("clpv", "no light feeds indirect light");
+        return Ok(None);
+    }
+    let settings = &clpv.settings;
+    let directions = [Directions::of(settings.quality), Directions::of_further_bounces(settings.quality)];
+    let surfels = surfels::declare(graph, frame);
+    let bounces = bounces(settings, cloud.mean_albedo());
+    let mut totals = emit::totals(graph, bounces.swept);
+    let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
+    for (index, volume) in volumes.iter().enumerate() {
+        let opacity = opacity::declare(graph, surfels, index, volume);
+        levels.push(transport::level(graph, opacity, index, volume));
+    }
+    let source =
+        emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale: emit::scale(frame, &rsms, &levels) };
+    for bounce in 0..bounces.swept {
+        let received = (bounce > 0).then(|| irradiance::at_surfels(graph, &source, &levels, &mut totals, bounce - 1));
+        for index in (0..levels.len()).rev() {
+            emit::declare(graph, frame, &source, &mut levels, &mut totals, emit::Step { index, bounce, received });
+            let directions = &directions[usize::from(bounce > 0)];
+            transport::declare(
+                graph,
+                frame,
+                directions,
+                &mut levels,
+                totals,
+                transport::Step { index, bounce, bounces },
+            );
+        }
+    }
+    Ok(Some(irradiance::relight(graph, frame, gbuffer, settings, &levels)))
+}
+
+/// The maps of all lights, with texels small enough for the finest cells.
+fn rsms<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, volumes: &[Volume], reach: &Aabb) -> Vec<Rsm<'a>> {
+    let spacing = volumes.first().map_or(1.0, |volume| volume.cell / TEXELS_A_CELL);
+    let declare = |(light, index): (&'a SceneLight, u32)| {
+        let size = rsm::size_for_spacing(light, &frame.bounds, spacing);
+        rsm::declare_sized(graph, frame, light, index, reach, size)
+    };
+    frame.scene.lights.iter().zip(0..).filter_map(declare).collect()
+}
+
+/// How many bounces are swept, and whether the rest is a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct BounceCount {
+    swept: u32,
+    has_tail: bool,
+}
+
+/// The scene's mean reflectance bounds what is left after each bounce.
+fn bounces(settings: &Clpv, mean_albedo: Vec3) -> BounceCount {
+    match settings.bounces {
+        Bounces::Count(count) => BounceCount { swept: count.clamp(1, MAX_BOUNCES), has_tail: false },
+        Bounces::Converged => {
+            let albedo = mean_albedo.max_element().clamp(0.01, 0.99);
+            let swept = (TAIL.ln() / albedo.ln()).ceil() as u32;
+            BounceCount { swept: swept.clamp(3, 8), has_tail: true }
+        }
+    }
+}

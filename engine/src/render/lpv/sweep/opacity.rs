@@ -1,0 +1,57 @@
+//! What stops light in the cells of a cascade: opacity tensor and seal.
+
+use super::super::linear_groups;
+use super::super::volume::Volume;
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::scene::Surfel;
+use wgpu::BufferUsages;
+
+/// Bytes of a cell: 32 numbers.
+const CELL_BYTES: u64 = 128;
+
+/// Declares the opacity of one cascade. It depends on the scene's surfaces alone, not on any light.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    surfels: Handle<Buffer>,
+    level: usize,
+    volume: &Volume,
+) -> Handle<Buffer> {
+    let name = format!("opacity, cascade {level}");
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
+    let sums = graph.buffer(format!("{name}, fixed point"), desc.clone());
+    let opacity = graph.retained_buffer(name.as_str(), desc);
+    let mut pass = graph.pass(name.as_str());
+    pass.read(surfels);
+    let (sums, opacity) = (pass.write(sums), pass.write(opacity));
+    pass.key(&volume.key());
+    let volume = *volume;
+    pass.execute(move |cx| {
+        let [source, fixed, target] = [surfels, sums, opacity].map(|handle| cx.buffer(handle).clone());
+        cx.encoder().clear_buffer(&fixed, 0, None);
+        let uniform = cx.gpu.uniform("volume", &volume.uniform());
+        let count = (source.size() / size_of::<Surfel>() as u64) as u32;
+        cx.dispatch(
+            &ComputeKey::new("lpv/sweep/opacity.wgsl", "scatter"),
+            &[
+                ("volume", Binding::Buffer(&uniform)),
+                ("surfels", Binding::Buffer(&source)),
+                ("sums", Binding::Buffer(&fixed)),
+            ],
+            linear_groups(count),
+        )?;
+        cx.counts().injections += u64::from(count);
+        cx.counts().cells += u64::from(volume.cell_count());
+        cx.dispatch(
+            &ComputeKey::new("lpv/sweep/opacity.wgsl", "finish"),
+            &[
+                ("volume", Binding::Buffer(&uniform)),
+                ("sums", Binding::Buffer(&fixed)),
+                ("opacity", Binding::Buffer(&target)),
+            ],
+            linear_groups(volume.cell_count()),
+        )
+    });
+    opacity
+}

@@ -1,0 +1,328 @@
+//! Surfels: the scene's surfaces as pieces of equal area, for methods that scatter or gather light at surfaces.
+//!
+//! Where they lie follows from the mesh alone: each triangle gets its share by cumulative area, and within it the
+//! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
+
+use super::{Primitive, Scene};
+use crate::assets::{AssetId, Material, Texture, Wrap, parallel};
+use crate::bvh::{MeshBvh, Ray};
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Mat3A, Vec3, Vec4};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Most surfels of a scene: 64 MiB.
+pub const MAX_SURFELS: usize = 1 << 20;
+
+/// Thickness \[m\] of what has nothing behind it.
+const ENDLESS: f32 = 1e30;
+
+/// A piece of surface, as `Surfel` of `lib/sweep.wgsl`. Position and normal are in object space, lengths and areas
+/// are as in the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Surfel {
+    /// Position in object space.
+    pub position: [f32; 3],
+    /// Area \[m²\].
+    pub area: f32,
+    /// Unit normal in object space, to the side that reflects.
+    pub normal: [f32; 3],
+    /// Thickness of the solid behind it \[m\]: the way along −n to the next surface of the same object. 0 for both
+    /// sides of a sheet that can be seen from both, very large for the only side of one that cannot.
+    pub thickness: f32,
+    /// Diffuse reflectance.
+    pub albedo: [f32; 3],
+    /// Index in [`SurfelCloud::places`].
+    pub place: u32,
+    /// Emitted radiance [W/(m² sr)].
+    pub emissive: [f32; 3],
+    /// Second largest edge of the object's box \[m\].
+    pub extent: f32,
+}
+
+/// The surfels of a scene.
+#[derive(Debug, Default)]
+pub struct SurfelCloud {
+    /// All surfels, in the order of the scene's primitives.
+    pub surfels: Vec<Surfel>,
+    /// World from object space, one for each group of primitives that stand at the same place.
+    pub places: Vec<Affine3A>,
+    /// Changes with every change of `surfels`.
+    pub revision: u64,
+    /// Sum of area·reflectance over the sum of areas: the mean share of light that a surface returns.
+    pub mean_albedo: Vec3,
+    /// Whether any surface emits light.
+    pub is_emissive: bool,
+    built: HashMap<GroupKey, Arc<Vec<Surfel>>>,
+    state: Option<(u64, u64, u64, u32)>,
+}
+
+/// Primitives that stand at the same place make one object: a solid may be split by its materials.
+struct Group<'a> {
+    place: Affine3A,
+    members: Vec<&'a Primitive>,
+}
+
+/// All that the surfels of a group depend on. Turning and moving it changes none of them.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct GroupKey {
+    members: Vec<(AssetId, AssetId)>,
+    /// Bits of the linear part that the surfels are made with.
+    linear: [u32; 9],
+    density: u32,
+}
+
+impl SurfelCloud {
+    /// Brings the surfels up to date with the scene: about `density` of them a square metre, fewer if there would be
+    /// more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its surfels.
+    pub fn update(&mut self, scene: &Scene, density: f32) {
+        let revisions = scene.revisions;
+        let state = (scene.identity, revisions.geometry, revisions.materials, density.to_bits());
+        if self.state == Some(state) {
+            return;
+        }
+        self.state = Some(state);
+        let groups = groups(scene);
+        let area: f64 = groups.iter().map(Group::area).sum();
+        let density = limited(density, area);
+        let keys: Vec<GroupKey> = groups.iter().map(|group| group.key(density)).collect();
+        self.built.retain(|key, _| keys.contains(key));
+        let missing: Vec<usize> = (0..groups.len()).filter(|&i| !self.built.contains_key(&keys[i])).collect();
+        for (index, surfels) in missing.iter().zip(parallel::map(&missing, |&index| groups[index].surfels(density))) {
+            self.built.insert(keys[*index].clone(), Arc::new(surfels));
+        }
+        self.places = groups.iter().map(|group| group.place).collect();
+        let all = keys.iter().zip(0..).flat_map(|(key, place)| {
+            self.built[key].iter().map(move |surfel| Surfel { place, ..*surfel }).collect::<Vec<_>>()
+        });
+        let surfels: Vec<Surfel> = all.collect();
+        if surfels != self.surfels {
+            self.summarise(&surfels);
+            self.surfels = surfels;
+            self.revision += 1;
+        }
+    }
+
+    fn summarise(&mut self, surfels: &[Surfel]) {
+        let area: f64 = surfels.iter().map(|s| f64::from(s.area)).sum();
+        let sum = |channel: usize| -> f64 {
+            surfels.iter().map(|s| f64::from(s.albedo[channel]) * f64::from(s.area)).sum::<f64>()
+        };
+        let mean = |channel| if area > 0.0 { (sum(channel) / area) as f32 } else { 0.0 };
+        self.mean_albedo = Vec3::new(mean(0), mean(1), mean(2));
+        self.is_emissive = surfels.iter().any(|s| s.emissive != [0.0; 3]);
+    }
+}
+
+/// The density with which the scene's area gives no more than [`MAX_SURFELS`], in steps of √2 so that a small change
+/// of the scene changes none.
+fn limited(density: f32, area: f64) -> f32 {
+    let wanted = f64::from(density) * area;
+    let most = MAX_SURFELS as f64 * 0.9;
+    if wanted <= most {
+        return density;
+    }
+    let steps = (2.0 * (wanted / most).log2()).ceil();
+    (f64::from(density) * (-0.5 * steps).exp2()) as f32
+}
+
+fn groups(scene: &Scene) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut places: HashMap<[u32; 12], usize> = HashMap::new();
+    for primitive in scene.primitives.iter().filter(|p| p.casts_shadow && p.world_from_object.is_finite()) {
+        let place = primitive.world_from_object;
+        let bits = place.to_cols_array().map(f32::to_bits);
+        let index = *places.entry(bits).or_insert_with(|| {
+            groups.push(Group { place, members: Vec::new() });
+            groups.len() - 1
+        });
+        groups[index].members.push(primitive);
+    }
+    groups
+}
+
+impl Group<'_> {
+    fn area(&self) -> f64 {
+        let area = |p: &&Primitive| triangles(p).map(|t| f64::from(world_area(&self.place.matrix3, &t.corners))).sum();
+        self.members.iter().map(area).fold(0.0, |sum: f64, area: f64| sum + area)
+    }
+
+    fn key(&self, density: f32) -> GroupKey {
+        let members = self.members.iter().map(|p| (p.mesh.id, p.material.id)).collect();
+        let linear = self.shape().to_cols_array().map(f32::to_bits);
+        GroupKey { members, linear, density: density.to_bits() }
+    }
+
+    /// The linear part of the place, where it scales evenly without its turn, and rounded: the same for all turned
+    /// copies of an object, to the last bit.
+    fn shape(&self) -> Mat3A {
+        let m = self.place.matrix3;
+        let square = m.transpose() * m;
+        let scale = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
+        let uneven = (square - Mat3A::from_diagonal(Vec3::splat(scale))).to_cols_array();
+        if uneven.iter().any(|d| !(d.abs() <= 1e-5 * scale)) {
+            return m;
+        }
+        let rounded = ((f64::from(scale).sqrt().log2() * 65536.0).round() / 65536.0).exp2() as f32;
+        Mat3A::from_diagonal(Vec3::splat(rounded.copysign(m.determinant())))
+    }
+
+    fn surfels(&self, density: f32) -> Vec<Surfel> {
+        let linear = self.shape();
+        let corners: Vec<_> =
+            self.members.iter().flat_map(|p| triangles(p)).map(|t| t.corners.map(|c| linear * c)).collect();
+        let solid = MeshBvh::from_triangles(corners);
+        let mut surfels = Vec::new();
+        for primitive in &self.members {
+            spread(primitive, &linear, &solid, density, &mut surfels);
+        }
+        surfels
+    }
+}
+
+/// A triangle in object space.
+struct Triangle {
+    corners: [Vec3; 3],
+    uvs: [[f32; 2]; 3],
+}
+
+fn triangles(primitive: &Primitive) -> impl Iterator<Item = Triangle> {
+    let vertices = &primitive.mesh.vertices;
+    primitive.mesh.indices.chunks_exact(3).map(move |t| {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| &vertices[i as usize]);
+        Triangle { corners: [a, b, c].map(|v| v.position.into()), uvs: [a.uv, b.uv, c.uv] }
+    })
+}
+
+fn world_area(linear: &Mat3A, corners: &[Vec3; 3]) -> f32 {
+    let edge = |i: usize| *linear * (corners[i] - corners[0]);
+    let area = 0.5 * edge(1).cross(edge(2)).length();
+    if area.is_finite() { area } else { 0.0 }
+}
+
+fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, surfels: &mut Vec<Surfel>) {
+    let whole: f64 = triangles(primitive).map(|t| f64::from(world_area(linear, &t.corners))).sum();
+    if !(whole > 0.0) {
+        return;
+    }
+    let count = (whole * f64::from(density)).ceil().max(1.0);
+    let area = (whole / count) as f32;
+    let extent = second_edge(primitive, linear);
+    let turned = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let mut gone = 0.0;
+    for triangle in triangles(primitive) {
+        let first = (gone / whole * count + 0.5).floor();
+        gone += f64::from(world_area(linear, &triangle.corners));
+        let last = (gone / whole * count + 0.5).floor();
+        let [a, b, c] = triangle.corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let facing = turned * (*linear * (b - a)).cross(*linear * (c - a)).normalize_or_zero();
+        for index in 0..(last - first) as u32 {
+            let weights = point_of_triangle(index);
+            let mix = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
+            let position = mix(triangle.corners);
+            let uv = mix(triangle.uvs.map(|uv| Vec3::new(uv[0], uv[1], 0.0)));
+            let Some((albedo, emissive)) = surface(&primitive.material, [uv.x, uv.y]) else { continue };
+            let surfel = Surfel {
+                position: position.to_array(),
+                area,
+                normal: normal.to_array(),
+                albedo: albedo.to_array(),
+                emissive: emissive.to_array(),
+                extent,
+                ..Surfel::default()
+            };
+            let back = behind(solid, *linear * position, facing, turned);
+            if primitive.material.double_sided && !back.is_solid {
+                surfels.push(surfel);
+                surfels.push(Surfel { normal: (-normal).to_array(), ..surfel });
+            } else {
+                surfels.push(Surfel { thickness: back.distance, ..surfel });
+            }
+        }
+    }
+}
+
+/// Second largest edge of the primitive's box in the world.
+fn second_edge(primitive: &Primitive, linear: &Mat3A) -> f32 {
+    let size = primitive.mesh.bounds.size();
+    let mut edges =
+        [(linear.x_axis * size.x).length(), (linear.y_axis * size.y).length(), (linear.z_axis * size.z).length()];
+    edges.sort_by(f32::total_cmp);
+    edges[1]
+}
+
+/// What lies behind a surface.
+struct Back {
+    distance: f32,
+    /// The next surface is the other side of a solid.
+    is_solid: bool,
+}
+
+fn behind(solid: &MeshBvh, position: Vec3, normal: Vec3, turned: f32) -> Back {
+    let ray = Ray::new(position, -normal);
+    // The surface itself lies at distance zero, give or take a rounding.
+    let least = 1e-5 * position.abs().max_element().max(1e-30);
+    let Some(hit) = solid.closest_hit(&ray, f32::INFINITY, |hit| hit.t > least) else {
+        return Back { distance: ENDLESS, is_solid: false };
+    };
+    let [a, b, c] = solid.corners()[hit.triangle as usize];
+    Back { distance: hit.t, is_solid: turned * (b - a).cross(c - a).dot(ray.direction) > 0.0 }
+}
+
+/// Barycentric coordinates of a point of the sequence: the digits of the index in base 4 choose the middle or a corner
+/// of the four triangles into which each is split.
+fn point_of_triangle(mut index: u32) -> [f32; 3] {
+    let mut corners = [Vec3::X, Vec3::Y, Vec3::Z];
+    while index > 0 {
+        let middle =
+            [0.5 * (corners[1] + corners[2]), 0.5 * (corners[2] + corners[0]), 0.5 * (corners[0] + corners[1])];
+        corners = match index & 3 {
+            0 => middle,
+            1 => [corners[0], middle[2], middle[1]],
+            2 => [middle[2], corners[1], middle[0]],
+            _ => [middle[1], middle[0], corners[2]],
+        };
+        index >>= 2;
+    }
+    ((corners[0] + corners[1] + corners[2]) / 3.0).to_array()
+}
+
+/// Diffuse reflectance and emitted radiance; none where alpha cuts the surface out.
+fn surface(material: &Material, uv: [f32; 2]) -> Option<(Vec3, Vec3)> {
+    let texel = |texture: &Option<Arc<Texture>>| texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, uv));
+    let base = material.base_color * texel(&material.base_color_texture);
+    let cutoff = match material.alpha_mode {
+        crate::assets::AlphaMode::Opaque => -1.0,
+        crate::assets::AlphaMode::Mask(cutoff) => cutoff,
+        crate::assets::AlphaMode::Blend => 0.5,
+    };
+    if base.w < cutoff {
+        return None;
+    }
+    let metallic = (material.metallic * texel(&material.metallic_roughness_texture).z).clamp(0.0, 1.0);
+    let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * (1.0 - metallic);
+    let emissive = (material.emissive * texel(&material.emissive_texture).truncate()).max(Vec3::ZERO);
+    let finite = |v: Vec3| if v.is_finite() { v } else { Vec3::ZERO };
+    Some((finite(albedo), finite(emissive)))
+}
+
+/// The nearest texel, linear.
+fn texel(texture: &Texture, uv: [f32; 2]) -> Vec4 {
+    let at = |coordinate: f32, wrap: Wrap, size: u32| {
+        let c = if coordinate.is_finite() { coordinate } else { 0.0 };
+        let c = match wrap {
+            Wrap::Repeat => c - c.floor(),
+            Wrap::Mirror => 1.0 - ((c * 0.5).fract().abs() * 2.0 - 1.0).abs(),
+            Wrap::Clamp => c.clamp(0.0, 1.0),
+        };
+        ((c * size as f32) as u32).min(size - 1) as usize
+    };
+    let x = at(uv[0], texture.sampling.wrap_u, texture.width);
+    let y = at(uv[1], texture.sampling.wrap_v, texture.height);
+    let first = 4 * (y * texture.width as usize + x);
+    let rgba: [f32; 4] = std::array::from_fn(|i| f32::from(texture.rgba[first + i]) / 255.0);
+    let linear = |c: f32| if texture.srgb { crate::measure::srgb_decode(c) } else { c };
+    Vec4::new(linear(rgba[0]), linear(rgba[1]), linear(rgba[2]), rgba[3])
+}

@@ -1,0 +1,189 @@
+// Sources: what each cell sends out, from the texels of reflective shadow maps, from emissive surfaces, and from what
+// the surfaces reflect of the bounce before.
+
+#import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::lights::Light
+#import lightwell::rsm::{RsmLayer, texel_received}
+#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed}
+#import lightwell::volume::{Volume, cell_index}
+
+struct Emit {
+    scale: f32,            // power of two that turns flux [W] into fixed point
+    bounce: u32,           // 0: light that comes straight from the lights
+    counted: u32,          // whether this cascade's flux is the scene's
+    padding: u32,
+    sky: vec3f,            // what enters from the sky, in fixed point
+}
+
+@group(0) @binding(0) var<uniform> volume: Volume;
+@group(0) @binding(1) var<uniform> emit: Emit;
+@group(0) @binding(2) var<uniform> light: Light;
+@group(0) @binding(3) var<uniform> rsm: RsmLayer;
+@group(0) @binding(4) var base_color: texture_2d_array<u32>;
+@group(0) @binding(5) var normal: texture_2d_array<u32>;
+@group(0) @binding(6) var depth: texture_depth_2d_array;
+@group(0) @binding(7) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(8) var<storage, read> opacity: array<vec4f>;
+// Irradiance of the surfels in the bounce before [W/m²].
+@group(0) @binding(9) var<storage, read> received: array<vec4f>;
+// Thirty-six a cell, for each axis that a normal may lie nearest to high and low words of: F (RGB), Σ F·n.
+@group(0) @binding(10) var<storage, read_write> sums: array<atomic<i32>>;
+// Six vectors a cell, for each of those axes: F/h² [W/m²] and whether it leaves in all directions alike; mean normal.
+// One mean for all would send the light of two walls that meet into neither.
+@group(0) @binding(11) var<storage, read_write> emission: array<vec4f>;
+// Sixteen a bounce: emitted flux (RGB) and what the surfaces received of it, high and low words each.
+@group(0) @binding(12) var<storage, read_write> totals: array<atomic<i32>>;
+
+fn inside(cell: vec3f) -> bool {
+    return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
+}
+
+fn nearest_axis(n: vec3f) -> u32 {
+    let a = abs(n);
+    if a.x >= a.y && a.x >= a.z {
+        return 0u;
+    }
+    return select(2u, 1u, a.y >= a.z);
+}
+
+fn add_to_cell(cell: vec3f, n: vec3f, flux: vec3f) {
+    if !inside(cell) {
+        return;
+    }
+    let first = 36u * cell_index(volume, vec3u(cell)) + 12u * nearest_axis(n);
+    let lobe = (flux.r + flux.g + flux.b) * n;
+    for (var i = 0u; i < 3u; i++) {
+        let f = to_fixed(flux[i] * emit.scale);
+        atomicAdd(&sums[first + 2u * i], f.x);
+        atomicAdd(&sums[first + 2u * i + 1u], f.y);
+        let m = to_fixed(lobe[i] * emit.scale * 0.25);
+        atomicAdd(&sums[first + 6u + 2u * i], m.x);
+        atomicAdd(&sums[first + 7u + 2u * i], m.y);
+    }
+}
+
+// The source's cell is the first whose centre lies before the surface. Behind a thin wall is another room: there that
+// is made sure of.
+fn deposit(p: vec3f, n: vec3f, flux: vec3f, thin: bool) {
+    let before = p + BEFORE * n;
+    if !thin {
+        add_to_cell(floor(before + 0.5 * n), n, flux);
+        return;
+    }
+    let axis = nearest_axis(n);
+    var cell = floor(before);
+    for (var i = 0u; i < 2u; i++) {
+        if dot(n, cell + 0.5 - before) < 0.0 {
+            cell[axis] += sign(n[axis]);
+        }
+    }
+    add_to_cell(cell, n, flux);
+}
+
+@compute @workgroup_size(8, 8)
+fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
+    let texel = thread.xy;
+    if any(texel >= vec2u(rsm.size)) {
+        return;
+    }
+    let z = textureLoad(depth, texel, rsm.layer, 0);
+    if z <= 0.0 {
+        return;
+    }
+    let albedo = decode_albedo(textureLoad(base_color, texel, rsm.layer, 0));
+    if all(albedo <= vec3f(0.0)) {
+        return;
+    }
+    let n = decode_normal(textureLoad(normal, texel, rsm.layer, 0));
+    let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
+    let flux = albedo * texel_received(rsm, light, texel, position).flux;
+    let p = (position - volume.origin) / volume.cell;
+    let cell = floor(p + BEFORE * n);
+    if !inside(cell) || all(flux <= vec3f(0.0)) {
+        return;
+    }
+    let thin = opacity[8u * cell_index(volume, vec3u(cell)) + 1u].z > 0.0;
+    deposit(p, n, flux, thin);
+}
+
+fn from_surfel(surfel: Surfel, flux: vec3f) {
+    let p = (surfel.position - volume.origin) / volume.cell;
+    if !inside(floor(p + BEFORE * surfel.normal)) || all(flux <= vec3f(0.0)) {
+        return;
+    }
+    deposit(p, surfel.normal, flux, surfel.thickness < volume.cell);
+}
+
+// Emissive surfaces: F = π·L·A.
+@compute @workgroup_size(64)
+fn from_emissive(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    let surfel = surfels[index];
+    from_surfel(surfel, surfel.emissive * (3.14159265 * surfel.area));
+}
+
+fn total(bounce: u32, first: u32, channel: u32) -> f32 {
+    let at = 16u * bounce + first + 2u * channel;
+    return from_fixed(atomicLoad(&totals[at]), atomicLoad(&totals[at + 1u]));
+}
+
+// Reflected light: F = ρ·A·E. All surfaces together receive no more than was sent out, so that no bounce gains.
+@compute @workgroup_size(64)
+fn from_bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    var limit = vec3f(1.0);
+    for (var channel = 0u; channel < 3u; channel++) {
+        let sent = total(emit.bounce - 1u, 0u, channel);
+        let arrived = total(emit.bounce - 1u, 6u, channel);
+        limit[channel] = min(1.0, sent / max(arrived, 1.0));
+    }
+    let surfel = surfels[index];
+    from_surfel(surfel, surfel.albedo * received[index].rgb * limit * surfel.area);
+}
+
+fn add_to_totals(channel: u32, flux: f32) {
+    if flux > 0.0 {
+        let f = to_fixed(flux);
+        atomicAdd(&totals[16u * emit.bounce + 2u * channel], f.x);
+        atomicAdd(&totals[16u * emit.bounce + 2u * channel + 1u], f.y);
+    }
+}
+
+@compute @workgroup_size(64)
+fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= volume.cells.x * volume.cells.y * volume.cells.z {
+        return;
+    }
+    for (var axis = 0u; axis < 3u; axis++) {
+        let first = 36u * index + 12u * axis;
+        var flux: vec3f;
+        var lobe: vec3f;
+        for (var i = 0u; i < 3u; i++) {
+            let at = first + 2u * i;
+            flux[i] = from_fixed(atomicLoad(&sums[at]), atomicLoad(&sums[at + 1u]));
+            lobe[i] = 4.0 * from_fixed(atomicLoad(&sums[at + 6u]), atomicLoad(&sums[at + 7u]));
+            if emit.counted != 0u {
+                add_to_totals(i, flux[i]);
+            }
+        }
+        let sum = flux.r + flux.g + flux.b;
+        let size = length(lobe);
+        // Where surfaces face each other in one cell there is no mean direction.
+        let isotropic = size < 0.1 * sum;
+        let to = 6u * index + 2u * axis;
+        emission[to] = vec4f(flux / emit.scale / volume.cell / volume.cell, select(0.0, 1.0, isotropic));
+        emission[to + 1u] = vec4f(lobe / max(size, 1e-30), 0.0);
+    }
+    if index == 0u {
+        for (var i = 0u; i < 3u; i++) {
+            add_to_totals(i, emit.sky[i]);
+        }
+    }
+}

@@ -1,0 +1,201 @@
+// Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
+
+#import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::sweep::{Surfel, Nodes, nodes_of, to_fixed, from_fixed}
+#import lightwell::view::View
+#import lightwell::volume::{Volume, cell_index}
+
+struct Cascade {
+    volume: Volume,
+    fade_center: vec3f,    // centre of the box before it was snapped [m]
+    fade_cells: f32,       // width of the fade into the next coarser cascade [cells]
+    fade_half: vec3f,      // half extent of that box [m]
+    padding: f32,
+}
+
+struct Lookup {
+    cascade: Cascade,
+    is_first: u32,         // the finest: starts the sum
+    is_last: u32,          // the coarsest: takes all that is left
+    bounce: u32,
+    scale: f32,            // power of two that turns flux [W] into fixed point
+}
+
+@group(0) @binding(0) var<uniform> lookup: Lookup;
+@group(0) @binding(1) var<storage, read> axes: array<f32>;
+@group(0) @binding(2) var<storage, read> diagonals: array<f32>;
+@group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
+// Irradiance [W/m²], and the share that coarser cascades still have to give.
+@group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> totals: array<atomic<i32>>;
+@group(0) @binding(6) var<uniform> view: View;
+@group(0) @binding(7) var base_color: texture_2d<u32>;
+@group(0) @binding(8) var normal: texture_2d<u32>;
+@group(0) @binding(9) var depth: texture_depth_2d;
+// As `received`, for the pixels.
+@group(0) @binding(10) var<storage, read_write> partial: array<vec4f>;
+@group(0) @binding(12) var<storage, read> opacity: array<vec4f>;
+@group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
+
+fn axis_at(cell: u32, node: u32) -> vec3f {
+    let first = 18u * cell + 3u * node;
+    return vec3f(axes[first], axes[first + 1u], axes[first + 2u]);
+}
+
+fn diagonal_at(cell: u32, node: u32) -> vec3f {
+    let first = 36u * cell + 3u * node;
+    return vec3f(diagonals[first], diagonals[first + 1u], diagonals[first + 2u]);
+}
+
+fn node_sum(cell: u32, nodes: Nodes) -> vec3f {
+    var e = nodes.plus.x * axis_at(cell, 0u) + nodes.minus.x * axis_at(cell, 1u)
+        + nodes.plus.y * axis_at(cell, 2u) + nodes.minus.y * axis_at(cell, 3u)
+        + nodes.plus.z * axis_at(cell, 4u) + nodes.minus.z * axis_at(cell, 5u);
+    for (var i = 0u; i < 3u; i++) {
+        if nodes.edge_weight[i] > 0.0 {
+            e += nodes.edge_weight[i] * diagonal_at(cell, nodes.edge[i]);
+        }
+    }
+    return max(e, vec3f(0.0));
+}
+
+// The share of a cell that lies outside of solids: those leave their tensor in the cells just below their surface.
+// Without it a corner between a wall and a floor is dark, since half of its cells lie in the floor.
+fn clearance(index: u32) -> f32 {
+    return saturate(1.0 - opacity[8u * index + 1u].w);
+}
+
+// How open the faces are that light crosses from the other cells of an interpolation to the one before the surface.
+fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
+    var open = vec3f(1.0);
+    for (var axis = 0u; axis < 3u; axis++) {
+        var cell = base;
+        let from_above = base[axis] == low[axis];
+        cell[axis] += select(0.0, 1.0, from_above);
+        if all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells)) {
+            let side = select(0u, 1u, from_above);
+            open[axis] = 1.0 - opacity[8u * cell_index(volume, vec3u(cell)) + 2u + 2u * axis + side].w;
+        }
+    }
+    return open;
+}
+
+// Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
+// it leaves the cell, so that its mean place is the surface.
+fn irradiance(point: vec3f, n: vec3f) -> vec3f {
+    let volume = lookup.cascade.volume;
+    let x = (point - volume.origin) / volume.cell;
+    let at = x + 0.5 * n - 0.5;
+    let low = floor(at);
+    let t = at - low;
+    let nodes = nodes_of(n);
+    let base = floor(x + 0.5 * n);
+    let open = passages(volume, base, low);
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
+        let cell = select(low, low + 1.0, upper);
+        let w = select(1.0 - t, t, upper);
+        let weight = w.x * w.y * w.z;
+        let is_inside = all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
+        if is_inside && weight > 0.0 && dot(n, cell + 0.5 - x) > 0.0 {
+            let index = cell_index(volume, vec3u(cell));
+            let passed = select(open, vec3f(1.0), cell == base);
+            let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
+            if clear > 0.0 {
+                sum += clear * node_sum(index, nodes);
+                weights += clear;
+            }
+        }
+    }
+    if weights < 1e-3 {
+        let nearest = vec3u(clamp(floor(x + 0.5 * n), vec3f(0.0), vec3f(volume.cells) - 1.0));
+        return node_sum(cell_index(volume, nearest), nodes);
+    }
+    return sum / weights;
+}
+
+// Share of the cascade at a point: 1 inside, falling to 0 over the fade; the coarsest is whole to its border.
+fn share(point: vec3f) -> f32 {
+    let cascade = lookup.cascade;
+    let extent = vec3f(cascade.volume.cells) * cascade.volume.cell;
+    let inside = min(point - cascade.volume.origin, cascade.volume.origin + extent - point);
+    if any(inside < vec3f(-1e-3 * cascade.volume.cell)) {
+        return 0.0;
+    }
+    if lookup.is_last != 0u || cascade.fade_cells <= 0.0 {
+        return 1.0;
+    }
+    let margin = cascade.fade_half - abs(point - cascade.fade_center);
+    let least = min(margin.x, min(margin.y, margin.z));
+    return saturate(least / (cascade.fade_cells * cascade.volume.cell));
+}
+
+// The finest level that covers a point gives its light; over its border the next coarser takes over.
+fn blend(so_far: vec4f, point: vec3f, n: vec3f) -> vec4f {
+    let w = so_far.a * share(point);
+    if w <= 0.0 {
+        return so_far;
+    }
+    return vec4f(so_far.rgb + w * irradiance(point, n), so_far.a - w);
+}
+
+var<workgroup> arrived: array<atomic<i32>, 6>;
+
+@compute @workgroup_size(64)
+fn at_surfels(
+    @builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index < arrayLength(&surfels) {
+        let surfel = surfels[index];
+        var e = vec4f(0.0, 0.0, 0.0, 1.0);
+        if lookup.is_first == 0u {
+            e = received[index];
+        }
+        if surfel.area > 0.0 {
+            e = blend(e, surfel.position, surfel.normal);
+        }
+        received[index] = e;
+        for (var channel = 0u; channel < 3u; channel++) {
+            let flux = to_fixed(min(e[channel] * surfel.area * lookup.scale, 3.5e13));
+            atomicAdd(&arrived[2u * channel], flux.x);
+            atomicAdd(&arrived[2u * channel + 1u], flux.y);
+        }
+    }
+    workgroupBarrier();
+    if lookup.is_last != 0u && local < 3u {
+        let sum = from_fixed(atomicLoad(&arrived[2u * local]), atomicLoad(&arrived[2u * local + 1u]));
+        let fixed = to_fixed(sum);
+        let first = 16u * lookup.bounce + 6u + 2u * local;
+        atomicAdd(&totals[first], fixed.x);
+        atomicAdd(&totals[first + 1u], fixed.y);
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn relight(@builtin(global_invocation_id) thread: vec3u) {
+    let pixel = thread.xy;
+    if any(pixel >= view.size) {
+        return;
+    }
+    let index = pixel.y * view.size.x + pixel.x;
+    var e = vec4f(0.0, 0.0, 0.0, 1.0);
+    if lookup.is_first == 0u {
+        e = partial[index];
+    }
+    let z = textureLoad(depth, pixel, 0);
+    if z > 0.0 {
+        let point = world_position(pixel, view.size, z, view.world_from_clip);
+        e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)));
+    }
+    if lookup.is_last == 0u {
+        partial[index] = e;
+        return;
+    }
+    let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
+    let radiance = select(vec3f(0.0), min(albedo * e.rgb * 0.318309886, vec3f(1e32)), z > 0.0);
+    textureStore(indirect, pixel, vec4f(radiance, 1.0));
+}

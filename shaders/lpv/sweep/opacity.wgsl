@@ -1,0 +1,117 @@
+// What stops light in a cell: the opacity tensor of thick solids, and the seal, by which a wall closes the faces of
+// the cells that it passes.
+
+#import lightwell::sweep::{Surfel, BEFORE}
+#import lightwell::volume::{Volume, cell_index}
+
+@group(0) @binding(0) var<uniform> volume: Volume;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+// 32 a cell: Txx Tyy Tzz Txy Tyz Tzx, area of thin surfaces, area of thick ones just above the centre; then N and a of the lower faces along x, y, z,
+// for light along +i (surfaces with n_i < 0) and along −i.
+@group(0) @binding(2) var<storage, read_write> sums: array<atomic<i32>>;
+// The same as numbers, eight vectors a cell; N normalised, a at most 1.
+@group(0) @binding(3) var<storage, read_write> opacity: array<vec4f>;
+
+// A cell's areas sum to far less than 2⁷ faces.
+const AREA_SCALE: f32 = 16777216.0;
+
+fn add(index: u32, value: f32) {
+    atomicAdd(&sums[index], i32(round(value * AREA_SCALE)));
+}
+
+fn inside(cell: vec3f) -> bool {
+    return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
+}
+
+// T += A·n nᵀ, ¾ of a cell below the surface.
+fn add_tensor(p: vec3f, n: vec3f, area: f32) {
+    let cell = floor(p - 0.75 * n);
+    if !inside(cell) {
+        return;
+    }
+    let first = 32u * cell_index(volume, vec3u(cell));
+    let square = area * n * n;
+    let mixed = area * n * n.yzx;
+    for (var i = 0u; i < 3u; i++) {
+        add(first + i, square[i]);
+        add(first + 3u + i, mixed[i]);
+    }
+}
+
+// Slides the surfel's plane to the centre line of the column that it lies in, and closes the face next to it.
+fn seal(q: vec3f, n: vec3f, area: f32, disc: f32, i: u32) {
+    let j = (i + 1u) % 3u;
+    let k = (i + 2u) % 3u;
+    if abs(n[i]) < 1e-3 {
+        return;
+    }
+    let across = vec2f(q[j] - floor(q[j]) - 0.5, q[k] - floor(q[k]) - 0.5);
+    let slide = dot(vec2f(n[j], n[k]), across) / n[i];
+    var cell = floor(q);
+    cell[i] = round(q[i] + clamp(slide, -4.0, 4.0));
+    if !inside(cell) {
+        return;
+    }
+    let side = select(1u, 0u, n[i] < 0.0);
+    let first = 32u * cell_index(volume, vec3u(cell)) + 8u + 4u * (2u * i + side);
+    let weight = area * abs(n[i]);
+    add(first, weight * n.x);
+    add(first + 1u, weight * n.y);
+    add(first + 2u, weight * n.z);
+    // A surfel whose disc covers the centre line closes the face by itself.
+    let covers = slide * slide + dot(across, across) <= disc;
+    add(first + 3u, weight + select(0.0, 1.0, covers));
+}
+
+@compute @workgroup_size(64)
+fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    let surfel = surfels[index];
+    let n = surfel.normal;
+    let p = (surfel.position - volume.origin) / volume.cell;
+    let area = min(surfel.area / volume.cell / volume.cell, 4.0);
+    if !(area > 0.0) || any(p < vec3f(-8.0)) || any(p > vec3f(volume.cells) + 8.0) {
+        return;
+    }
+    let thickness = surfel.thickness / volume.cell;
+    let before = p + BEFORE * n;
+    var depth = 0.0;
+    if thickness >= 1.0 {
+        depth = min(0.9, 0.5 * thickness);
+        add_tensor(before, n, area);
+        // The cell whose centre lies just below the surface.
+        let below = floor(before - 0.5 * n);
+        if inside(below) {
+            add(32u * cell_index(volume, vec3u(below)) + 7u, area);
+        }
+    } else if inside(floor(before)) {
+        add(32u * cell_index(volume, vec3u(before)) + 6u, area);
+    }
+    // κ² = 2: discs of twice the surfels' area leave no gap between them. Objects smaller than a cell are no walls.
+    let disc = select(0.0, 2.0 * area / 3.14159265, surfel.extent >= volume.cell);
+    for (var axis = 0u; axis < 3u; axis++) {
+        seal(before - depth * n, n, area, disc, axis);
+    }
+}
+
+@compute @workgroup_size(64)
+fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= volume.cells.x * volume.cells.y * volume.cells.z {
+        return;
+    }
+    for (var i = 0u; i < 8u; i++) {
+        let first = 32u * index + 4u * i;
+        var v = vec4f(
+            f32(atomicLoad(&sums[first])), f32(atomicLoad(&sums[first + 1u])),
+            f32(atomicLoad(&sums[first + 2u])), f32(atomicLoad(&sums[first + 3u])),
+        ) / AREA_SCALE;
+        if i >= 2u {
+            v = vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
+        }
+        opacity[8u * index + i] = v;
+    }
+}

@@ -1,0 +1,41 @@
+// Adds the irradiance of one bounce to the sum of all. After the last that is swept the rest follows as a geometric
+// series: light spreads over the scene with each bounce, so that one soon differs from the next by a factor only.
+
+#import lightwell::sweep::from_fixed
+
+struct Sum {
+    bounce: u32,
+    has_tail: u32,         // this is the last bounce, and light would go on
+    most: f32,             // bound on the factor from one bounce to the next
+    padding: u32,
+}
+
+@group(0) @binding(0) var<uniform> sum: Sum;
+@group(0) @binding(1) var<storage, read> totals: array<i32>;
+@group(0) @binding(2) var<storage, read> axes: array<f32>;
+@group(0) @binding(3) var<storage, read> diagonals: array<f32>;
+@group(0) @binding(4) var<storage, read_write> all_axes: array<f32>;
+@group(0) @binding(5) var<storage, read_write> all_diagonals: array<f32>;
+
+fn sent(bounce: u32, channel: u32) -> f32 {
+    let at = 16u * bounce + 2u * channel;
+    return from_fixed(totals[at], totals[at + 1u]);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&all_diagonals) {
+        return;
+    }
+    var factor = 1.0;
+    if sum.has_tail != 0u && sum.bounce > 0u {
+        let channel = index % 3u;
+        let ratio = min(sent(sum.bounce, channel) / max(sent(sum.bounce - 1u, channel), 1.0), sum.most);
+        factor = 1.0 / (1.0 - ratio);
+    }
+    if index < arrayLength(&all_axes) {
+        all_axes[index] += factor * axes[index];
+    }
+    all_diagonals[index] += factor * diagonals[index];
+}
