@@ -31,7 +31,11 @@ struct Slice {
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
 @group(0) @binding(8) var<storage, read_write> diagonals: array<f32>;
 
+#ifdef AXIS
 const A: u32 = #{AXIS}u;
+#else
+const A: u32 = 0u;
+#endif
 const U: u32 = (A + 1u) % 3u;
 const V: u32 = (A + 2u) % 3u;
 

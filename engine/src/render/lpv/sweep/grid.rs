@@ -56,7 +56,7 @@ fn fitted(bounds: &Aabb, budget: u32) -> Volume {
             fade_half: 0.5 * (high - low) * cell,
         }
     };
-    if !(longest.is_finite() && longest > 1e-12) || !bounds.min.is_finite() {
+    if !(longest.is_finite() && longest > 1e-12 && bounds.min.is_finite()) {
         let origin = bounds.center() - Vec3::splat(2.0);
         return Volume {
             origin,
