@@ -205,8 +205,10 @@ Metrics, on linear RGB over all pixels, without any gain fitting (a: the image, 
   flip   mean of the perceptual difference FLIP, tone mapped at an exposure chosen from the reference
 Where mean(r) = 0 the image must be exactly zero.
 
-Example:
-  lightwell compare a.exr reference.exr --max nrmse=0.1,bias=0.02 --difference where.png";
+Examples:
+  lightwell compare a.exr reference.exr --max nrmse=0.1,bias=0.02 --difference where.png
+  lightwell compare a.exr reference.exr --figure beside.png
+  lightwell compare a.exr reference.exr --halves even.exr odd.exr     (the reference is the mean of both)";
 
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
@@ -224,6 +226,12 @@ pub struct CompareArgs {
     /// Write a picture of the signed difference: red too bright, blue too dark, full colour at mean(r)
     #[arg(long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
     pub difference: Option<PathBuf>,
+    /// Write image, reference and difference side by side, the first two exposed and tone mapped alike
+    #[arg(long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
+    pub figure: Option<PathBuf>,
+    /// Two independent halves of the reference: nrmse and rmse are then free of its noise, which is printed too
+    #[arg(long, num_args = 2, value_names = ["R1", "R2"])]
+    pub halves: Vec<PathBuf>,
     /// Largest value allowed (of bias: in size); past it the exit code is 1. May be given many times
     #[arg(long, value_name = "METRIC=X", value_delimiter = ',', value_parser = parse_bound)]
     pub max: Vec<(Metric, f64)>,

@@ -29,10 +29,11 @@ fn picture(folder: &Path, name: &str, size: [u32; 2], color: [f32; 3]) -> PathBu
 fn help_teaches_by_example() {
     let help = lightwell(&["--help"]);
     assert_eq!(help.status.code(), Some(0));
-    for word in ["play", "render", "compare", "explain", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"] {
+    for word in ["play", "render", "compare", "explain", "test", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"]
+    {
         assert!(out(&help).contains(word), "no {word} in\n{}", out(&help));
     }
-    for command in ["play", "render", "compare", "explain", "info"] {
+    for command in ["play", "render", "compare", "explain", "test", "info"] {
         let help = lightwell(&[command, "--help"]);
         assert_eq!(help.status.code(), Some(0), "{command}: {}", err(&help));
     }
@@ -99,6 +100,71 @@ fn compare_writes_the_difference() {
     let picture = lightwell::measure::read_image(&difference).unwrap();
     let [red, _, blue] = picture.pixel(3, 2);
     assert!(red > 0.9 && blue < 0.1, "too bright is red: {red} {blue}");
+}
+
+#[test]
+fn compare_puts_pictures_side_by_side() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = picture(dir.path(), "a.exr", [8, 4], [0.5; 3]);
+    let b = picture(dir.path(), "b.exr", [8, 4], [0.2; 3]);
+    let figure = dir.path().join("figure.png");
+    let output =
+        lightwell(&["compare", a.to_str().unwrap(), b.to_str().unwrap(), "--figure", figure.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert_eq!(lightwell::measure::read_image(&figure).unwrap().size(), [40, 4]);
+}
+
+#[test]
+fn compare_takes_the_noise_of_the_reference_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str, color: f32| picture(dir.path(), name, [8, 4], [color; 3]).display().to_string();
+    // The halves err by 0.2 each way, so that (1.1 - 0.8)(1.1 - 1.2) < 0: no error is left, and noise of 0.2.
+    let (a, b, low, high) = (file("a.exr", 1.1), file("b.exr", 1.0), file("low.exr", 0.8), file("high.exr", 1.2));
+    let output = lightwell(&["compare", &a, &b, "--halves", &low, &high, "--max", "nrmse=0.05"]);
+    assert_eq!(output.status.code(), Some(0), "{}", out(&output));
+    for line in ["noise       0.200000", "nrmse       0.000000", "bias        0.100000"] {
+        assert!(out(&output).contains(line), "no `{line}` in\n{}", out(&output));
+    }
+    assert_eq!(lightwell(&["compare", &a, &b, "--halves", &low]).status.code(), Some(2));
+}
+
+#[test]
+fn scene_tests_run_are_blessed_and_fail_with_pictures() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("box.test.ron");
+    let text = "(description: \"a box\", scene: \"cornell\", size: (32, 32), expect: (golden: (flip: 0.01)))";
+    std::fs::write(&file, text).unwrap();
+    let (folder, pictures) = (dir.path().to_str().unwrap(), dir.path().join("pictures"));
+    let test = |more: &[&str]| {
+        lightwell(&[&["test", folder, "-o", pictures.to_str().unwrap(), "--jobs", "1"][..], more].concat())
+    };
+    assert!(out(&test(&["--list"])).contains("box  a box"));
+    let missing = test(&[]);
+    assert_eq!(missing.status.code(), Some(1), "{}", out(&missing));
+    assert!(out(&missing).contains("no golden image") && out(&missing).contains("--bless"), "{}", out(&missing));
+    let blessed = test(&["--bless"]);
+    assert_eq!(blessed.status.code(), Some(0), "{}", out(&blessed));
+    assert!(out(&blessed).contains("blessed") && out(&blessed).contains("box_0s.png"), "{}", out(&blessed));
+    let passed = test(&["--filter", "box"]);
+    assert!(passed.status.code() == Some(0) && out(&passed).contains("1 passed, 0 failed, 0 skipped"));
+    // A golden image that is wrong.
+    write_image(&dir.path().join("goldens/box_0s.png"), &Image::filled(32, 32, [0.9, 0.1, 0.5])).unwrap();
+    let wrong = test(&[]);
+    assert_eq!(wrong.status.code(), Some(1), "{}", out(&wrong));
+    for kind in ["actual", "expected", "difference"] {
+        let picture = pictures.join(format!("box_0s_golden.{kind}.png"));
+        assert!(picture.is_file() && out(&wrong).contains(picture.to_str().unwrap()), "{}", out(&wrong));
+    }
+    std::fs::write(&file, text.replace("size", "sise")).unwrap();
+    let misspelt = test(&[]);
+    assert_eq!(misspelt.status.code(), Some(1));
+    assert!(
+        out(&misspelt).contains("box.test.ron:1:44:") && out(&misspelt).contains("did you mean `size`?"),
+        "{}",
+        out(&misspelt)
+    );
+    assert_eq!(test(&["--filter", "sphere"]).status.code(), Some(1));
+    assert_eq!(test(&["--jobs", "0"]).status.code(), Some(2));
 }
 
 #[test]

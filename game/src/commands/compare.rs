@@ -2,7 +2,7 @@
 
 use crate::cli::{CompareArgs, Metric};
 use anyhow::{Context, Result};
-use lightwell::measure::{self, Comparison};
+use lightwell::measure::{self, Comparison, Image};
 use std::process::ExitCode;
 
 /// Prints the metrics and writes the difference picture; exit code 1 past a bound.
@@ -13,7 +13,11 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let image = measure::read_image(&args.image)?;
     let reference = measure::read_image(&args.reference)?;
     let pair = || format!("cannot compare {} with {}", args.image.display(), args.reference.display());
-    let result = measure::compare(&image, &reference).with_context(pair)?;
+    let mut result = measure::compare(&image, &reference).with_context(pair)?;
+    if let [first, second] = &args.halves[..] {
+        let halves = [measure::read_image(first)?, measure::read_image(second)?];
+        take_noise_out(&mut result, &image, &halves)?;
+    }
     let mut metrics = args.metric.clone();
     metrics.extend(args.max.iter().map(|&(metric, _)| metric));
     let mut exceeded = false;
@@ -37,7 +41,20 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         measure::write_image(path, &measure::difference_picture(&image, &reference)?)?;
         say!("difference picture: {}", path.display());
     }
+    if let Some(path) = &args.figure {
+        measure::write_image(path, &measure::figure(&image, &reference)?)?;
+        say!("image, reference and difference: {}", path.display());
+    }
     Ok(if exceeded { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// Measures nrmse and rmse against two halves of the reference, so that its noise is no error, and prints that noise.
+fn take_noise_out(result: &mut Comparison, image: &Image, [first, second]: &[Image; 2]) -> Result<()> {
+    let unbiased = measure::two_halves(image, first, second).context("cannot compare with the two halves")?;
+    result.nrmse = unbiased.nrmse;
+    result.rmse = unbiased.squared_error.max(0.0).sqrt();
+    say!("{:<6}{:>14.6}  of the reference, taken out of nrmse and rmse", "noise", unbiased.noise);
+    Ok(())
 }
 
 /// Prints one metric with its bound, if it has one; says whether it is past it.
