@@ -159,7 +159,7 @@ fn scene_tests_run_are_blessed_and_fail_with_pictures() {
     let misspelt = test(&[]);
     assert_eq!(misspelt.status.code(), Some(1));
     assert!(
-        out(&misspelt).contains("box.test.ron:1:44:") && out(&misspelt).contains("did you mean `size`?"),
+        out(&misspelt).contains("box.test.ron:1:42:") && out(&misspelt).contains("did you mean `size`?"),
         "{}",
         out(&misspelt)
     );
