@@ -1,9 +1,5 @@
 //! The command line.
 
-mod bench;
-
-pub use bench::{BenchArgs, Bounces, Sweep};
-
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::Deserialize;
 use std::ops::Range;
@@ -17,7 +13,6 @@ Examples:
   lightwell render cornell -o 'frames/{}.png' --frames 0..120 --size 960x540
   lightwell render cornell -o dim.exr --set 'Spot light.light.intensity=5' --only indirect
   lightwell compare a.exr reference.exr --max nrmse=0.1 --difference where.png
-  lightwell bench cornell --quick -o out/bench
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
   lightwell test                              the scene tests in tests/scenes
 
@@ -59,8 +54,6 @@ pub enum Command {
     Render(RenderArgs),
     /// Measure how far an image is from a reference
     Compare(CompareArgs),
-    /// Measure time against error of the methods of indirect light
-    Bench(BenchArgs),
     /// Show which passes a frame runs, reuses or skips, and why
     Explain(ExplainArgs),
     /// Run headless scene tests
@@ -110,7 +103,8 @@ pub struct LookArgs {
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE` or
-    /// `scene.FIELD=VALUE`, with the value as in scene files; may be given many times
+    /// `scene.FIELD=VALUE`, with the value as in scene files, or `preset=NAME` for a set of changes that the scene's
+    /// file lists; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
     pub sets: Vec<(String, String)>,
 }

@@ -1,6 +1,6 @@
 //! The cache of loaded assets.
 
-use super::{AssetError, Gltf, Mesh, Sampling, Shape, Texture};
+use super::{AssetError, Gltf, ImportFault, ImportSettings, Mesh, Sampling, Shape, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,11 +9,12 @@ use std::sync::Arc;
 type TextureKey = (PathBuf, bool, Sampling);
 
 /// Loads assets and keeps them: asking twice for the same file with the same settings gives the same `Arc`.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct AssetLibrary {
     shapes: HashMap<String, Arc<Mesh>>,
     textures: HashMap<TextureKey, Arc<Texture>>,
     models: HashMap<PathBuf, Arc<Gltf>>,
+    imported: HashMap<(PathBuf, String), Arc<Gltf>>,
 }
 
 impl AssetLibrary {
@@ -71,6 +72,23 @@ impl AssetLibrary {
         Ok(model)
     }
 
+    /// A model as import settings want it; `model` is one of this library's.
+    ///
+    /// # Errors
+    /// Those of [`ImportSettings::apply`].
+    pub fn imported(&mut self, model: &Arc<Gltf>, settings: &ImportSettings) -> Result<Arc<Gltf>, ImportFault> {
+        if *settings == ImportSettings::default() {
+            return Ok(model.clone());
+        }
+        let key = (identity(&model.path), format!("{settings:?}"));
+        if let Some(imported) = self.imported.get(&key) {
+            return Ok(imported.clone());
+        }
+        let imported = Arc::new(settings.apply(Gltf::clone(model))?);
+        self.imported.insert(key, imported.clone());
+        Ok(imported)
+    }
+
     /// Loads everything anew that came from this file: textures, models, and models that refer to it as an image or
     /// buffer. Returns whether there was anything. Whoever holds an old `Arc` keeps the old content.
     ///
@@ -92,6 +110,7 @@ impl AssetLibrary {
                 continue;
             }
             found = true;
+            self.imported.retain(|(path, _), _| path != key);
             match Gltf::load(key) {
                 Ok(new) => *model = Arc::new(new),
                 Err(e) => fault = fault.or(Some(e)),
@@ -104,10 +123,12 @@ impl AssetLibrary {
     pub fn drop_unused(&mut self) {
         self.shapes.retain(|_, v| Arc::strong_count(v) > 1);
         self.textures.retain(|_, v| Arc::strong_count(v) > 1);
-        self.models.retain(|_, v| {
+        let is_used = |model: &Arc<Gltf>| {
             let shared = |p: &super::GltfPrimitive| Arc::strong_count(&p.0) > 1 || Arc::strong_count(&p.1) > 1;
-            Arc::strong_count(v) > 1 || v.nodes.iter().any(|n| n.primitives.iter().any(shared))
-        });
+            Arc::strong_count(model) > 1 || model.nodes.iter().any(|n| n.primitives.iter().any(shared))
+        };
+        self.imported.retain(|_, model| is_used(model));
+        self.models.retain(|_, model| is_used(model));
     }
 }
 

@@ -14,7 +14,9 @@ mod shape_tests;
 mod texture;
 
 pub use self::error::AssetError;
-pub use self::gltf::{Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive};
+pub use self::gltf::{
+    Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, ImportFault, ImportSettings, Normals, Parts, UpAxis,
+};
 pub use self::image::MAX_IMAGE_SIZE;
 pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material};

@@ -29,6 +29,9 @@ pub struct SceneFile {
     pub gi: Gi,
     /// Sky, exposure, clock.
     pub settings: SceneSettings,
+    /// Sets of changes by name, each written as for `--set`: `--set preset=NAME` makes them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub presets: BTreeMap<String, Vec<String>>,
     /// Materials that entities refer to by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, MaterialFile>,

@@ -1,14 +1,15 @@
 //! glTF models in scenes, and glTF files opened as scenes.
 
 use super::LoadOptions;
+use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::load::{Context, Loader};
+use super::load::{Context, Loader, extended, key};
 use super::source::{Origin, SceneInfo, Source};
 use super::suggest::suggestion;
 use super::surfaces::renderer;
 use super::tree::Step;
-use crate::assets::{AssetLibrary, Gltf, GltfNode, Material};
+use crate::assets::{AssetLibrary, Gltf, GltfNode, ImportFault, Material};
 use crate::scene::Aabb;
 use crate::world::{
     Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform,
@@ -48,7 +49,14 @@ impl Loader<'_> {
         let Some(path) = find(&details.path, context.document.folder(), self.options) else {
             return Err(self.missing_model(&details, context, at));
         };
-        let gltf = self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        let whole = self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        let gltf = match &details.import {
+            Some(settings) => self
+                .library
+                .imported(&whole, settings)
+                .map_err(|fault| import_error(&context.document, &extended(at, &[key("import")]), fault))?,
+            None => imported_beside(self.library, &whole, &path)?,
+        };
         let take = Take { lights: details.lights, cameras: details.cameras, material, components };
         let Some(name) = &details.node else {
             spawn_nodes(&mut self.world, &gltf, &gltf.roots, entity, &take);
@@ -91,6 +99,22 @@ impl Loader<'_> {
         let kind = if details.source.is_some() { Kind::MissingModel } else { Kind::MissingFile };
         context.document.error(at, kind, message).with_help(help)
     }
+}
+
+/// The model as the file `NAME.import.ron` beside it wants it, if there is one.
+fn imported_beside(library: &mut AssetLibrary, whole: &Arc<Gltf>, path: &Path) -> Result<Arc<Gltf>, FileError> {
+    let beside = path.with_extension("import.ron");
+    if !beside.is_file() {
+        return Ok(whole.clone());
+    }
+    let (document, settings) = Document::read::<ImportSettings>(&beside)?;
+    library.imported(whole, &settings).map_err(|fault| import_error(&document, &[], fault))
+}
+
+fn import_error(document: &Document, at: &[Step], fault: ImportFault) -> FileError {
+    let mut at = extended(at, &[key(fault.field)]);
+    at.extend(fault.index.map(Step::Index));
+    document.error(&at, Kind::BadValue, fault.message)
 }
 
 fn model_source() -> Source {
@@ -166,7 +190,8 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
     if !path.is_file() {
         return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
     }
-    let gltf = library.gltf(path).map_err(|e| FileError::new(path, Kind::Asset, e.to_string()))?;
+    let whole = library.gltf(path).map_err(|e| FileError::new(path, Kind::Asset, e.to_string()))?;
+    let gltf = imported_beside(library, &whole, path)?;
     let mut world = GameWorld::new();
     let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
     let model = world.spawn(&name.replace('/', "_"), None);

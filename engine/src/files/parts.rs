@@ -1,5 +1,6 @@
 //! The parts of entities in files: transforms, materials, images, models.
 
+pub use crate::assets::ImportSettings;
 use glam::{Quat, Vec3};
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::ser::{SerializeTuple, Serializer};
@@ -283,7 +284,7 @@ pub enum WrapFile {
 }
 
 /// A glTF model: just its path, or with more to say.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ModelFile {
     /// The whole model.
@@ -293,7 +294,7 @@ pub enum ModelFile {
 }
 
 /// A glTF model, or a part of one.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Model")]
 pub struct ModelDetails {
     /// Path of the `.gltf` or `.glb` file below the models' folder, or else beside this file.
@@ -313,6 +314,9 @@ pub struct ModelDetails {
     /// The scene that does without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand_in: Option<String>,
+    /// What is done to the model as it is imported, instead of what `NAME.import.ron` beside it says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub import: Option<ImportSettings>,
 }
 
 impl ModelFile {
@@ -331,7 +335,7 @@ impl<'de> Deserialize<'de> for ModelFile {
         impl<'de> Visitor<'de> for Either {
             type Value = ModelFile;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the path of a glTF file or (path: …, node: …, source: …, stand_in: …)")
+                f.write_str("the path of a glTF file or (path: …, node: …, source: …, stand_in: …, import: …)")
             }
             fn visit_str<E>(self, path: &str) -> Result<ModelFile, E> {
                 Ok(ModelFile::Path(path.to_owned()))

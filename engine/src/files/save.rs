@@ -30,6 +30,7 @@ pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
     let file = SceneFile {
         description: info.description.clone(),
         gi: info.gi,
+        presets: info.presets.clone(),
         settings: world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default(),
         materials: info.materials.clone(),
         entities: writer.entities(&world.roots())?,

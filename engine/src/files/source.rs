@@ -47,6 +47,8 @@ pub struct SceneInfo {
     pub description: String,
     /// Method of indirect light that it asks for.
     pub gi: Gi,
+    /// Sets of changes by name, as `--set` writes them.
+    pub presets: BTreeMap<String, Vec<String>>,
     /// Named materials.
     pub materials: BTreeMap<String, MaterialFile>,
     /// Shapes by the identity of their mesh. A world edited by code may add what it has made of shapes.
@@ -64,6 +66,7 @@ impl Default for SceneInfo {
         Self {
             description: String::new(),
             gi: Gi::default(),
+            presets: BTreeMap::new(),
             materials: BTreeMap::new(),
             shapes: HashMap::new(),
             default_material: Arc::new(Material::new("default")),
@@ -79,6 +82,7 @@ impl SceneInfo {
         Self {
             description: file.description.clone(),
             gi: file.gi,
+            presets: file.presets.clone(),
             materials: file.materials.clone(),
             header: document.header().to_owned(),
             ..Self::default()

@@ -37,6 +37,7 @@ impl Validator {
     pub fn scene(file: &SceneFile) -> Checked {
         let mut v = Self { path: Vec::new(), materials: file.materials.keys().cloned().collect() };
         v.field("settings", |v| v.settings(&file.settings))?;
+        v.field("presets", |v| v.presets(&file.presets))?;
         v.field("materials", |v| v.materials(&file.materials))?;
         v.field("entities", |v| v.siblings(&file.entities))
     }
@@ -104,6 +105,18 @@ impl Validator {
             format!("`frame_rate` is {}", s.frame_rate),
             "use 1 to 1000 frames a second",
         )
+    }
+
+    fn presets(&mut self, presets: &BTreeMap<String, Vec<String>>) -> Checked {
+        for (name, changes) in presets {
+            for (i, change) in changes.iter().enumerate() {
+                let ok = change.split_once('=').is_some_and(|(path, value)| !path.is_empty() && !value.is_empty());
+                let message = format!("`{change}` is no change");
+                let help = "write PATH=VALUE as for --set, for instance \"clpv.steps=32\"";
+                self.field(name, |v| v.step(Step::Index(i), |v| v.require(ok, "", message, help)))?;
+            }
+        }
+        Ok(())
     }
 
     fn materials(&mut self, materials: &BTreeMap<String, MaterialFile>) -> Checked {
@@ -205,6 +218,9 @@ impl Validator {
                 })
             })?;
         }
+        if let Some(ModelFile::Detailed(ModelDetails { import: Some(settings), .. })) = &c.model {
+            self.field("model", |v| v.field("import", |v| v.import(settings)))?;
+        }
         match &c.material {
             Some(MaterialRef::Inline(material)) => self.field("material", |v| v.material(material))?,
             Some(MaterialRef::Named(name)) if !self.materials.contains(name) => {
@@ -232,6 +248,14 @@ impl Validator {
             self.field("animation", |v| v.animation(animation))?;
         }
         Ok(())
+    }
+
+    fn import(&mut self, settings: &ImportSettings) -> Checked {
+        settings.validate().map_err(|wrong| {
+            let mut fault = self.fault(wrong.field, Kind::BadValue, wrong.message, "");
+            fault.path.extend(wrong.index.map(Step::Index));
+            fault
+        })
     }
 
     fn animation(&mut self, a: &Animation) -> Checked {

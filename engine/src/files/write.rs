@@ -2,7 +2,7 @@
 
 use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
-use super::format::{MaterialFile, SceneFile};
+use super::format::{ImportSettings, MaterialFile, SceneFile};
 use super::tree::Node;
 use crate::world::{Animation, Camera, Clpv, Light, SceneSettings};
 use serde::Serialize;
@@ -37,6 +37,7 @@ impl Defaults {
             ("camera", node(&Camera::default())?),
             ("clpv", node(&Clpv::default())?),
             ("animation", node(&Animation::default())?),
+            ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),
         ]);
         Ok(Self { scene: node(&SceneFile::default())?, components, material: node(&MaterialFile::default())? })

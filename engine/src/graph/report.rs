@@ -23,6 +23,8 @@ pub struct Counts {
     pub lights: u64,
     /// Light sources injected into volumes.
     pub injections: u64,
+    /// Views merged into volumes of blockers that held views already.
+    pub merges: u64,
     /// Light paths traced.
     pub paths: u64,
     /// Bytes uploaded or copied.
@@ -31,7 +33,7 @@ pub struct Counts {
 
 impl Counts {
     /// All counts with their names.
-    pub fn named(&self) -> [(&'static str, u64); 9] {
+    pub fn named(&self) -> [(&'static str, u64); 10] {
         [
             ("draws", self.draws),
             ("dispatches", self.dispatches),
@@ -40,6 +42,7 @@ impl Counts {
             ("cells", self.cells),
             ("lights", self.lights),
             ("injections", self.injections),
+            ("merges", self.merges),
             ("paths", self.paths),
             ("bytes", self.bytes),
         ]
@@ -55,6 +58,7 @@ impl AddAssign for Counts {
         self.cells += other.cells;
         self.lights += other.lights;
         self.injections += other.injections;
+        self.merges += other.merges;
         self.paths += other.paths;
         self.bytes += other.bytes;
     }

@@ -75,9 +75,9 @@ impl Rsm<'_> {
         }
     }
 
-    /// Number of texels of all layers.
-    pub(super) fn texels(&self) -> u64 {
-        u64::from(self.size) * u64::from(self.size) * self.views.len() as u64
+    /// Number of texels of a layer.
+    pub(super) fn layer_texels(&self) -> u64 {
+        u64::from(self.size) * u64::from(self.size)
     }
 }
 

@@ -1,6 +1,5 @@
 //! The commands, one file each.
 
-pub mod bench;
 pub mod compare;
 pub mod explain;
 pub mod info;

@@ -17,11 +17,13 @@ pub struct CountBounds {
     cells: Option<Count>,
     lights: Option<Count>,
     injections: Option<Count>,
+    merges: Option<Count>,
+    paths: Option<Count>,
     bytes: Option<Count>,
 }
 
 impl CountBounds {
-    fn named(&self) -> [(&'static str, Option<Count>); 8] {
+    fn named(&self) -> [(&'static str, Option<Count>); 10] {
         [
             ("draws", self.draws),
             ("dispatches", self.dispatches),
@@ -30,6 +32,8 @@ impl CountBounds {
             ("cells", self.cells),
             ("lights", self.lights),
             ("injections", self.injections),
+            ("merges", self.merges),
+            ("paths", self.paths),
             ("bytes", self.bytes),
         ]
     }

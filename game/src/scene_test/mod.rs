@@ -52,7 +52,7 @@
 //!   `Traced(samples: 256, bounces: 1, seed: 0)`; `nrmse` and `rmse` are then free of that image's own noise.
 //! - `frames`: passes of the frame that must have `ran`, be `cached`, `culled` or `skipped`, or must have `not_run` for
 //!   whatever reason; `idle`: none may run; and `counts` of `draws`, `dispatches`, `triangles`, `texels`, `cells`,
-//!   `lights`, `injections` and `bytes`, exact (`7`) or bounded (`(min: 5, max: 9)`). Names may hold `*` for any text; counts are
+//!   `lights`, `injections`, `merges`, `paths` and `bytes`, exact (`7`) or bounded (`(min: 5, max: 9)`). Names may hold `*` for any text; counts are
 //!   then summed, so that `"*"` is the whole frame. `frame: Again` speaks of a second frame in which nothing changed.
 //! - `deterministic`: a second run, with a freshly loaded scene, a fresh renderer and the times in reverse order, gives
 //!   the same bits. So an image depends neither on chance nor on what was drawn before it.

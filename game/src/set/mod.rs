@@ -5,17 +5,21 @@ mod text;
 use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
+use lightwell::files::SceneInfo;
 use lightwell::world::{Camera, Clpv, GameWorld, Light, MeshRenderer, Name, SceneSettings, Transform};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD` or `ENTITY.COMPONENT.FIELD`, where an entity is its name,
+/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `preset` or `ENTITY.COMPONENT.FIELD`, where an entity is its name,
 /// or its path `PARENT/CHILD`, and a field may be one inside of another (`kind.outer`, `color.0`). `value` is
 /// written as in scene files.
 ///
 /// # Errors
 /// If nothing lies at the path, with what there is instead, or the value does not fit there.
 pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
+    if target == "preset" {
+        return apply_preset(world, value);
+    }
     if let Some(field) = target.strip_prefix("scene.") {
         let settings = world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default();
         world.ecs.insert_resource(changed(&settings, field, value)?);
@@ -46,6 +50,26 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         true => Ok(()),
         false => bail!("`{name}` has no `{component}`; it has {}", components(world, entity)),
     })
+}
+
+/// Makes the changes that the scene's file lists under a name.
+fn apply_preset(world: &mut GameWorld, name: &str) -> Result<()> {
+    let presets = world.ecs.get_resource::<SceneInfo>().map(|info| info.presets.clone()).unwrap_or_default();
+    let Some(changes) = presets.get(name) else {
+        let known: Vec<&str> = presets.keys().map(String::as_str).collect();
+        match known.is_empty() {
+            true => bail!("the scene has no presets"),
+            false => bail!("the scene has no preset `{name}`; it has {}", known.join(", ")),
+        }
+    };
+    for change in changes {
+        let (target, value) = change.split_once('=').ok_or_else(|| anyhow!("`{change}` is not PATH=VALUE"))?;
+        if target.trim() == "preset" {
+            bail!("preset `{name}`: a preset cannot make another one");
+        }
+        apply(world, target.trim(), value.trim()).map_err(|error| anyhow!("preset `{name}`, {change}: {error}"))?;
+    }
+    Ok(())
 }
 
 /// What of a component can be set, and how it gets there.

@@ -74,3 +74,27 @@ fn equal_names_want_a_path() {
     let error = apply(&mut world, "Bulb.light.intensity", "1").unwrap_err().to_string();
     assert!(error.contains("Lamp/Bulb, Other/Bulb"), "{error}");
 }
+
+#[test]
+#[allow(clippy::field_reassign_with_default, reason = "it has private fields")]
+fn presets_make_all_their_changes() {
+    let mut world = world();
+    let presets = [
+        ("small", vec!["clpv.cells=(8, 8, 7)".to_owned(), " Lamp.light.intensity = 5 ".to_owned()]),
+        ("wrong", vec!["clpv.cels=(8, 8, 7)".to_owned()]),
+        ("endless", vec!["preset=endless".to_owned()]),
+    ];
+    let presets = presets.into_iter().map(|(name, changes)| (name.to_owned(), changes)).collect();
+    let mut info = SceneInfo::default();
+    info.presets = presets;
+    world.ecs.insert_resource(info);
+    apply(&mut world, "preset", "small").unwrap();
+    assert_eq!(light(&mut world, "Lamp").intensity, 5.0);
+    assert_eq!(world.ecs.query::<&Clpv>().single(&world.ecs).unwrap().cells, [8, 8, 7]);
+    for (name, said) in [("smal", "small"), ("wrong", "cels"), ("endless", "cannot make another")] {
+        let error = apply(&mut world, "preset", name).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    world.ecs.insert_resource(SceneInfo::default());
+    assert!(apply(&mut world, "preset", "small").unwrap_err().to_string().contains("no presets"));
+}

@@ -5,6 +5,7 @@
 
 mod accessor;
 mod document;
+mod import;
 mod material;
 #[cfg(test)]
 mod model_tests;
@@ -14,6 +15,8 @@ mod source;
 mod tangents;
 #[cfg(test)]
 mod tests;
+
+pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 
 use super::{AssetError, Material, Mesh, parallel, read_file};
 use crate::world::{Camera, Light, LightKind, Transform};

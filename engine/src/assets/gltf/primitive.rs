@@ -181,7 +181,7 @@ fn weave(attributes: Attributes, uv: &UvSource) -> Vec<Vertex> {
 
 /// Unit normal of a triangle; zero if it has no area. The largest component of the edges is scaled to 1 first, so that
 /// neither tiny nor huge triangles leave the range of floats.
-fn face_normal(corners: [[f32; 3]; 3]) -> Vec3 {
+pub(super) fn face_normal(corners: [[f32; 3]; 3]) -> Vec3 {
     let [a, b, c] = corners.map(Vec3::from);
     let (u, v) = (b - a, c - a);
     let largest = u.abs().max(v.abs()).max_element();

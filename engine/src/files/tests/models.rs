@@ -144,16 +144,86 @@ fn an_opened_model_saves_as_a_scene() {
     assert!(at(&again, "m/Root/Leaf").is_some() && at(&again, "framing camera").is_some());
 }
 
+/// A scene with a third-party model.
+struct WithModel {
+    scene: &'static str,
+    model: &'static str,
+    /// A word of where to get it.
+    source: &'static str,
+    stand_in: &'static str,
+    /// Least and most triangles of the whole scene, and primitives.
+    triangles: [usize; 2],
+    primitives: [usize; 2],
+}
+
+const WITH_MODELS: [WithModel; 4] = [
+    WithModel {
+        scene: "conference",
+        model: "conference/conference.glb",
+        source: "casual-effects",
+        stand_in: "meeting_room",
+        triangles: [328_000, 345_000],
+        primitives: [33, 80],
+    },
+    WithModel {
+        scene: "dabrovic",
+        model: "sponza-dabrovic/sponza-dabrovic.glb",
+        source: "casual-effects",
+        stand_in: "night_court",
+        triangles: [100_000, 200_000],
+        primitives: [37, 400],
+    },
+    WithModel {
+        scene: "sibenik",
+        model: "sibenik/sibenik.glb",
+        source: "casual-effects",
+        stand_in: "cathedral",
+        triangles: [73_564, 90_000],
+        primitives: [1_200, 2_500],
+    },
+    WithModel {
+        scene: "sponza",
+        model: "sponza/Sponza.gltf",
+        source: "glTF-Sample-Assets",
+        stand_in: "courtyard",
+        triangles: [262_267, 300_000],
+        primitives: [381, 420],
+    },
+];
+
 #[test]
-fn sponza_says_where_to_get_its_model() {
-    let error = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &LoadOptions::default())
-        .err()
-        .unwrap();
-    assert_eq!(error.kind, FileErrorKind::MissingModel, "{error}");
-    let text = error.to_string();
-    for part in ["sponza/Sponza.gltf", "glTF-Sample-Assets", "--models", "cornell"] {
-        assert!(text.contains(part), "{part} in {text}");
+fn scenes_say_where_to_get_their_models_and_what_to_play_instead() {
+    for WithModel { scene, model, source, stand_in, .. } in WITH_MODELS {
+        let path = shipped(&format!("scenes/{scene}.scene.ron"));
+        let error = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).err().unwrap();
+        assert_eq!(error.kind, FileErrorKind::MissingModel, "{error}");
+        let text = error.to_string();
+        for part in [model, source, stand_in, "--models"] {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+        assert!(shipped(&format!("scenes/{stand_in}.scene.ron")).is_file());
     }
+}
+
+/// Triangles and primitives of a scene; prints them with the time that loading takes.
+fn size(scene: &str, options: &LoadOptions) -> [usize; 2] {
+    let start = std::time::Instant::now();
+    let mut world = load_scene(&shipped(&format!("scenes/{scene}.scene.ron")), &mut AssetLibrary::new(), options)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let time = start.elapsed();
+    let drawn = all::<MeshRenderer>(&mut world);
+    let triangles: usize = drawn.iter().map(|r| r.mesh.triangle_count()).sum();
+    eprintln!(
+        "{scene}: {triangles} triangles, {} primitives, loaded in {:.0} ms",
+        drawn.len(),
+        1e3 * time.as_secs_f64()
+    );
+    [triangles, drawn.len()]
+}
+
+fn assert_within(scene: &str, [triangles, primitives]: [usize; 2], t: [usize; 2], p: [usize; 2]) {
+    assert!((t[0]..=t[1]).contains(&triangles), "{scene}: {triangles} triangles");
+    assert!((p[0]..=p[1]).contains(&primitives), "{scene}: {primitives} primitives");
 }
 
 #[test]
@@ -163,10 +233,21 @@ fn real_models_open() {
         return;
     };
     let options = LoadOptions { models: Some(models) };
-    let mut world = load_scene(&shipped("scenes/sponza.scene.ron"), &mut AssetLibrary::new(), &options)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let triangles: usize = all::<MeshRenderer>(&mut world).iter().map(|r| r.mesh.triangle_count()).sum();
-    assert!((262_267..300_000).contains(&triangles), "{triangles}");
+    for WithModel { scene, triangles, primitives, .. } in WITH_MODELS {
+        assert_within(scene, size(scene, &options), triangles, primitives);
+    }
+}
+
+#[test]
+fn stand_ins_are_as_rich_as_what_they_stand_for() {
+    for (scene, triangles, primitives) in [
+        ("meeting_room", [150_000, 600_000], [500, 3_000]),
+        ("night_court", [60_000, 400_000], [600, 4_000]),
+        ("cathedral", [50_000, 250_000], [1_200, 5_000]),
+        ("courtyard", [200_000, 600_000], [600, 4_000]),
+    ] {
+        assert_within(scene, size(scene, &LoadOptions::default()), triangles, primitives);
+    }
 }
 
 #[test]
@@ -179,4 +260,71 @@ fn reference_scenes_open_with_their_camera_and_light() {
         .unwrap_or_else(|e| panic!("{e}"));
     assert!(at(&world, "framing camera").is_none() && at(&world, "default light").is_none());
     assert!(!all::<Camera>(&mut world).is_empty() && !all::<Light>(&mut world).is_empty());
+}
+
+#[test]
+fn models_are_imported_as_the_scene_or_the_file_beside_them_says() {
+    let folder = Folder::new(&[
+        ("beside.scene.ron", "(entities: [(name: \"M\", model: \"m.glb\")])"),
+        ("here.scene.ron", "(entities: [(name: \"M\", model: (path: \"m.glb\", import: (scale: 3)))])"),
+        ("m.import.ron", "// Half as large.\nImport(scale: 0.5, up: Y)"),
+    ]);
+    folder.write("m.glb", &plain());
+    let leaf = |scene: &str, path: &str| {
+        let world = folder.load(scene).unwrap_or_else(|e| panic!("{e}"));
+        Vec3::from(world.ecs.get::<GlobalTransform>(at(&world, path).unwrap()).unwrap().0.translation)
+    };
+    assert_eq!(leaf("beside.scene.ron", "M/Root/Leaf"), Vec3::new(1.0, 0.5, 0.0));
+    assert_eq!(leaf("m.glb", "m/Root/Leaf"), Vec3::new(1.0, 0.5, 0.0));
+    assert_eq!(leaf("here.scene.ron", "M/Root/Leaf"), Vec3::new(6.0, 3.0, 0.0));
+    let world = folder.load("here.scene.ron").unwrap();
+    save_scene(&world, &folder.path("again.scene.ron")).unwrap();
+    let saved = folder.read("again.scene.ron");
+    assert!(saved.contains("import: (scale: 3.0)"), "{saved}");
+    assert_eq!(leaf("again.scene.ron", "M/Root/Leaf"), Vec3::new(6.0, 3.0, 0.0));
+}
+
+#[test]
+fn faults_of_import_settings_are_placed() {
+    let scene = |import: &str| format!("(entities: [\n(name: \"M\", model: (path: \"m.glb\", import: ({import})))])");
+    let fails = |import: &str, beside: &str| {
+        let folder = Folder::new(&[
+            ("a.scene.ron", &scene(import)),
+            ("b.scene.ron", "(entities: [(name: \"M\", model: \"m.glb\")])"),
+        ]);
+        folder.write("m.glb", &plain());
+        if !beside.is_empty() {
+            folder.write("m.import.ron", beside.as_bytes());
+        }
+        folder.load(if beside.is_empty() { "a.scene.ron" } else { "b.scene.ron" }).err().unwrap()
+    };
+    for (import, said) in [
+        ("scale: 0", "`scale` is 0"),
+        ("normals: Smooth(crease: 200)", "0 to 180"),
+        ("ignore: [\"Root\", \"\"]", "empty"),
+        ("ignore: [\"Blind*\"]", "`Blind*`"),
+    ] {
+        let error = fails(import, "");
+        assert!(error.message.contains(said), "{error}");
+        assert_eq!(error.place.map(|p| p.line), Some(2), "{error}");
+    }
+    let error = fails("", "Import(\n    scale: 1,\n    ignore: [\"Leaf\",\n    \"Lamp ?\"],\n)");
+    assert!(error.file.ends_with("m.import.ron") && error.message.contains("`Lamp ?`"), "{error}");
+    assert_eq!(error.place.map(|p| p.line), Some(4), "{error}");
+    let error = fails("", "(scalle: 2)");
+    assert!(error.to_string().contains("did you mean `scale`?"), "{error}");
+}
+
+#[test]
+fn presets_are_kept_and_their_faults_placed() {
+    let folder = Folder::new(&[
+        ("a.scene.ron", "(presets: { \"soft\": [\"clpv.steps=8\"] }, entities: [])"),
+        ("b.scene.ron", "(presets: {\n\"soft\": [\n\"clpv.steps\"] }, entities: [])"),
+    ]);
+    let world = folder.load("a.scene.ron").unwrap_or_else(|e| panic!("{e}"));
+    save_scene(&world, &folder.path("c.scene.ron")).unwrap();
+    let again = folder.load("c.scene.ron").unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again.ecs.resource::<SceneInfo>().presets["soft"], ["clpv.steps=8"]);
+    let error = folder.load("b.scene.ron").err().unwrap();
+    assert!(error.message.contains("`clpv.steps`") && error.place.map(|p| p.line) == Some(3), "{error}");
 }

@@ -119,7 +119,7 @@ fn a_failed_write_leaves_the_file() {
 
 #[test]
 fn shipped_scenes_survive_a_round_trip() {
-    for name in ["cornell", "prefabs"] {
+    for name in ["cornell", "prefabs", "meeting_room", "night_court", "cathedral", "courtyard"] {
         let path = shipped(&format!("scenes/{name}.scene.ron"));
         let load = |p: &Path| {
             load_scene(p, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"))

@@ -27,8 +27,8 @@ struct Grid {
     merged: Handle<Buffer>,
 }
 
-/// Declares the blockers of one cascade: every RSM is a view, and the camera's G-buffer one more where given. The
-/// views are merged in the scene's order.
+/// Declares the blockers of one cascade: every layer of an RSM is a view (a point light has up to six), and the
+/// camera's G-buffer one more where given. The views are merged in the scene's order.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -62,20 +62,24 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let target = cx.buffer(grid.merged).clone();
         cx.encoder().clear_buffer(&target, 0, None);
-        for rsm in &rsms {
-            from_rsm(cx, rsm, &grid)?;
+        for (rsm, layer) in rsms.iter().flat_map(|rsm| (0..rsm.views.len()).map(move |layer| (rsm, layer))) {
+            from_rsm(cx, rsm, layer, &grid)?;
         }
         if let Some(gbuffer) = &camera {
             from_camera(cx, &frame, gbuffer, &grid)?;
         }
+        // The first view is no merge: it meets an empty volume.
+        let views = rsms.iter().map(|rsm| rsm.views.len() as u64).sum::<u64>() + u64::from(camera.is_some());
+        cx.counts().merges += views.saturating_sub(1);
         limit(cx, &grid)
     });
     merged
 }
 
-fn from_rsm(cx: &mut PassContext, rsm: &Rsm, grid: &Grid) -> Result<(), PassError> {
+fn from_rsm(cx: &mut PassContext, rsm: &Rsm, layer: usize, grid: &Grid) -> Result<(), PassError> {
     let fixed = cleared(cx, grid);
-    dispatch_texels(cx, &ComputeKey::new("lpv/blockers.wgsl", "from_rsm"), rsm, &grid.volume, &fixed, 1.0)?;
+    let key = ComputeKey::new("lpv/blockers.wgsl", "from_rsm");
+    dispatch_texels(cx, &key, rsm, layer..layer + 1, &grid.volume, &fixed, 1.0)?;
     merge(cx, grid)
 }
 

@@ -50,7 +50,8 @@ fn inject(
     let scale = rsm.fixed_point_scale();
     let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
     cx.encoder().clear_buffer(&fixed, 0, None);
-    dispatch_texels(cx, &ComputeKey::new("lpv/inject.wgsl", "inject"), rsm, volume, &fixed, scale)?;
+    let key = ComputeKey::new("lpv/inject.wgsl", "inject");
+    dispatch_texels(cx, &key, rsm, 0..rsm.views.len(), volume, &fixed, scale)?;
     let counts = cx.counts();
     counts.lights += 1;
     counts.cells += u64::from(volume.cell_count());

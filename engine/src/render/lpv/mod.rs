@@ -29,6 +29,7 @@ use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::scene::Aabb;
 use crate::world::Transport;
+use std::ops::Range;
 
 /// Bytes of a cell of light: three channels of four coefficients.
 const LIGHT_BYTES: u64 = 48;
@@ -73,23 +74,25 @@ pub fn declare<'a>(
     Ok(Some(relight::declare(graph, frame, gbuffer, settings, &volumes, &lit)))
 }
 
-/// Runs an entry point for each texel of all layers of an RSM, into a buffer of fixed-point sums.
+/// Runs an entry point for each texel of some layers of an RSM, into a buffer of fixed-point sums.
 fn dispatch_texels(
     cx: &mut PassContext,
     key: &ComputeKey,
     rsm: &Rsm,
+    layers: Range<usize>,
     volume: &Volume,
     fixed: &wgpu::Buffer,
     scale: f32,
 ) -> Result<(), PassError> {
-    dispatch_rsm(cx, key, rsm, volume, scale, &[("fixed", Binding::Buffer(fixed))])
+    dispatch_rsm(cx, key, rsm, layers, volume, scale, &[("fixed", Binding::Buffer(fixed))])
 }
 
-/// Runs an entry point for each texel of all layers of an RSM, with further bindings.
+/// Runs an entry point for each texel of some layers of an RSM, with further bindings.
 fn dispatch_rsm(
     cx: &mut PassContext,
     key: &ComputeKey,
     rsm: &Rsm,
+    layers: Range<usize>,
     volume: &Volume,
     scale: f32,
     more: &[(&str, Binding)],
@@ -99,7 +102,8 @@ fn dispatch_rsm(
     let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
     let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
     let groups = rsm.size.div_ceil(8);
-    for layer in 0..rsm.views.len() {
+    cx.counts().injections += layers.len() as u64 * rsm.layer_texels();
+    for layer in layers {
         let layer = gpu.uniform("rsm", &rsm.layer_uniform(layer, scale));
         let mut bindings = vec![
             ("volume", Binding::Buffer(&volume)),
@@ -112,7 +116,6 @@ fn dispatch_rsm(
         bindings.extend_from_slice(more);
         cx.dispatch(key, &bindings, [groups, groups, 1])?;
     }
-    cx.counts().injections += rsm.texels();
     Ok(())
 }
 

@@ -191,7 +191,8 @@ fn from_rsm(
         ("opacity", Binding::Buffer(&opacity)),
         ("sums", Binding::Buffer(&sums)),
     ];
-    dispatch_rsm(cx, &ComputeKey::new("lpv/sweep/emit.wgsl", "from_rsm"), rsm, volume, 1.0, &more)
+    let key = ComputeKey::new("lpv/sweep/emit.wgsl", "from_rsm");
+    dispatch_rsm(cx, &key, rsm, 0..rsm.views.len(), volume, 1.0, &more)
 }
 
 fn from_surfels(
