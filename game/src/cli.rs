@@ -1,5 +1,9 @@
 //! The command line.
 
+mod bench;
+
+pub use bench::{BenchArgs, Bounces, Sweep};
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::Deserialize;
 use std::ops::Range;
@@ -13,6 +17,7 @@ Examples:
   lightwell render cornell -o 'frames/{}.png' --frames 0..120 --size 960x540
   lightwell render cornell -o dim.exr --set 'Spot light.light.intensity=5' --only indirect
   lightwell compare a.exr reference.exr --max nrmse=0.1 --difference where.png
+  lightwell bench cornell --quick -o out/bench
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
   lightwell test                              the scene tests in tests/scenes
 
@@ -54,6 +59,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Measure how far an image is from a reference
     Compare(CompareArgs),
+    /// Measure time against error of the methods of indirect light
+    Bench(BenchArgs),
     /// Show which passes a frame runs, reuses or skips, and why
     Explain(ExplainArgs),
     /// Run headless scene tests

@@ -4,6 +4,7 @@
 #[macro_use]
 mod output;
 
+pub mod bench;
 mod capture;
 pub mod cli;
 mod commands;
@@ -28,6 +29,7 @@ pub fn run() -> ExitCode {
         Command::Play(args) => play::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Render(args) => commands::render::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Compare(args) => commands::compare::run(args),
+        Command::Bench(args) => commands::bench::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Explain(args) => commands::explain::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Test(args) => commands::test::run(args, common),
         Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),

@@ -14,6 +14,7 @@ use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Rend
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
 use lightwell::world::{Clpv, GameWorld, SceneSettings, Transform};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The device that all options ask for.
 ///
@@ -40,8 +41,8 @@ struct Loaded {
 
 /// A loaded scene with the device that draws it.
 pub struct Session {
-    /// The device.
-    pub gpu: Gpu,
+    /// The device, which sessions may share.
+    pub gpu: Arc<Gpu>,
     path: PathBuf,
     options: LoadOptions,
     look: LookArgs,
@@ -55,7 +56,8 @@ impl Session {
     ///
     /// # Errors
     /// If the scene or something in it cannot be loaded, a path of `--set` does not exist, or the camera does not.
-    pub fn open(gpu: Gpu, scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+    pub fn open(gpu: impl Into<Arc<Gpu>>, scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+        let gpu = gpu.into();
         let path = scene_path::find(scene)?;
         let options = LoadOptions { models: common.models.clone() };
         let mut library = AssetLibrary::new();
@@ -72,6 +74,18 @@ impl Session {
         // Before the device, which takes its time.
         scene_path::find(scene)?;
         Self::open(open_gpu(common)?, scene, look, common)
+    }
+
+    /// The same scene once more with other choices, on the same device. Meshes and images are shared.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn again(&self, look: &LookArgs) -> Result<Self> {
+        let (gpu, path, options) = (self.gpu.clone(), self.path.clone(), self.options.clone());
+        let mut library = self.library.clone();
+        let loaded = load(&path, &mut library, &options, look)?;
+        let renderer = Renderer::new(&gpu);
+        Ok(Self { gpu, path, options, look: look.clone(), library, loaded, renderer })
     }
 
     /// Loads the scene anew from its file. If that fails, the running one stays as it is.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 type TextureKey = (PathBuf, bool, Sampling);
 
 /// Loads assets and keeps them: asking twice for the same file with the same settings gives the same `Arc`.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct AssetLibrary {
     shapes: HashMap<String, Arc<Mesh>>,
     textures: HashMap<TextureKey, Arc<Texture>>,

@@ -15,6 +15,7 @@ use lightwell::render::reference::TraceSettings;
 use lightwell::render::{Layer, RenderSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How tests are run.
@@ -52,7 +53,7 @@ pub struct Report {
 
 /// Runs a test. It takes the device and puts it back unless something went wrong with it; where there is none, one is
 /// opened.
-pub fn run(case: &TestCase, options: &Options, device: &mut Option<Gpu>) -> Report {
+pub fn run(case: &TestCase, options: &Options, device: &mut Option<Arc<Gpu>>) -> Report {
     let start = Instant::now();
     let mut findings = Findings::default();
     if let Err(error) = attempt(case, options, device, &mut findings) {
@@ -87,7 +88,7 @@ fn reason_to_skip(error: &Error) -> Option<String> {
     })
 }
 
-fn attempt(case: &TestCase, options: &Options, device: &mut Option<Gpu>, findings: &mut Findings) -> Result<()> {
+fn attempt(case: &TestCase, options: &Options, device: &mut Option<Arc<Gpu>>, findings: &mut Findings) -> Result<()> {
     let test = SceneTest::read(&case.path)?;
     let scene = match place::scene(&test.scene, case.folder(), &options.common)? {
         Place::File(path) => path,
@@ -97,7 +98,7 @@ fn attempt(case: &TestCase, options: &Options, device: &mut Option<Gpu>, finding
         }
     };
     let open = |gpu| Session::open(gpu, &scene.to_string_lossy(), &test.look(), &options.common);
-    let gpu = device.take().map_or_else(|| open_gpu(&options.common), Ok)?;
+    let gpu = device.take().map_or_else(|| open_gpu(&options.common).map(Arc::new), Ok)?;
     let mut stage = Stage { case, test: &test, options, findings, session: open(gpu)? };
     let images = test.times.iter().map(|&time| stage.check(time)).collect::<Result<Vec<Image>>>()?;
     let Stage { session, .. } = stage;

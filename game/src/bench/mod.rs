@@ -1,0 +1,30 @@
+//! `lightwell bench`: time against error of the methods of indirect light.
+//!
+//! ```text
+//! plan (scenes × variants × tasks) ─ lab (a scene on the device) ─ timing, error, flicker, throughput
+//!                                                                └─ results.json ─ report.md, plots, pictures
+//! ```
+//! Every measurement has a key of all that it depends on. One that `results.json` holds already is not taken again.
+
+mod error;
+mod flicker;
+mod lab;
+mod machine;
+mod paper;
+mod pareto;
+mod picture;
+mod plan;
+mod plot;
+mod reference;
+mod reference_file;
+mod report;
+mod results;
+mod run;
+mod stage;
+mod timing;
+mod variant;
+
+#[cfg(test)]
+mod tests;
+
+pub use run::run;

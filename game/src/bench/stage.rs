@@ -1,0 +1,70 @@
+//! The stages of a frame as the thesis names them, and which passes belong to each.
+
+/// A stage: its short name, what it is, and the beginnings of its passes' names.
+pub struct Stage {
+    /// Short name, as in the thesis's table 7.3 where it has one.
+    pub name: &'static str,
+    /// What it does.
+    pub what: &'static str,
+    /// A pass belongs here if its name is one of these, or goes on with a space or a comma.
+    passes: &'static [&'static str],
+}
+
+/// All stages, in the order of a frame. The one table to change where a pass comes or goes.
+pub const STAGES: &[Stage] = &[
+    Stage { name: "IGB", what: "initial G-buffer", passes: &["gbuffer"] },
+    Stage { name: "SHD", what: "shadow maps", passes: &["shadow"] },
+    Stage { name: "DIR", what: "direct light", passes: &["direct"] },
+    Stage { name: "GRSM", what: "reflective shadow maps", passes: &["rsm"] },
+    Stage { name: "IL", what: "inject light", passes: &["inject"] },
+    Stage { name: "IB", what: "inject and merge blockers", passes: &["blockers"] },
+    Stage { name: "PRP", what: "propagate", passes: &["propagate"] },
+    Stage { name: "SRF", what: "place surfels", passes: &["surfels"] },
+    Stage { name: "OPA", what: "opacity of cells and faces", passes: &["opacity"] },
+    Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
+    Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
+    Stage { name: "RCV", what: "light received by surfels", passes: &["receive"] },
+    Stage { name: "REL", what: "relight", passes: &["relight"] },
+    Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
+    Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
+    Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
+    Stage { name: "TON", what: "tone map", passes: &["tone map"] },
+];
+
+/// Where passes go that the table does not know; the report names them.
+pub const OTHER: &str = "other";
+
+/// The stage of a pass, if the table knows it.
+pub fn stage_of(pass: &str) -> Option<&'static str> {
+    let belongs =
+        |name: &&str| pass.strip_prefix(*name).is_some_and(|rest| rest.is_empty() || rest.starts_with([' ', ',']));
+    STAGES.iter().find(|stage| stage.passes.iter().any(belongs)).map(|stage| stage.name)
+}
+
+/// Place of a stage in the order of a frame; unknown ones come last.
+pub fn order(stage: &str) -> usize {
+    STAGES.iter().position(|known| known.name == stage).unwrap_or(STAGES.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_are_found_by_the_whole_word() {
+        assert_eq!(stage_of("gbuffer"), Some("IGB"));
+        assert_eq!(stage_of("rsm spot light 3"), Some("GRSM"));
+        assert_eq!(stage_of("inject, cascade 0"), Some("IL"));
+        assert_eq!(stage_of("tone map"), Some("TON"));
+        assert_eq!(stage_of("directory"), None);
+        assert_eq!(stage_of("mystery"), None);
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<&str> = STAGES.iter().map(|stage| stage.name).chain([OTHER]).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), STAGES.len() + 1);
+    }
+}

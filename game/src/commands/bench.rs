@@ -1,0 +1,15 @@
+//! `lightwell bench`: time against error.
+
+use crate::bench;
+use crate::cli::{BenchArgs, Common};
+use anyhow::Result;
+
+/// Runs the measurements that are missing, and writes results, report, plots and pictures.
+///
+/// # Errors
+/// If a scene cannot be loaded or drawn, or a file not be written.
+pub fn run(args: &BenchArgs, common: &Common) -> Result<()> {
+    let report = bench::run(args, common)?;
+    say!("{}", report.display());
+    Ok(())
+}
