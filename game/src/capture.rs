@@ -13,6 +13,20 @@ use lightwell::scene::SceneView;
 /// # Errors
 /// If there is no camera, or the scene cannot be drawn.
 pub fn take(session: &mut Session, size: [u32; 2], aa: u32, settings: &RenderSettings) -> Result<Image> {
+    take_telling(session, size, aa, settings, &mut || ())
+}
+
+/// As [`take`]; `drawn` is called after each frame.
+///
+/// # Errors
+/// As [`take`].
+pub fn take_telling(
+    session: &mut Session,
+    size: [u32; 2],
+    aa: u32,
+    settings: &RenderSettings,
+    drawn: &mut dyn FnMut(),
+) -> Result<Image> {
     let camera = session.camera()?;
     let mut sum = vec![[0.0f64; 3]; size[0] as usize * size[1] as usize];
     for index in 0..aa {
@@ -22,6 +36,7 @@ pub fn take(session: &mut Session, size: [u32; 2], aa: u32, settings: &RenderSet
         for (total, value) in sum.as_flattened_mut().iter_mut().zip(image.values()) {
             *total += f64::from(value);
         }
+        drawn();
     }
     let count = f64::from(aa);
     let pixels = sum.iter().map(|pixel| pixel.map(|value| (value / count) as f32)).collect();

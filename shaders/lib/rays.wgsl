@@ -5,9 +5,9 @@
 // Nodes and triangles lie in textures of integers: four words come with one fetch, which on some adapters costs a
 // quarter of the same words from a buffer. What a scene does not have is left out of the shader, since adapters that
 // run both sides of a branch would pay for it at every step:
-//   STACK      entries of the traversal stack
-//   TEXTURED   any material has a texture
-//   MASKED     any material's alpha is tested
+//   STACK       entries of the traversal stack
+//   UNTEXTURED  no material has a texture
+//   OPAQUE      no material's alpha is tested
 
 #import lightwell::gbuffer::decode_octahedral
 #import lightwell::lights::Light
@@ -121,7 +121,7 @@ fn texel_at(slot: vec4u, at: vec2i) -> vec4f {
 
 // The texture at full resolution, with its own filter and wrapping.
 fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
-#ifndef TEXTURED
+#ifdef UNTEXTURED
     return neutral;
 #else
     if slot.w == 0u {
@@ -262,7 +262,7 @@ fn trace(root: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
                     kind == CAMERA,
                 );
                 var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
-#ifdef MASKED
+#ifndef OPAQUE
                 if met && (triangle.flags & ALPHA_TESTED) != 0u {
                     met = !is_transparent(i, triangle.material, vec2f(u, v));
                 }
@@ -326,7 +326,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     let a = textureLoad(attributes, at, 0);
     let b = textureLoad(attributes, at + vec2u(1u, 0u), 0);
     let c = textureLoad(attributes, at + vec2u(2u, 0u), 0);
-#ifdef TEXTURED
+#ifndef UNTEXTURED
     let uv = w * bitcast<vec2f>(a.yz) + hit.barycentric.x * bitcast<vec2f>(b.yz) + hit.barycentric.y * bitcast<vec2f>(c.yz);
 #else
     let uv = vec2f(0.0);
@@ -335,7 +335,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     let base = materials[material].base_color * sample_texture(materials[material].base_color_texture, uv, vec4f(1.0));
     surface.visible = !back || (triangle.flags & DOUBLE_SIDED) != 0u;
     surface.albedo = base.rgb;
-#ifdef SPECULAR
+#ifndef DIFFUSE
     let metallic_roughness = sample_texture(materials[material].metallic_roughness_texture, uv, vec4f(1.0));
     let metallic = saturate(materials[material].metallic * metallic_roughness.b);
     let specular = materials[material].specular;
@@ -347,7 +347,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.alpha = max(roughness * roughness, 1e-3);
 #endif
     surface.emissive = materials[material].emissive;
-#ifdef TEXTURED
+#ifndef UNTEXTURED
     if any(surface.emissive > vec3f(0.0)) {
         surface.emissive *= sample_texture(materials[material].emissive_texture, uv, vec4f(1.0)).rgb;
     }
@@ -359,7 +359,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     if all(n == vec3f(0.0)) {
         n = surface.geometric_normal;
     }
-#ifdef TEXTURED
+#ifndef UNTEXTURED
     if materials[material].normal_texture.w != 0u && materials[material].normal_scale != 0.0 {
         let tangent = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
             + hit.barycentric.y * decode_direction(c.w & ~1u);

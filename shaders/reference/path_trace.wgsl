@@ -3,8 +3,8 @@
 // A vertex of a path gathers light in two ways: next-event estimation towards the lights and towards the emissive
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
-// passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): EMITTERS, any surface emits
-// light; SPECULAR, any is not purely diffuse. Direct light is what comes straight from the lights to the surface that the camera sees, with that
+// passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): UNLIT, no surface emits light;
+// DIFFUSE, all surfaces are purely so. Direct light is what comes straight from the lights to the surface that the camera sees, with that
 // surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
@@ -82,7 +82,7 @@ fn camera_path(pixel: vec2u, random: ptr<function, Sampler>) -> Path {
 
 // Chance to sample the specular lobe.
 fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
-#ifndef SPECULAR
+#ifdef DIFFUSE
     return 0.0;
 #else
     let n_dot_v = dot(surface.normal, to_eye);
@@ -102,7 +102,7 @@ fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
 // Density with which `sample_direction` gives a direction [1/sr].
 fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
     let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
-#ifndef SPECULAR
+#ifdef DIFFUSE
     return diffuse;
 #else
     if share <= 0.0 {
@@ -119,7 +119,7 @@ fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f
 }
 
 fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
-#ifdef SPECULAR
+#ifndef DIFFUSE
     if choice < share {
         let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
         return reflect(-to_eye, h);
@@ -133,7 +133,7 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
     if dot(surface.geometric_normal, direction) <= 0.0 {
         return vec3f(0.0);
     }
-#ifndef SPECULAR
+#ifdef DIFFUSE
     return surface.albedo * (max(0.0, dot(surface.normal, direction)) * INVERSE_PI);
 #else
     return eval_brdf_cosine(
@@ -199,7 +199,7 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
     add(path, chosen_light * (total / chosen_weight), is_direct);
 }
 
-#ifdef EMITTERS
+#ifndef UNLIT
 fn choose_emitter(random: f32) -> u32 {
     var low = 0u;
     var high = params.emitter_count - 1u;
@@ -267,7 +267,7 @@ fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
         return;
     }
     var weight = 1.0;
-#ifdef EMITTERS
+#ifndef UNLIT
     if surface.emitter != NONE {
         let per_area = emitters[surface.emitter].density;
         // The ray's direction is of unit length here.
@@ -312,7 +312,7 @@ fn extend(path: ptr<function, Path>, random: ptr<function, Sampler>) -> bool {
         return false;
     }
     let share = specular_share(surface, to_eye);
-#ifdef EMITTERS
+#ifndef UNLIT
     add_emitter(path, surface, to_eye, share, random);
 #endif
     let choice = next_pair(random);

@@ -2,11 +2,11 @@
 
 use crate::cli::{Common, RenderArgs};
 use crate::session::Session;
-use crate::{jitter, progress};
+use crate::{capture, jitter, progress};
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
-use lightwell::measure::{self, Image, srgb_decode};
-use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
+use lightwell::measure;
+use lightwell::render::{GiMethod, Layer, ReferenceSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -100,44 +100,20 @@ impl Shot {
             std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
         let settings = session.render_settings(!self.linear);
-        let camera = session.camera()?;
         // The tracer filters over the pixel by itself.
         let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
-        let mut sum = vec![[0.0f64; 3]; self.size[0] as usize * self.size[1] as usize];
-        for index in 0..aa {
-            let view = SceneView { camera: camera.clone(), size: self.size, jitter: jitter::shift(index, aa) };
+        if aa == 1 && !self.linear {
+            let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
             session.render(&view, &settings)?;
-            if aa == 1 && !self.linear {
-                let (size, rgb) = session.display_bytes()?;
-                bar.inc(1);
-                return Ok(measure::write_png_rgb8(path, size, &rgb)?);
-            }
-            self.add(session, &settings, &mut sum)?;
-            bar.inc(u64::from(self.aa / aa));
+            let (size, rgb) = session.display_bytes()?;
+            bar.inc(u64::from(self.aa));
+            return Ok(measure::write_png_rgb8(path, size, &rgb)?);
         }
-        let count = f64::from(aa);
-        let pixels = sum.iter().map(|pixel| pixel.map(|value| (value / count) as f32)).collect();
-        let image = Image::from_pixels(self.size[0], self.size[1], pixels).context("the image is incomplete")?;
+        let image = capture::take_telling(session, self.size, aa, &settings, &mut || bar.inc(u64::from(self.aa / aa)))?;
         if let Some([x, y]) = image.first_non_finite() {
             log::warn!("{}: NaN or infinity in the image, first at column {x} of row {y}", path.display());
         }
         Ok(measure::write_image(path, &image)?)
-    }
-
-    /// Adds the frame in linear light: radiance, or the light that a screen would send out.
-    fn add(&self, session: &Session, settings: &RenderSettings, sum: &mut [[f64; 3]]) -> Result<()> {
-        if settings.display {
-            let (_, rgb) = session.display_bytes()?;
-            for (total, byte) in sum.as_flattened_mut().iter_mut().zip(rgb) {
-                *total += f64::from(srgb_decode(f32::from(byte) / 255.0));
-            }
-            return Ok(());
-        }
-        let image = session.radiance()?;
-        for (total, value) in sum.as_flattened_mut().iter_mut().zip(image.values()) {
-            *total += f64::from(value);
-        }
-        Ok(())
     }
 }
 

@@ -139,10 +139,10 @@ impl RayScene {
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
         let stack = (self.bvh.bvh.depth() + 1).next_multiple_of(16);
         let flags = [
-            ("TEXTURED", self.atlas.holds_textures()),
-            ("MASKED", self.materials.any_masked()),
-            ("SPECULAR", self.materials.any_specular()),
-            ("EMITTERS", self.emitter_count > 0),
+            ("UNTEXTURED", !self.atlas.holds_textures()),
+            ("OPAQUE", !self.materials.any_masked()),
+            ("DIFFUSE", !self.materials.any_specular()),
+            ("UNLIT", self.emitter_count == 0),
         ];
         let key = ComputeKey::new(file, entry).def("STACK", ShaderDef::Uint(stack));
         let set = flags.into_iter().filter(|(_, set)| *set);
