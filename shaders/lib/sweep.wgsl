@@ -32,45 +32,11 @@ fn from_fixed(high: i32, low: i32) -> f32 {
     return f32(high + i32(unsigned >> 16u)) * 65536.0 + f32(unsigned & 0xffffu);
 }
 
-// Irradiance is kept for eighteen normals: the six axes, then (±x±y), (±y±z), (±z±x) over √2, four signs each. For an
-// axis-aligned wall that is the exact cosine integral over all directions, where spherical harmonics of order 3 give a
-// surface 9 % of the light that only grazes it and 6 % of what comes from behind.
-//
-// For any other normal: linear between the three corners of the triangle on the octahedron that holds it, plus what
-// makes the first harmonic exact, E(n) − E(−n) = V·n with the vector irradiance V, whose components the axes hold.
-struct Nodes {
-    edge: vec3u,           // three of the twelve diagonals
-    edge_weight: vec3f,
-    plus: vec3f,           // weights of +x, +y, +z
-    minus: vec3f,          // weights of −x, −y, −z
-}
-
-fn diagonal(plane: u32, first: f32, second: f32) -> u32 {
-    return 4u * plane + select(0u, 1u, first < 0.0) + select(0u, 2u, second < 0.0);
-}
-
-const HALF_ROOT: f32 = 0.70710678;
-
-fn nodes_of(n: vec3f) -> Nodes {
-    let b = abs(n) / (abs(n.x) + abs(n.y) + abs(n.z));
-    // Corner triangles have one barycentric coordinate above ½; the middle one has none.
-    let corner = max(vec3f(0.0), 2.0 * b - 1.0);
-    var edge_weight = 1.0 - 2.0 * b.zxy;
-    if b.x > 0.5 {
-        edge_weight = vec3f(2.0 * b.y, 0.0, 2.0 * b.z);
-    } else if b.y > 0.5 {
-        edge_weight = vec3f(2.0 * b.x, 2.0 * b.z, 0.0);
-    } else if b.z > 0.5 {
-        edge_weight = vec3f(0.0, 2.0 * b.y, 2.0 * b.x);
+// Axis of the coordinate system that a normal lies nearest to.
+fn nearest_axis(n: vec3f) -> u32 {
+    let a = abs(n);
+    if a.x >= a.y && a.x >= a.z {
+        return 0u;
     }
-    let s = select(vec3f(-1.0), vec3f(1.0), n >= vec3f(0.0));
-    var nodes: Nodes;
-    nodes.edge = vec3u(diagonal(0u, s.x, s.y), diagonal(1u, s.y, s.z), diagonal(2u, s.z, s.x));
-    nodes.edge_weight = edge_weight;
-    let mean = s * (corner + HALF_ROOT * (edge_weight.xyz + edge_weight.zxy));
-    // ½V·(n − mean): half the difference of opposite axes.
-    let rest = 0.5 * (n - mean);
-    nodes.plus = select(vec3f(0.0), corner, n >= vec3f(0.0)) + rest;
-    nodes.minus = select(corner, vec3f(0.0), n >= vec3f(0.0)) - rest;
-    return nodes;
+    return select(2u, 1u, a.y >= a.z);
 }

@@ -215,7 +215,7 @@ pub enum Quality {
     /// 432 directions; 64³ cells.
     #[default]
     High,
-    /// 768 directions; 96³ cells.
+    /// 768 directions; 88³ cells.
     Ultra,
 }
 

@@ -4,7 +4,7 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed}
+#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed, nearest_axis}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {
@@ -36,14 +36,6 @@ struct Emit {
 
 fn inside(cell: vec3f) -> bool {
     return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
-}
-
-fn nearest_axis(n: vec3f) -> u32 {
-    let a = abs(n);
-    if a.x >= a.y && a.x >= a.z {
-        return 0u;
-    }
-    return select(2u, 1u, a.y >= a.z);
 }
 
 fn add_to_cell(cell: vec3f, n: vec3f, flux: vec3f) {
@@ -102,7 +94,7 @@ fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
     if !inside(cell) || all(flux <= vec3f(0.0)) {
         return;
     }
-    let thin = opacity[8u * cell_index(volume, vec3u(cell)) + 1u].z > 0.0;
+    let thin = opacity[11u * cell_index(volume, vec3u(cell)) + 1u].z > 0.0;
     deposit(p, n, flux, thin);
 }
 

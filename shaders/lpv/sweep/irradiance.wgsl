@@ -1,7 +1,7 @@
 // Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::sweep::{Surfel, Nodes, nodes_of, to_fixed, from_fixed}
+#import lightwell::sweep::{Surfel, to_fixed, from_fixed, nearest_axis}
 #import lightwell::view::View
 #import lightwell::volume::{Volume, cell_index}
 
@@ -23,7 +23,7 @@ struct Lookup {
 
 @group(0) @binding(0) var<uniform> lookup: Lookup;
 @group(0) @binding(1) var<storage, read> axes: array<f32>;
-@group(0) @binding(2) var<storage, read> diagonals: array<f32>;
+@group(0) @binding(2) var<storage, read> facing: array<f32>;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Irradiance [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
@@ -42,27 +42,43 @@ fn axis_at(cell: u32, node: u32) -> vec3f {
     return vec3f(axes[first], axes[first + 1u], axes[first + 2u]);
 }
 
-fn diagonal_at(cell: u32, node: u32) -> vec3f {
-    let first = 36u * cell + 3u * node;
-    return vec3f(diagonals[first], diagonals[first + 1u], diagonals[first + 2u]);
+fn facing_at(cell: u32, axis: u32) -> vec3f {
+    let first = 9u * cell + 3u * axis;
+    return vec3f(facing[first], facing[first + 1u], facing[first + 2u]);
 }
 
-fn node_sum(cell: u32, nodes: Nodes) -> vec3f {
-    var e = nodes.plus.x * axis_at(cell, 0u) + nodes.minus.x * axis_at(cell, 1u)
-        + nodes.plus.y * axis_at(cell, 2u) + nodes.minus.y * axis_at(cell, 3u)
-        + nodes.plus.z * axis_at(cell, 4u) + nodes.minus.z * axis_at(cell, 5u);
+// Irradiance for any normal from those of the axes: by the squares of its components, so that even light stays even,
+// plus what makes the first harmonic exact, E(n) − E(−n) = V·n with the vector irradiance V that opposite axes differ
+// by.
+fn from_axes(cell: u32, n: vec3f) -> vec3f {
+    let square = n * n;
+    let rest = 0.5 * (abs(n) - square);
+    var e = vec3f(0.0);
     for (var i = 0u; i < 3u; i++) {
-        if nodes.edge_weight[i] > 0.0 {
-            e += nodes.edge_weight[i] * diagonal_at(cell, nodes.edge[i]);
-        }
+        let behind = select(0u, 1u, n[i] >= 0.0);
+        e += (square[i] + rest[i]) * axis_at(cell, 2u * i + 1u - behind) - rest[i] * axis_at(cell, 2u * i + behind);
     }
     return max(e, vec3f(0.0));
+}
+
+// Irradiance of a cell for a normal: what was gathered for the surface there, if it faces the same way.
+fn of_cell(cell: u32, n: vec3f) -> vec3f {
+    let axis = nearest_axis(n);
+    let same = smoothstep(0.9, 0.97, dot(n, opacity[11u * cell + 8u + axis].xyz));
+    var e = vec3f(0.0);
+    if same > 0.0 {
+        e += same * facing_at(cell, axis);
+    }
+    if same < 1.0 {
+        e += (1.0 - same) * from_axes(cell, n);
+    }
+    return e;
 }
 
 // The share of a cell that lies outside of solids: those leave their tensor in the cells just below their surface.
 // Without it a corner between a wall and a floor is dark, since half of its cells lie in the floor.
 fn clearance(index: u32) -> f32 {
-    return saturate(1.0 - opacity[8u * index + 1u].w);
+    return saturate(1.0 - opacity[11u * index + 1u].w);
 }
 
 // How open the faces are that light crosses from the other cells of an interpolation to the one before the surface.
@@ -74,7 +90,7 @@ fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
         cell[axis] += select(0.0, 1.0, from_above);
         if all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells)) {
             let side = select(0u, 1u, from_above);
-            open[axis] = 1.0 - opacity[8u * cell_index(volume, vec3u(cell)) + 2u + 2u * axis + side].w;
+            open[axis] = 1.0 - opacity[11u * cell_index(volume, vec3u(cell)) + 2u + 2u * axis + side].w;
         }
     }
     return open;
@@ -88,7 +104,6 @@ fn irradiance(point: vec3f, n: vec3f) -> vec3f {
     let at = x + 0.5 * n - 0.5;
     let low = floor(at);
     let t = at - low;
-    let nodes = nodes_of(n);
     let base = floor(x + 0.5 * n);
     let open = passages(volume, base, low);
     var sum = vec3f(0.0);
@@ -104,14 +119,14 @@ fn irradiance(point: vec3f, n: vec3f) -> vec3f {
             let passed = select(open, vec3f(1.0), cell == base);
             let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
             if clear > 0.0 {
-                sum += clear * node_sum(index, nodes);
+                sum += clear * of_cell(index, n);
                 weights += clear;
             }
         }
     }
     if weights < 1e-3 {
         let nearest = vec3u(clamp(floor(x + 0.5 * n), vec3f(0.0), vec3f(volume.cells) - 1.0));
-        return node_sum(cell_index(volume, nearest), nodes);
+        return of_cell(cell_index(volume, nearest), n);
     }
     return sum / weights;
 }

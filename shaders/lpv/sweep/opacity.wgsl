@@ -1,15 +1,16 @@
 // What stops light in a cell: the opacity tensor of thick solids, and the seal, by which a wall closes the faces of
 // the cells that it passes.
 
-#import lightwell::sweep::{Surfel, BEFORE}
+#import lightwell::sweep::{Surfel, BEFORE, nearest_axis}
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-// 32 a cell: Txx Tyy Tzz Txy Tyz Tzx, area of thin surfaces, area of thick ones just above the centre; then N and a of the lower faces along x, y, z,
-// for light along +i (surfaces with n_i < 0) and along −i.
+// 44 a cell: Txx Tyy Tzz Txy Tyz Tzx, area of thin surfaces, area of thick ones just above the centre; then N and a of the lower faces along x, y, z,
+// for light along +i (surfaces with n_i < 0) and along −i; then Σ A·n of the surfaces that look their light up here,
+// for each axis that a normal may lie nearest to; nothing.
 @group(0) @binding(2) var<storage, read_write> sums: array<atomic<i32>>;
-// The same as numbers, eight vectors a cell; N normalised, a at most 1.
+// The same as numbers, eleven vectors a cell; N and n normalised, a at most 1.
 @group(0) @binding(3) var<storage, read_write> opacity: array<vec4f>;
 
 // A cell's areas sum to far less than 2⁷ faces.
@@ -29,7 +30,7 @@ fn add_tensor(p: vec3f, n: vec3f, area: f32) {
     if !inside(cell) {
         return;
     }
-    let first = 32u * cell_index(volume, vec3u(cell));
+    let first = 44u * cell_index(volume, vec3u(cell));
     let square = area * n * n;
     let mixed = area * n * n.yzx;
     for (var i = 0u; i < 3u; i++) {
@@ -53,7 +54,7 @@ fn seal(q: vec3f, n: vec3f, area: f32, disc: f32, i: u32) {
         return;
     }
     let side = select(1u, 0u, n[i] < 0.0);
-    let first = 32u * cell_index(volume, vec3u(cell)) + 8u + 4u * (2u * i + side);
+    let first = 44u * cell_index(volume, vec3u(cell)) + 8u + 4u * (2u * i + side);
     let weight = area * abs(n[i]);
     add(first, weight * n.x);
     add(first + 1u, weight * n.y);
@@ -61,6 +62,20 @@ fn seal(q: vec3f, n: vec3f, area: f32, disc: f32, i: u32) {
     // A surfel whose disc covers the centre line closes the face by itself.
     let covers = slide * slide + dot(across, across) <= disc;
     add(first + 3u, weight + select(0.0, 1.0, covers));
+}
+
+// Tells the cells before a surface, which its irradiance is interpolated from, which way it faces.
+fn add_facing(p: vec3f, n: vec3f, area: f32) {
+    let low = floor(p + 0.5 * n - 0.5);
+    for (var i = 0u; i < 8u; i++) {
+        let cell = low + vec3f(f32(i & 1u), f32((i >> 1u) & 1u), f32(i >> 2u));
+        if inside(cell) && dot(n, cell + 0.5 - p) > 0.0 {
+            let first = 44u * cell_index(volume, vec3u(cell)) + 32u + 3u * nearest_axis(n);
+            add(first, area * n.x);
+            add(first + 1u, area * n.y);
+            add(first + 2u, area * n.z);
+        }
+    }
 }
 
 @compute @workgroup_size(64)
@@ -78,6 +93,7 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
     }
     let thickness = surfel.thickness / volume.cell;
     let before = p + BEFORE * n;
+    add_facing(p, n, area);
     var depth = 0.0;
     if thickness >= 1.0 {
         depth = min(0.9, 0.5 * thickness);
@@ -85,10 +101,10 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
         // The cell whose centre lies just below the surface.
         let below = floor(before - 0.5 * n);
         if inside(below) {
-            add(32u * cell_index(volume, vec3u(below)) + 7u, area);
+            add(44u * cell_index(volume, vec3u(below)) + 7u, area);
         }
     } else if inside(floor(before)) {
-        add(32u * cell_index(volume, vec3u(before)) + 6u, area);
+        add(44u * cell_index(volume, vec3u(before)) + 6u, area);
     }
     // κ² = 2: discs of twice the surfels' area leave no gap between them. Objects smaller than a cell are no walls.
     let disc = select(0.0, 2.0 * area / 3.14159265, surfel.extent >= volume.cell);
@@ -104,7 +120,7 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         return;
     }
     for (var i = 0u; i < 8u; i++) {
-        let first = 32u * index + 4u * i;
+        let first = 44u * index + 4u * i;
         var v = vec4f(
             f32(atomicLoad(&sums[first])), f32(atomicLoad(&sums[first + 1u])),
             f32(atomicLoad(&sums[first + 2u])), f32(atomicLoad(&sums[first + 3u])),
@@ -112,6 +128,11 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         if i >= 2u {
             v = vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
         }
-        opacity[8u * index + i] = v;
+        opacity[11u * index + i] = v;
+    }
+    for (var axis = 0u; axis < 3u; axis++) {
+        let first = 44u * index + 32u + 3u * axis;
+        let sum = vec3f(vec3i(atomicLoad(&sums[first]), atomicLoad(&sums[first + 1u]), atomicLoad(&sums[first + 2u])));
+        opacity[11u * index + 8u + axis] = vec4f(sum / max(length(sum), 1e-12), 0.0);
     }
 }

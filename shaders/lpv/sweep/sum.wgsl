@@ -13,9 +13,9 @@ struct Sum {
 @group(0) @binding(0) var<uniform> sum: Sum;
 @group(0) @binding(1) var<storage, read> totals: array<i32>;
 @group(0) @binding(2) var<storage, read> axes: array<f32>;
-@group(0) @binding(3) var<storage, read> diagonals: array<f32>;
+@group(0) @binding(3) var<storage, read> facing: array<f32>;
 @group(0) @binding(4) var<storage, read_write> all_axes: array<f32>;
-@group(0) @binding(5) var<storage, read_write> all_diagonals: array<f32>;
+@group(0) @binding(5) var<storage, read_write> all_facing: array<f32>;
 
 fn sent(bounce: u32, channel: u32) -> f32 {
     let at = 16u * bounce + 2u * channel;
@@ -25,7 +25,7 @@ fn sent(bounce: u32, channel: u32) -> f32 {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
-    if index >= arrayLength(&all_diagonals) {
+    if index >= arrayLength(&all_axes) {
         return;
     }
     var factor = 1.0;
@@ -34,8 +34,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let ratio = min(sent(sum.bounce, channel) / max(sent(sum.bounce - 1u, channel), 1.0), sum.most);
         factor = 1.0 / (1.0 - ratio);
     }
-    if index < arrayLength(&all_axes) {
-        all_axes[index] += factor * axes[index];
+    all_axes[index] += factor * axes[index];
+    if index < arrayLength(&all_facing) {
+        all_facing[index] += factor * facing[index];
     }
-    all_diagonals[index] += factor * diagonals[index];
 }

@@ -27,9 +27,12 @@ struct Slice {
 // L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u.
 @group(0) @binding(5) var<storage, read> before: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
-// Irradiance [W/m²] by cell, normal and channel: see lightwell::sweep.
+// Irradiance [W/m²] by cell, normal and channel: for +x −x +y −y +z −z, and for the normals of the surfaces that look
+// their light up in the cell, by nearest axis. For its own normal a surface gets the exact cosine integral over all
+// directions. Spherical harmonics of order 3 would give it 9 % of the light that only grazes it and 6 % of what comes
+// from behind, its own included, which can be ten times all that it receives.
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
-@group(0) @binding(8) var<storage, read_write> diagonals: array<f32>;
+@group(0) @binding(8) var<storage, read_write> facing: array<f32>;
 
 #ifdef AXIS
 const A: u32 = #{AXIS}u;
@@ -52,7 +55,7 @@ fn face(cell: vec3u, axis: u32, side: u32) -> vec4f {
     if any(cell >= volume.cells) {
         return vec4f(0.0);
     }
-    return opacity[8u * cell_index(volume, cell) + 2u + 2u * axis + side];
+    return opacity[11u * cell_index(volume, cell) + 2u + 2u * axis + side];
 }
 
 fn open(f: vec4f, d: vec3f) -> f32 {
@@ -98,10 +101,10 @@ fn add_axis(first: u32, value: vec3f) {
     axes[first + 2u] += value.b;
 }
 
-fn add_diagonal(first: u32, value: vec3f) {
-    diagonals[first] += value.r;
-    diagonals[first + 1u] += value.g;
-    diagonals[first + 2u] += value.b;
+fn add_facing(first: u32, value: vec3f) {
+    facing[first] += value.r;
+    facing[first + 1u] += value.g;
+    facing[first + 2u] += value.b;
 }
 
 @compute @workgroup_size(8, 8, 1)
@@ -132,7 +135,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var ahead = vec4f(0.0);
     if has_here {
         let cell = cell_of(here, u, v);
-        let first = 8u * cell_index(volume, cell);
+        let first = 11u * cell_index(volume, cell);
         tensor = opacity[first];
         mixed = opacity[first + 1u].xy;
         own = source_of(cell);
@@ -143,17 +146,21 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         ahead = face(cell_of(here, u, v), A, 0u);
     }
     var gone: Source;
+    var normals = mat3x3f();
     if has_past {
-        gone = source_of(cell_of(past, u, v));
+        let cell = cell_of(past, u, v);
+        gone = source_of(cell);
+        let first = 11u * cell_index(volume, cell) + 8u;
+        normals = mat3x3f(opacity[first].xyz, opacity[first + 1u].xyz, opacity[first + 2u].xyz);
     }
     let trace = tensor.x + tensor.y + tensor.z;
 
     var px = vec3f(0.0); var mx = vec3f(0.0);
     var py = vec3f(0.0); var my = vec3f(0.0);
     var pz = vec3f(0.0); var mz = vec3f(0.0);
-    var xy_a = vec3f(0.0); var xy_b = vec3f(0.0); var xy_c = vec3f(0.0); var xy_d = vec3f(0.0);
-    var yz_a = vec3f(0.0); var yz_b = vec3f(0.0); var yz_c = vec3f(0.0); var yz_d = vec3f(0.0);
-    var zx_a = vec3f(0.0); var zx_b = vec3f(0.0); var zx_c = vec3f(0.0); var zx_d = vec3f(0.0);
+    var facing_x = vec3f(0.0);
+    var facing_y = vec3f(0.0);
+    var facing_z = vec3f(0.0);
 
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let side_u = quadrant & 1u;
@@ -204,15 +211,10 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 px += max(0.0, -d.x) * w; mx += max(0.0, d.x) * w;
                 py += max(0.0, -d.y) * w; my += max(0.0, d.y) * w;
                 pz += max(0.0, -d.z) * w; mz += max(0.0, d.z) * w;
-                let e = d * 0.70710678;
-                let plus = e + e.yzx;
-                let minus = e - e.yzx;
-                xy_a += max(0.0, -plus.x) * w; xy_b += max(0.0, minus.x) * w;
-                xy_c += max(0.0, -minus.x) * w; xy_d += max(0.0, plus.x) * w;
-                yz_a += max(0.0, -plus.y) * w; yz_b += max(0.0, minus.y) * w;
-                yz_c += max(0.0, -minus.y) * w; yz_d += max(0.0, plus.y) * w;
-                zx_a += max(0.0, -plus.z) * w; zx_b += max(0.0, minus.z) * w;
-                zx_c += max(0.0, -minus.z) * w; zx_d += max(0.0, plus.z) * w;
+                let turned = max(vec3f(0.0), -(d * normals));
+                facing_x += turned.x * w;
+                facing_y += turned.y * w;
+                facing_z += turned.z * w;
             }
             if has_here {
                 let squared = dot(tensor.xyz, d * d) + 2.0 * dot(vec3f(tensor.w, mixed), d * d.yzx);
@@ -235,18 +237,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         add_axis(first + 9u, my);
         add_axis(first + 12u, pz);
         add_axis(first + 15u, mz);
-        let edge = 36u * cell;
-        add_diagonal(edge, xy_a);
-        add_diagonal(edge + 3u, xy_b);
-        add_diagonal(edge + 6u, xy_c);
-        add_diagonal(edge + 9u, xy_d);
-        add_diagonal(edge + 12u, yz_a);
-        add_diagonal(edge + 15u, yz_b);
-        add_diagonal(edge + 18u, yz_c);
-        add_diagonal(edge + 21u, yz_d);
-        add_diagonal(edge + 24u, zx_a);
-        add_diagonal(edge + 27u, zx_b);
-        add_diagonal(edge + 30u, zx_c);
-        add_diagonal(edge + 33u, zx_d);
+        add_facing(9u * cell, facing_x);
+        add_facing(9u * cell + 3u, facing_y);
+        add_facing(9u * cell + 6u, facing_z);
     }
 }

@@ -8,9 +8,8 @@ use glam::{UVec3, Vec3};
 
 /// Cells on each side beyond the scene's bounds: for what stops light behind its surfaces.
 const MARGIN: f32 = 2.0;
-/// Most cells of a cascade: its sums of sources, 144 bytes a cell, fill a storage binding of 128 MiB, the portable
-/// limit.
-const MAX_CELLS: u32 = (128 << 20) / 144;
+/// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding of 128 MiB, the portable limit.
+const MAX_CELLS: u32 = (128 << 20) / 176;
 
 /// The cascades of the settings for this view, finest first.
 ///
@@ -36,7 +35,7 @@ fn budget(quality: Quality) -> u32 {
         Quality::Low => 24 * 24 * 24,
         Quality::Medium => 40 * 40 * 40,
         Quality::High => 64 * 64 * 64,
-        Quality::Ultra => 96 * 96 * 96,
+        Quality::Ultra => 88 * 88 * 88,
     }
 }
 

@@ -51,9 +51,9 @@ pub(super) fn at_surfels<'a>(
     let mut pass = graph.pass(name);
     pass.read(surfels);
     let light: Vec<Irradiance> = levels.iter().map(|level| level.bounce).collect();
-    for Irradiance { axes, diagonals } in &light {
+    for Irradiance { axes, facing } in &light {
         pass.read(*axes);
-        pass.read(*diagonals);
+        pass.read(*facing);
     }
     let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
     for opacity in &opacities {
@@ -70,13 +70,13 @@ pub(super) fn at_surfels<'a>(
         for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
             let opacity = cx.buffer(*opacity).clone();
             let lookup = cx.gpu.uniform("lookup", lookup);
-            let [axes, diagonals] = [light.axes, light.diagonals].map(|handle| cx.buffer(handle).clone());
+            let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
             cx.dispatch(
                 &ComputeKey::new("lpv/sweep/irradiance.wgsl", "at_surfels"),
                 &[
                     ("lookup", Binding::Buffer(&lookup)),
                     ("axes", Binding::Buffer(&axes)),
-                    ("diagonals", Binding::Buffer(&diagonals)),
+                    ("facing", Binding::Buffer(&facing)),
                     ("opacity", Binding::Buffer(&opacity)),
                     ("surfels", Binding::Buffer(&surfels)),
                     ("received", Binding::Buffer(&target)),
@@ -112,9 +112,9 @@ pub(super) fn relight<'a>(
         pass.read(input);
     }
     let light: Vec<Irradiance> = levels.iter().map(|level| level.sum).collect();
-    for Irradiance { axes, diagonals } in &light {
+    for Irradiance { axes, facing } in &light {
         pass.read(*axes);
-        pass.read(*diagonals);
+        pass.read(*facing);
     }
     let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
     for opacity in &opacities {
@@ -134,13 +134,13 @@ pub(super) fn relight<'a>(
         for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
             let opacity = cx.buffer(*opacity).clone();
             let lookup = gpu.uniform("lookup", lookup);
-            let [axes, diagonals] = [light.axes, light.diagonals].map(|handle| cx.buffer(handle).clone());
+            let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
             cx.dispatch(
                 &ComputeKey::new("lpv/sweep/irradiance.wgsl", "relight"),
                 &[
                     ("lookup", Binding::Buffer(&lookup)),
                     ("axes", Binding::Buffer(&axes)),
-                    ("diagonals", Binding::Buffer(&diagonals)),
+                    ("facing", Binding::Buffer(&facing)),
                     ("opacity", Binding::Buffer(&opacity)),
                     ("view", Binding::Buffer(&frame.view_uniform(gpu))),
                     ("base_color", Binding::Texture(&base_color)),

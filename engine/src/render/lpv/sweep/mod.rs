@@ -54,11 +54,11 @@ struct Level {
     sum: Irradiance,
 }
 
-/// Irradiance by cell and normal, see `lib/sweep.wgsl`.
+/// Irradiance by cell and normal, see `lpv/sweep/transport.wgsl`.
 #[derive(Clone, Copy)]
 struct Irradiance {
     axes: Handle<Buffer>,
-    diagonals: Handle<Buffer>,
+    facing: Handle<Buffer>,
 }
 
 /// Declares all passes; the result is reflected radiance, rgba32float. None, with the reason in the report, if there

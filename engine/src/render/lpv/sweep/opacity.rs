@@ -7,8 +7,8 @@ use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::scene::Surfel;
 use wgpu::BufferUsages;
 
-/// Bytes of a cell: 32 numbers.
-const CELL_BYTES: u64 = 128;
+/// Bytes of a cell: 44 numbers.
+const CELL_BYTES: u64 = 176;
 
 /// Declares the opacity of one cascade. It depends on the scene's surfaces alone, not on any light.
 pub(super) fn declare<'a>(

@@ -51,11 +51,11 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, index: usize
     let emission = graph.buffer(format!("emission, cascade {index}"), desc(96));
     let bounce = Irradiance {
         axes: graph.buffer(format!("axes of a bounce, cascade {index}"), desc(72)),
-        diagonals: graph.buffer(format!("diagonals of a bounce, cascade {index}"), desc(144)),
+        facing: graph.buffer(format!("facing of a bounce, cascade {index}"), desc(36)),
     };
     let sum = Irradiance {
         axes: graph.retained_buffer(format!("axes, cascade {index}"), desc(72)),
-        diagonals: graph.retained_buffer(format!("diagonals, cascade {index}"), desc(144)),
+        facing: graph.retained_buffer(format!("facing, cascade {index}"), desc(36)),
     };
     Level { volume: *volume, opacity, emission, bounce, sum }
 }
@@ -88,8 +88,8 @@ pub(super) fn declare<'a>(
         opacity: level.opacity,
         emission: level.emission,
         totals,
-        bounce: Irradiance { axes: written(&mut bounce.axes), diagonals: written(&mut bounce.diagonals) },
-        sum: Irradiance { axes: written(&mut sum.axes), diagonals: written(&mut sum.diagonals) },
+        bounce: Irradiance { axes: written(&mut bounce.axes), facing: written(&mut bounce.facing) },
+        sum: Irradiance { axes: written(&mut sum.axes), facing: written(&mut sum.facing) },
         fronts: fronts.map(|mut front| written(&mut front)),
     };
     let border = if step.bounce == 0 { frame.scene.sky } else { Vec3::ZERO };
@@ -97,7 +97,7 @@ pub(super) fn declare<'a>(
     let directions = directions.clone();
     pass.execute(move |cx| {
         if step.bounce == 0 {
-            for handle in [buffers.sum.axes, buffers.sum.diagonals] {
+            for handle in [buffers.sum.axes, buffers.sum.facing] {
                 let buffer = cx.buffer(handle).clone();
                 cx.encoder().clear_buffer(&buffer, 0, None);
             }
@@ -128,10 +128,10 @@ fn sweep(
     buffers: &Buffers,
     border: Vec3,
 ) -> Result<(), PassError> {
-    let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.diagonals];
-    let [opacity, emission, axes, diagonals] = handles.map(|handle| cx.buffer(handle).clone());
+    let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.facing];
+    let [opacity, emission, axes, facing] = handles.map(|handle| cx.buffer(handle).clone());
     let fronts = buffers.fronts.map(|handle| cx.buffer(handle).clone());
-    for buffer in [&axes, &diagonals] {
+    for buffer in [&axes, &facing] {
         cx.encoder().clear_buffer(buffer, 0, None);
     }
     let uniform = cx.gpu.uniform("volume", &volume.uniform());
@@ -164,7 +164,7 @@ fn sweep(
                     ("before", Binding::Buffer(&fronts[turn])),
                     ("after", Binding::Buffer(&fronts[1 - turn])),
                     ("axes", Binding::Buffer(&axes)),
-                    ("diagonals", Binding::Buffer(&diagonals)),
+                    ("facing", Binding::Buffer(&facing)),
                 ],
                 [across[0].div_ceil(8), across[1].div_ceil(8), 2],
             )?;
@@ -177,21 +177,21 @@ fn sweep(
 }
 
 fn add(cx: &mut PassContext, buffers: &Buffers, step: Step) -> Result<(), PassError> {
-    let Irradiance { axes, diagonals } = buffers.bounce;
-    let handles = [buffers.totals, axes, diagonals, buffers.sum.axes, buffers.sum.diagonals];
-    let [totals, axes, diagonals, all_axes, all_diagonals] = handles.map(|handle| cx.buffer(handle).clone());
+    let Irradiance { axes, facing } = buffers.bounce;
+    let handles = [buffers.totals, axes, facing, buffers.sum.axes, buffers.sum.facing];
+    let [totals, axes, facing, all_axes, all_facing] = handles.map(|handle| cx.buffer(handle).clone());
     let is_last = step.bounce + 1 == step.bounces.swept;
     let sum = sum_uniform(cx.gpu, step.bounce, is_last && step.bounces.has_tail);
-    let numbers = (all_diagonals.size() / 4) as u32;
+    let numbers = (all_axes.size() / 4) as u32;
     cx.dispatch(
         &ComputeKey::new("lpv/sweep/sum.wgsl", "main"),
         &[
             ("sum", Binding::Buffer(&sum)),
             ("totals", Binding::Buffer(&totals)),
             ("axes", Binding::Buffer(&axes)),
-            ("diagonals", Binding::Buffer(&diagonals)),
+            ("facing", Binding::Buffer(&facing)),
             ("all_axes", Binding::Buffer(&all_axes)),
-            ("all_diagonals", Binding::Buffer(&all_diagonals)),
+            ("all_facing", Binding::Buffer(&all_facing)),
         ],
         linear_groups(numbers),
     )

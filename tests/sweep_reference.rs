@@ -1,0 +1,63 @@
+//! Indirect light of the sweep transport against images of an independent renderer. They lie in the folder that
+//! `LIGHTWELL_REFERENCE` names; without it the tests say so and pass.
+//!
+//! The bounds stand a little above what was measured. Most of the error lies within two cells of the edges where
+//! surfaces meet, and in the rays that few directions make of a small lit spot.
+
+use lightwell::measure::{Image, compare, read_image};
+use lightwell::render::{Layer, RenderSettings};
+use lightwell::world::{Bounces, Quality};
+use lightwell_tests::{Stage, folder_from_env};
+
+const EDGE: u32 = 256;
+
+/// Mean of two by two pixels.
+fn halved(image: &Image) -> Image {
+    let [width, height] = image.size().map(|edge| edge / 2);
+    let mut half = Image::filled(width, height, [0.0; 3]);
+    for y in 0..2 * height {
+        for x in 0..2 * width {
+            let from = image.pixels()[(y * 2 * width + x) as usize];
+            let to = &mut half.pixels_mut()[(y / 2 * width + x / 2) as usize];
+            (0..3).for_each(|channel| to[channel] += 0.25 * from[channel]);
+        }
+    }
+    half
+}
+
+fn indirect_light_of(scene: &str, bounces: Bounces, quality: Quality, most: (f64, f64)) {
+    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder.join(scene);
+    let name = if bounces == Bounces::Converged { "indirect_inf.exr" } else { "indirect_k1.exr" };
+    let reference = halved(&read_image(&folder.join(name)).unwrap_or_else(|error| panic!("{error}")));
+    assert_eq!(reference.size(), [EDGE; 2]);
+    let mut stage = Stage::open(&folder.join("scene.glb"), None, [EDGE; 2]);
+    let clpv = &mut stage.scene.clpv.as_mut().expect("a model gets a light volume").settings;
+    (clpv.bounces, clpv.quality) = (bounces, quality);
+    let settings = RenderSettings { only: Layer::Indirect, display: false, ..RenderSettings::default() };
+    let image = stage.averaged(&settings, 4);
+    let comparison = compare(&image, &reference).unwrap_or_else(|error| panic!("{error}"));
+    let (nrmse, bias) = (comparison.nrmse, comparison.bias);
+    eprintln!("{scene}, {bounces:?}, {quality:?}: nrmse {nrmse:.4}, bias {bias:.4}");
+    assert!(nrmse < most.0 && bias.abs() < most.1, "{scene}, {quality:?}: nrmse {nrmse:.4}, bias {bias:.4}");
+}
+
+#[test]
+fn one_bounce_in_the_cornell_box() {
+    indirect_light_of("cornell", Bounces::Count(1), Quality::High, (0.105, 0.03));
+}
+
+#[test]
+fn all_bounces_in_the_cornell_box() {
+    indirect_light_of("cornell", Bounces::Converged, Quality::High, (0.09, 0.04));
+}
+
+#[test]
+fn one_bounce_among_the_cubes() {
+    indirect_light_of("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.18, 0.03));
+}
+
+#[test]
+fn all_bounces_among_the_cubes() {
+    indirect_light_of("bleeding_diffuse", Bounces::Converged, Quality::High, (0.18, 0.03));
+}
