@@ -81,6 +81,9 @@ pub(super) fn declare<'a>(
         return Ok(None);
     }
     let settings = &clpv.settings;
+    if settings.cascades > 1 {
+        graph.skip("finer cascades", "the sweep uses the coarsest alone");
+    }
     let directions = [Directions::of(settings.quality), Directions::of_further_bounces(settings.quality)];
     let surfels = surfels::declare(graph, frame);
     let bounces = bounces(settings, cloud.mean_albedo());
