@@ -48,6 +48,8 @@ pub struct Plan {
     pub frames: u32,
     /// Frames before those.
     pub warm_up: u32,
+    /// Time after which a variant that was timed once is timed no more [ms].
+    pub budget: f64,
     /// Times at which errors are taken [s]; none: from the scene's loop.
     pub times: Vec<f64>,
     /// Samples a pixel of the references.
@@ -116,6 +118,7 @@ impl Plan {
             aa: args.aa,
             frames: args.frames.unwrap_or(quick(7, 20)),
             warm_up: args.warm_up,
+            budget: if args.quick { 4e3 } else { 6e4 },
             times: args.times.clone(),
             reference_spp: args.reference_spp,
             bounces: if args.bounces.is_empty() { vec![None] } else { args.bounces.iter().map(|b| b.0).collect() },
@@ -143,7 +146,8 @@ impl Plan {
             tasks.extend(times.iter().map(|&time| Task::Errors { time, bounces }));
         }
         for &size in &self.time_sizes {
-            tasks.extend([Mode::Full, Mode::Animated].map(|mode| Task::Time { size, mode }));
+            tasks.push(Task::Time { size, mode: Mode::Full });
+            tasks.extend((!self.quick).then_some(Task::Time { size, mode: Mode::Animated }));
         }
         tasks.extend(self.flicker.map(|frames| Task::Flicker { frames }));
         tasks.extend(self.throughput.then_some(Task::Throughput));

@@ -180,7 +180,13 @@ impl Run {
 
     fn times(&self, lab: &mut Lab, store: &mut Store, size: [u32; 2], mode: Mode) -> Result<()> {
         let scene = lab.name();
-        let course = timing::Course { size, mode, warm_up: self.plan.warm_up, frames: self.plan.frames };
+        let course = timing::Course {
+            size,
+            mode,
+            warm_up: self.plan.warm_up,
+            frames: self.plan.frames,
+            budget: self.plan.budget,
+        };
         // Path tracing keeps nothing from frame to frame, and its time grows with the pixels: once is enough.
         let once = mode == Mode::Full && Some(&size) == self.plan.time_sizes.first();
         let which: Vec<usize> =

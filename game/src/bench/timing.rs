@@ -23,8 +23,10 @@ pub struct Course {
     pub mode: Mode,
     /// Frames before the measured ones.
     pub warm_up: u32,
-    /// Frames measured.
+    /// Frames measured, at most.
     pub frames: u32,
+    /// Time after which a variant that was measured once takes no further part [ms].
+    pub budget: f64,
 }
 
 /// Times of one frame [ms].
@@ -40,6 +42,8 @@ struct Samples {
     samples: Vec<Sample>,
     first: Option<FrameReport>,
     allocated_bytes: u64,
+    /// Time of all frames so far [ms].
+    spent: f64,
 }
 
 /// Frames that a variant takes part in: long ones in fewer, since they average over many samples by themselves.
@@ -69,13 +73,16 @@ pub fn measure(
                 Some(round) => round < rounds(variant, course.frames),
                 None => round < warm_up,
             };
-            if !takes_part {
+            let samples = &all[slot];
+            let enough = samples.spent > course.budget && (measured.is_none() || !samples.samples.is_empty());
+            if !takes_part || enough {
                 continue;
             }
             session.set_ticks(u64::from(round));
             let (sample, report) = frame(session, variant, course, measured.is_none())?;
             progress(variant);
             let samples = &mut all[slot];
+            samples.spent += sample.wall;
             if let Some(report) = report {
                 samples.allocated_bytes = samples.allocated_bytes.max(report.allocated_bytes);
                 if measured.is_some() && samples.first.is_none() {
