@@ -32,9 +32,9 @@ pub enum RayError {
     TooLarge {
         /// What it holds.
         what: &'static str,
-        /// Needed [MiB].
+        /// Needed \[MiB\].
         needed: u64,
-        /// Possible [MiB].
+        /// Possible \[MiB\].
         limit: u64,
     },
     /// More textures than an array can hold.
@@ -42,7 +42,7 @@ pub enum RayError {
     Textures {
         /// Layers needed.
         needed: u32,
-        /// Edge of a layer [texels].
+        /// Edge of a layer \[texels\].
         size: u32,
         /// Layers possible.
         limit: u32,

@@ -29,13 +29,13 @@ pub enum TraceError {
     /// The image is larger than a buffer for its sums can be.
     #[error("an image of {width}x{height} pixels needs {needed} MiB for its sums, and this adapter binds {limit} MiB")]
     Size {
-        /// Width [pixels].
+        /// Width \[pixels\].
         width: u32,
-        /// Height [pixels].
+        /// Height \[pixels\].
         height: u32,
-        /// Needed [MiB].
+        /// Needed \[MiB\].
         needed: u64,
-        /// Possible [MiB].
+        /// Possible \[MiB\].
         limit: u64,
     },
     /// The sums could not be read back.

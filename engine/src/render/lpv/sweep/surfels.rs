@@ -67,7 +67,7 @@ impl GpuSurfels {
         self.cloud.is_emissive
     }
 
-    /// Flux that all emissive surfaces send out [W].
+    /// Flux that all emissive surfaces send out \[W\].
     pub fn emitted(&self) -> Vec3 {
         self.emitted
     }
