@@ -2,7 +2,7 @@
 // The position follows from the depth, the flux from the light and the texel's solid angle.
 
 #import lightwell::gbuffer::{encode_base_color, encode_normal}
-#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point}
+#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped}
 
 struct RsmView {
     clip_from_world: mat4x4f,
@@ -22,16 +22,30 @@ struct Varying {
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
+#ifndef PLAIN
+    @location(3) second_uv: vec2f,
+    @location(4) color: vec4f,
+#endif
 }
 
 @vertex
-fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
+fn vertex(
+    in: Vertex,
+#ifndef PLAIN
+    extra: VertexExtra,
+#endif
+    @builtin(instance_index) index: u32,
+) -> Varying {
     let instance = instances[index];
     var out: Varying;
     out.position = world_from_object_point(instance, in.position);
     out.clip = view.clip_from_world * vec4f(out.position, 1.0);
     out.normal = world_from_object_normal(instance, in.normal);
     out.uv = in.uv;
+#ifndef PLAIN
+    out.second_uv = extra.second_uv;
+    out.color = extra.color;
+#endif
     return out;
 }
 
@@ -42,9 +56,21 @@ struct Targets {
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
-    let at = texture_point(in.uv);
-    let base = material.base_color * textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
-    let metallic_roughness = textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, at.uv, at.dx, at.dy);
+    let first = texture_point(in.uv);
+#ifdef PLAIN
+    let base_at = first;
+    let rough_at = first;
+    let color = vec4f(1.0);
+#else
+    let second = texture_point(in.second_uv);
+    let base_at = mapped(material.uv_rows[0], material.uv_rows[1], first, second);
+    let rough_at = mapped(material.uv_rows[2], material.uv_rows[3], first, second);
+    let color = in.color;
+#endif
+    let base = material.base_color * color
+        * textureSampleGrad(base_color_texture, base_color_sampler, base_at.uv, base_at.dx, base_at.dy);
+    let metallic_roughness =
+        textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, rough_at.uv, rough_at.dx, rough_at.dy);
     let flip = material.double_sided != 0u && !front;
     let n = shading_normal(in.normal, vec4f(0.0), in.position, vec3f(0.5, 0.5, 1.0), 0.0, flip, view.eye - in.position);
     if base.a < material.alpha_cutoff {

@@ -1,7 +1,7 @@
 // Shadow maps. Perspective views (spot, point) store 1 − distance/far, so that one texel of depth means the same
 // length everywhere; directional views store their linear, reversed depth. Nearer is larger in both.
 
-#import lightwell::mesh::{Vertex, Instance, Material, world_from_object_point, texture_point}
+#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, texture_point, mapped}
 
 struct ShadowView {
     clip_from_world: mat4x4f,
@@ -19,21 +19,42 @@ struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) position: vec3f,
     @location(1) uv: vec2f,
+#ifndef PLAIN
+    @location(2) second_uv: vec2f,
+    @location(3) color: vec4f,
+#endif
 }
 
 @vertex
-fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
+fn vertex(
+    in: Vertex,
+#ifndef PLAIN
+    extra: VertexExtra,
+#endif
+    @builtin(instance_index) index: u32,
+) -> Varying {
     var out: Varying;
     out.position = world_from_object_point(instances[index], in.position);
     out.clip = view.clip_from_world * vec4f(out.position, 1.0);
     out.uv = in.uv;
+#ifndef PLAIN
+    out.second_uv = extra.second_uv;
+    out.color = extra.color;
+#endif
     return out;
 }
 
-fn drop_transparent(uv: vec2f) {
-    let at = texture_point(uv);
+fn drop_transparent(in: Varying) {
+#ifdef PLAIN
+    let at = texture_point(in.uv);
+    let vertex_alpha = 1.0;
+#else
+    let second = texture_point(in.second_uv);
+    let at = mapped(material.uv_rows[0], material.uv_rows[1], texture_point(in.uv), second);
+    let vertex_alpha = in.color.a;
+#endif
     let texel = textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
-    let alpha = material.base_color.a * texel.a;
+    let alpha = material.base_color.a * vertex_alpha * texel.a;
     if alpha < material.alpha_cutoff {
         discard;
     }
@@ -50,11 +71,11 @@ fn perspective_opaque(in: Varying) -> @builtin(frag_depth) f32 {
 
 @fragment
 fn perspective_masked(in: Varying) -> @builtin(frag_depth) f32 {
-    drop_transparent(in.uv);
+    drop_transparent(in);
     return stored_distance(in.position);
 }
 
 @fragment
 fn directional_masked(in: Varying) {
-    drop_transparent(in.uv);
+    drop_transparent(in);
 }

@@ -9,6 +9,12 @@ struct Vertex {
     @location(3) uv: vec2f,
 }
 
+// What only some meshes have: passes take it unless PLAIN is defined.
+struct VertexExtra {
+    @location(4) second_uv: vec2f,
+    @location(5) color: vec4f, // linear, multiplies the base colour
+}
+
 struct Instance {
     rows: array<vec4f, 3>, // world_from_object, row by row
     id: u32,
@@ -27,6 +33,8 @@ struct Material {
     alpha_cutoff: f32,     // below 0: alpha is ignored
     normal_scale: f32,
     double_sided: u32,
+    // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour.
+    uv_rows: array<vec4f, 12>,
 }
 
 fn world_from_object_point(instance: Instance, p: vec3f) -> vec3f {
@@ -66,6 +74,25 @@ fn texture_point(uv: vec2f) -> TexturePoint {
         select(vec2f(0.0), dx, abs(dx) < vec2f(1e3)),
         select(vec2f(0.0), dy, abs(dy) < vec2f(1e3)),
     );
+}
+
+// Where a texture is sampled: by the first or second set of coordinates (w of the first row), moved by the two rows
+// of an affine map.
+fn mapped(row_u: vec4f, row_v: vec4f, first: TexturePoint, second: TexturePoint) -> TexturePoint {
+    let takes_second = row_u.w != 0.0;
+    let uv = select(first.uv, second.uv, takes_second);
+    let dx = select(first.dx, second.dx, takes_second);
+    let dy = select(first.dy, second.dy, takes_second);
+    return TexturePoint(
+        vec2f(dot(row_u.xy, uv) + row_u.z, dot(row_v.xy, uv) + row_v.z),
+        vec2f(dot(row_u.xy, dx), dot(row_v.xy, dx)),
+        vec2f(dot(row_u.xy, dy), dot(row_v.xy, dy)),
+    );
+}
+
+// What vertex colours do to emission: they are for surfaces, but for those that show themselves without light.
+fn emission_color(row: vec4f, color: vec4f) -> vec3f {
+    return select(vec3f(1.0), color.rgb, row.w != 0.0);
 }
 
 fn normalize_or_zero(v: vec3f) -> vec3f {

@@ -8,10 +8,11 @@
 //   STACK       entries of the traversal stack
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
+//   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
 
 #import lightwell::gbuffer::decode_octahedral
 #import lightwell::lights::Light
-#import lightwell::mesh::normalize_or_zero
+#import lightwell::mesh::{normalize_or_zero, emission_color}
 
 const NONE: u32 = 0xffffffffu;
 
@@ -29,6 +30,10 @@ struct Material {
     metallic_roughness_texture: vec4u,
     normal_texture: vec4u,
     emissive_texture: vec4u,
+    specular_texture: vec4u,
+    specular_color_texture: vec4u,
+    // Two rows for each texture, as in lib/mesh.wgsl.
+    uv_rows: array<vec4f, 12>,
 }
 
 struct Emitter {
@@ -56,6 +61,10 @@ struct RayLight {
 @group(1) @binding(4) var<storage, read> emitters: array<Emitter>;
 @group(1) @binding(5) var<storage, read> lights: array<RayLight>;
 @group(1) @binding(6) var atlas: texture_2d_array<f32>;
+#ifndef PLAIN
+// Three texels a triangle, one a corner: second u, v, colour and alpha of 16 bits each.
+@group(1) @binding(7) var extras: texture_2d<u32>;
+#endif
 
 const LINK_BITS: u32 = 29u;
 const LINK_MASK: u32 = 0x1fffffffu;
@@ -187,10 +196,58 @@ fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
     return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
 }
 
-fn is_transparent(triangle: u32, material: u32, barycentric: vec2f) -> bool {
+// Both sets of texture coordinates, and the vertex colour.
+struct Coordinates {
+    uv: vec2f,
+    second_uv: vec2f,
+    color: vec4f,
+}
+
+fn coordinates(triangle: u32, barycentric: vec2f) -> Coordinates {
     let uv = interpolated_uv(triangle, barycentric);
-    let texel = sample_texture(materials[material].base_color_texture, uv, vec4f(1.0));
-    return materials[material].base_color.a * texel.a < materials[material].alpha_cutoff;
+#ifdef PLAIN
+    return Coordinates(uv, uv, vec4f(1.0));
+#else
+    let at = triangle_texel(triangle);
+    let a = textureLoad(extras, at, 0);
+    let b = textureLoad(extras, at + vec2u(1u, 0u), 0);
+    let c = textureLoad(extras, at + vec2u(2u, 0u), 0);
+    let w = 1.0 - barycentric.x - barycentric.y;
+    return Coordinates(
+        uv,
+        w * bitcast<vec2f>(a.xy) + barycentric.x * bitcast<vec2f>(b.xy) + barycentric.y * bitcast<vec2f>(c.xy),
+        w * vertex_color(a.zw) + barycentric.x * vertex_color(b.zw) + barycentric.y * vertex_color(c.zw),
+    );
+#endif
+}
+
+fn vertex_color(words: vec2u) -> vec4f {
+    return vec4f(unpack2x16unorm(words.x), unpack2x16unorm(words.y));
+}
+
+// Where the texture of a use (0: base colour, 1: metallic-roughness, …) is sampled.
+fn uv_of_use(material: u32, index: u32, at: Coordinates) -> vec2f {
+#ifdef PLAIN
+    return at.uv;
+#else
+    let row_u = materials[material].uv_rows[2u * index];
+    let row_v = materials[material].uv_rows[2u * index + 1u];
+    let uv = select(at.uv, at.second_uv, row_u.w != 0.0);
+    return vec2f(dot(row_u.xy, uv) + row_u.z, dot(row_v.xy, uv) + row_v.z);
+#endif
+}
+
+fn is_transparent(triangle: u32, material: u32, barycentric: vec2f) -> bool {
+    let at = coordinates(triangle, barycentric);
+    let texel = sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, at), vec4f(1.0));
+    return materials[material].base_color.a * at.color.a * texel.a < materials[material].alpha_cutoff;
+}
+
+// Emitted radiance of a point of a triangle [W/(m² sr)].
+fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
+    let at = coordinates(triangle, barycentric);
+    let texel = sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, at), vec4f(1.0)).rgb;
+    return materials[material].emissive * emission_color(materials[material].uv_rows[7], at.color) * texel;
 }
 
 // Entries that the deepest way through the tree needs; the host knows.
@@ -326,30 +383,43 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     let a = textureLoad(attributes, at, 0);
     let b = textureLoad(attributes, at + vec2u(1u, 0u), 0);
     let c = textureLoad(attributes, at + vec2u(2u, 0u), 0);
+    let material = triangle.material;
+#ifdef PLAIN
 #ifndef UNTEXTURED
     let uv = w * bitcast<vec2f>(a.yz) + hit.barycentric.x * bitcast<vec2f>(b.yz) + hit.barycentric.y * bitcast<vec2f>(c.yz);
 #else
     let uv = vec2f(0.0);
 #endif
-    let material = triangle.material;
-    let base = materials[material].base_color * sample_texture(materials[material].base_color_texture, uv, vec4f(1.0));
+    let place = Coordinates(uv, uv, vec4f(1.0));
+#else
+    let place = coordinates(hit.triangle, hit.barycentric);
+#endif
+    let base = materials[material].base_color * place.color
+        * sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, place), vec4f(1.0));
     surface.visible = !back || (triangle.flags & DOUBLE_SIDED) != 0u;
     surface.albedo = base.rgb;
 #ifndef DIFFUSE
-    let metallic_roughness = sample_texture(materials[material].metallic_roughness_texture, uv, vec4f(1.0));
+    let metallic_roughness =
+        sample_texture(materials[material].metallic_roughness_texture, uv_of_use(material, 1u, place), vec4f(1.0));
     let metallic = saturate(materials[material].metallic * metallic_roughness.b);
-    let specular = materials[material].specular;
-    let dielectric = min(0.04 * materials[material].specular_color, vec3f(1.0)) * specular;
+    var specular = materials[material].specular;
+    var specular_color = materials[material].specular_color;
+#ifndef PLAIN
+    specular *= sample_texture(materials[material].specular_texture, uv_of_use(material, 4u, place), vec4f(1.0)).a;
+    specular_color *=
+        sample_texture(materials[material].specular_color_texture, uv_of_use(material, 5u, place), vec4f(1.0)).rgb;
+#endif
+    let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;
     surface.albedo = base.rgb * (1.0 - metallic);
     surface.normal_reflectance = mix(dielectric, base.rgb, metallic);
     surface.grazing_reflectance = mix(specular, 1.0, metallic);
     let roughness = saturate(materials[material].roughness * metallic_roughness.g);
     surface.alpha = max(roughness * roughness, 1e-3);
 #endif
-    surface.emissive = materials[material].emissive;
+    surface.emissive = materials[material].emissive * emission_color(materials[material].uv_rows[7], place.color);
 #ifndef UNTEXTURED
     if any(surface.emissive > vec3f(0.0)) {
-        surface.emissive *= sample_texture(materials[material].emissive_texture, uv, vec4f(1.0)).rgb;
+        surface.emissive *= sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, place), vec4f(1.0)).rgb;
     }
 #endif
 
@@ -364,7 +434,8 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
         let tangent = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
             + hit.barycentric.y * decode_direction(c.w & ~1u);
         let handedness = select(1.0, -1.0, (a.w & 1u) != 0u);
-        let sampled = sample_texture(materials[material].normal_texture, uv, vec4f(0.5, 0.5, 1.0, 1.0)).xyz;
+        let at_normal = uv_of_use(material, 2u, place);
+        let sampled = sample_texture(materials[material].normal_texture, at_normal, vec4f(0.5, 0.5, 1.0, 1.0)).xyz;
         n = bent_normal(n, tangent, handedness, sampled, materials[material].normal_scale);
     }
 #endif

@@ -9,7 +9,7 @@
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, surface_at, leave_surface, load_triangle, interpolated_uv, sample_texture, materials, emitters, lights}
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, surface_at, leave_surface, load_triangle, emitted_at, materials, emitters, lights}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
 struct Trace {
@@ -212,11 +212,6 @@ fn choose_emitter(random: f32) -> u32 {
         }
     }
     return low;
-}
-
-fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
-    let uv = interpolated_uv(triangle, barycentric);
-    return materials[material].emissive * sample_texture(materials[material].emissive_texture, uv, vec4f(1.0)).rgb;
 }
 
 fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {

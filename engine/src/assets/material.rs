@@ -1,7 +1,7 @@
 //! Surface materials: glTF metallic-roughness with `KHR_materials_specular` and emission.
 
 use super::{AssetId, Texture};
-use glam::{Vec3, Vec4};
+use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
 /// How the alpha channel of the base colour is used.
@@ -41,6 +41,8 @@ pub struct Material {
     pub normal_scale: f32,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
+    /// Shows the emission whatever the light (`KHR_materials_unlit`); vertex colours multiply it.
+    pub unlit: bool,
     /// Back faces are drawn too, with the normal flipped.
     pub double_sided: bool,
     /// Base colour texture (sRGB) and alpha.
@@ -51,7 +53,56 @@ pub struct Material {
     pub normal_texture: Option<Arc<Texture>>,
     /// Emissive texture (sRGB).
     pub emissive_texture: Option<Arc<Texture>>,
+    /// `KHR_materials_specular` factor in alpha.
+    pub specular_texture: Option<Arc<Texture>>,
+    /// `KHR_materials_specular` colour (sRGB).
+    pub specular_color_texture: Option<Arc<Texture>>,
+    /// Where each texture lies on the surface.
+    pub uv: UvMaps,
 }
+
+/// Where a texture lies on the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UvMap {
+    /// Texture coordinate set, 0 or 1.
+    pub set: u32,
+    /// Texture coordinates of the texture from those of the set (`KHR_texture_transform`).
+    pub transform: Affine2,
+}
+
+impl UvMap {
+    /// Texture coordinates in the texture, of a vertex whose two sets are given.
+    pub fn apply(&self, sets: [[f32; 2]; 2]) -> [f32; 2] {
+        let uv = Vec2::from(sets[usize::from(self.set == 1)]);
+        if self.transform == Affine2::IDENTITY { uv.to_array() } else { self.transform.transform_point2(uv).to_array() }
+    }
+
+    /// The rows as shaders have them: u and v are their dot products with (u, v, 1); the set is the first row's w.
+    pub fn rows(&self) -> [[f32; 4]; 2] {
+        let (m, t) = (self.transform.matrix2, self.transform.translation);
+        [[m.x_axis.x, m.y_axis.x, t.x, self.set as f32], [m.x_axis.y, m.y_axis.y, t.y, 0.0]]
+    }
+}
+
+/// Where the textures of a material lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UvMaps {
+    /// Base colour.
+    pub base_color: UvMap,
+    /// Metallic and roughness.
+    pub metallic_roughness: UvMap,
+    /// Normal map.
+    pub normal: UvMap,
+    /// Emission.
+    pub emissive: UvMap,
+    /// Specular factor.
+    pub specular: UvMap,
+    /// Specular colour.
+    pub specular_color: UvMap,
+}
+
+/// Number of textures of a material.
+pub(crate) const TEXTURE_COUNT: usize = 6;
 
 impl Material {
     /// A white, rough, opaque dielectric with the glTF default of a 4 % reflection at normal incidence.
@@ -67,12 +118,44 @@ impl Material {
             emissive: Vec3::ZERO,
             normal_scale: 1.0,
             alpha_mode: AlphaMode::Opaque,
+            unlit: false,
             double_sided: false,
             base_color_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
             emissive_texture: None,
+            specular_texture: None,
+            specular_color_texture: None,
+            uv: UvMaps::default(),
         }
+    }
+
+    /// All textures and where they lie, in the order in which shaders have them.
+    pub(crate) fn textures(&self) -> [(Option<&Arc<Texture>>, UvMap); TEXTURE_COUNT] {
+        [
+            (self.base_color_texture.as_ref(), self.uv.base_color),
+            (self.metallic_roughness_texture.as_ref(), self.uv.metallic_roughness),
+            (self.normal_texture.as_ref(), self.uv.normal),
+            (self.emissive_texture.as_ref(), self.uv.emissive),
+            (self.specular_texture.as_ref(), self.uv.specular),
+            (self.specular_color_texture.as_ref(), self.uv.specular_color),
+        ]
+    }
+
+    /// [`UvMap::rows`] of all textures. The last word of the emission's says whether it takes vertex colours.
+    pub(crate) fn uv_rows(&self) -> [[f32; 4]; 2 * TEXTURE_COUNT] {
+        let rows = self.textures().map(|(_, map)| map.rows());
+        let mut rows: [[f32; 4]; 2 * TEXTURE_COUNT] = std::array::from_fn(|i| rows[i / 2][i % 2]);
+        rows[7][3] = f32::from(u8::from(self.unlit));
+        rows
+    }
+
+    /// Whether all textures lie by the first set as it is, and none is one of `KHR_materials_specular`: what shaders
+    /// do faster.
+    pub(crate) fn is_plain(&self) -> bool {
+        let textures = self.textures();
+        textures.iter().all(|(texture, map)| texture.is_none() || *map == UvMap::default())
+            && textures[4..].iter().all(|(texture, _)| texture.is_none())
     }
 
     /// A purely diffuse (Lambert) material of the given linear reflectance.

@@ -1,8 +1,9 @@
 //! Triangle meshes on the CPU side.
 
-use super::AssetId;
+use super::{AssetId, Deform};
 use crate::scene::Aabb;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// One vertex as the GPU sees it: 48 bytes, object space, metres.
 #[repr(C)]
@@ -18,6 +19,26 @@ pub struct Vertex {
     pub uv: [f32; 2],
 }
 
+/// What only some meshes have of a vertex, as the GPU sees it: 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct VertexExtra {
+    /// Texture coordinate set 1.
+    pub uv: [f32; 2],
+    /// Linear colour and alpha in 65535ths; multiplies the base colour.
+    pub color: [u16; 4],
+}
+
+impl VertexExtra {
+    /// What a mesh without extras has everywhere.
+    pub const NEUTRAL: Self = Self { uv: [0.0; 2], color: [u16::MAX; 4] };
+
+    /// The colour as numbers of 0 to 1.
+    pub fn rgba(&self) -> [f32; 4] {
+        self.color.map(|c| f32::from(c) / 65535.0)
+    }
+}
+
 /// An indexed triangle list. Immutable once made; share it by `Arc`.
 #[derive(Debug)]
 pub struct Mesh {
@@ -31,13 +52,46 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// Bounds of all vertices in object space.
     pub bounds: Aabb,
+    /// Second texture coordinates and colours, one for each vertex; none: neutral.
+    pub extras: Option<Arc<Vec<VertexExtra>>>,
+    /// How it is posed; none: it is rigid.
+    pub deform: Option<Arc<Deform>>,
+    /// The mesh that this one is a pose of: the same triangles and the same vertices, elsewhere.
+    pub rest: Option<Arc<Mesh>>,
 }
 
 impl Mesh {
     /// Takes the arrays and computes the bounds.
     pub fn new(name: impl Into<String>, vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
         let bounds = Aabb::from_points(vertices.iter().map(|v| Vec3::from(v.position)));
-        Self { id: AssetId::fresh(), name: name.into(), vertices, indices, bounds }
+        Self {
+            id: AssetId::fresh(),
+            name: name.into(),
+            vertices,
+            indices,
+            bounds,
+            extras: None,
+            deform: None,
+            rest: None,
+        }
+    }
+
+    /// Identity of the triangles: all poses of a mesh share it.
+    pub fn topology(&self) -> AssetId {
+        self.rest.as_ref().map_or(self.id, |rest| rest.id)
+    }
+
+    /// Takes over what another mesh has beside its vertices, where this one's vertices are copies of that one's:
+    /// `origins` says of which.
+    pub(in crate::assets) fn carry(&mut self, from: &Mesh, origins: &[u32]) {
+        let pick = |extras: &Arc<Vec<VertexExtra>>| Arc::new(origins.iter().map(|i| extras[*i as usize]).collect());
+        self.extras = from.extras.as_ref().map(pick);
+        self.deform = from.deform.as_ref().map(|deform| Arc::new(deform.reordered(origins)));
+    }
+
+    /// The extra of a vertex, neutral where the mesh has none.
+    pub fn extra(&self, vertex: usize) -> VertexExtra {
+        self.extras.as_ref().and_then(|extras| extras.get(vertex)).copied().unwrap_or(VertexExtra::NEUTRAL)
     }
 
     /// Number of triangles.

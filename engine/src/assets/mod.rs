@@ -1,5 +1,7 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
+mod clip;
+mod deform;
 mod error;
 mod gltf;
 mod image;
@@ -13,14 +15,17 @@ mod shape_mesh;
 mod shape_tests;
 mod texture;
 
+pub use self::clip::{Between, Clip, Curve, NodeCurves};
+pub(crate) use self::deform::pose_all;
+pub use self::deform::{Deform, Influences, MorphTarget, Pose};
 pub use self::error::AssetError;
 pub use self::gltf::{
-    Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, ImportFault, ImportSettings, Normals, Parts, UpAxis,
+    Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, Normals, Parts, UpAxis,
 };
 pub use self::image::MAX_IMAGE_SIZE;
 pub use library::AssetLibrary;
-pub use material::{AlphaMode, Material};
-pub use mesh::{Mesh, Vertex};
+pub use material::{AlphaMode, Material, UvMap, UvMaps};
+pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub use texture::{Sampling, Texture, Wrap};
 

@@ -83,6 +83,7 @@ struct Flags {
 struct Source {
     id: SceneId,
     mesh: AssetId,
+    topology: AssetId,
     world_from_object: Affine3A,
     first: usize,
 }
@@ -102,7 +103,7 @@ impl SceneBvh {
         let flags = |p: &Primitive| Flags { casts_shadow: p.casts_shadow, double_sided: p.material.double_sided };
         self.flags = scene.primitives.iter().map(flags).collect();
         let same = self.sources.len() == scene.primitives.len()
-            && self.sources.iter().zip(&scene.primitives).all(|(s, p)| s.id == p.id && s.mesh == p.mesh.id);
+            && self.sources.iter().zip(&scene.primitives).all(|(s, p)| s.id == p.id && s.topology == p.mesh.topology());
         let updated = if same && !self.sources.is_empty() { self.refit(scene) } else { self.rebuild(scene) };
         self.update_time = start.elapsed();
         updated
@@ -115,6 +116,7 @@ impl SceneBvh {
             self.sources.push(Source {
                 id: primitive.id,
                 mesh: primitive.mesh.id,
+                topology: primitive.mesh.topology(),
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
             });
@@ -137,10 +139,11 @@ impl SceneBvh {
     fn refit(&mut self, scene: &Scene) -> Updated {
         let mut moved = false;
         for (source, primitive) in self.sources.iter_mut().zip(&scene.primitives) {
-            if source.world_from_object == primitive.world_from_object {
+            if source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id {
                 continue;
             }
             moved = true;
+            source.mesh = primitive.mesh.id;
             source.world_from_object = primitive.world_from_object;
             let count = primitive.mesh.triangle_count();
             for triangle in &mut self.triangles[source.first..source.first + count] {

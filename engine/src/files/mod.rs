@@ -42,6 +42,7 @@ mod model;
 mod parts;
 mod save;
 mod source;
+mod spawn;
 mod suggest;
 mod surfaces;
 mod tree;

@@ -6,13 +6,15 @@ use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::load::{Context, Loader, extended, key};
 use super::source::{Origin, SceneInfo, Source};
+use super::spawn::Model;
 use super::suggest::suggestion;
-use super::surfaces::renderer;
 use super::tree::Step;
-use crate::assets::{AssetLibrary, Gltf, GltfNode, ImportFault, Material};
+use crate::assets::{AssetLibrary, Gltf, ImportFault, Material};
 use crate::scene::Aabb;
+use crate::world::animation::{Track, Wrap};
 use crate::world::{
-    Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform,
+    Animation, Camera, Clips, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings,
+    Transform,
 };
 use bevy_ecs::prelude::Entity;
 use glam::Vec3;
@@ -27,11 +29,11 @@ pub fn find(written: &str, folder: &Path, options: &LoadOptions) -> Option<PathB
 }
 
 /// What to take from a model.
-struct Take<'a> {
-    lights: bool,
-    cameras: bool,
-    material: Option<&'a Arc<Material>>,
-    components: &'a OverrideFile,
+pub(super) struct Take<'a> {
+    pub lights: bool,
+    pub cameras: bool,
+    pub material: Option<&'a Arc<Material>>,
+    pub components: &'a OverrideFile,
 }
 
 impl Loader<'_> {
@@ -58,9 +60,11 @@ impl Loader<'_> {
             None => imported_beside(self.library, &whole, &path)?,
         };
         let take = Take { lights: details.lights, cameras: details.cameras, material, components };
+        let mut model = Model::new(&mut self.world, &gltf, entity, take);
         let Some(name) = &details.node else {
-            spawn_nodes(&mut self.world, &gltf, &gltf.roots, entity, &take);
-            return Ok(());
+            model.spawn(&gltf.roots, entity);
+            model.finish();
+            return self.check_clips(entity, components, &path, context, at);
         };
         let Some(index) = gltf.nodes.iter().position(|node| node.name == *name) else {
             let names = gltf.nodes.iter().map(|n| n.name.as_str());
@@ -72,13 +76,37 @@ impl Loader<'_> {
             });
         };
         // The node's ancestors place it; they come along without what they draw.
-        let mut holder = entity;
-        for ancestor in ancestors(&gltf, index) {
-            let node = &gltf.nodes[ancestor];
-            holder = self.world.spawn(&node.name.replace('/', "_"), Some(holder));
-            self.world.ecs.entity_mut(holder).insert((node.local, model_source()));
+        let holder = gltf.nodes[index].parent.map_or(entity, |parent| model.holder(parent));
+        model.spawn(&[index], holder);
+        model.finish();
+        self.check_clips(entity, components, &path, context, at)
+    }
+
+    /// Whether the clips that the entity plays are there.
+    fn check_clips(
+        &self,
+        entity: Entity,
+        components: &OverrideFile,
+        path: &Path,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<(), FileError> {
+        let clips = self.world.ecs.get::<Clips>(entity).cloned().unwrap_or_else(|| Clips(Arc::default()));
+        for track in components.animation.iter().flat_map(|a| &a.tracks) {
+            let Track::Clip { name, .. } = track else { continue };
+            if clips.find(name).is_some() {
+                continue;
+            }
+            let message = match clips.0.is_empty() {
+                true => format!("the model {} has no clips to play", path.display()),
+                false => format!("the model {} has no clip `{name}`", path.display()),
+            };
+            let error = context.document.error(at, Kind::UnknownName, message);
+            return Err(match suggestion(name, clips.0.iter().map(|c| c.name.as_str())) {
+                Some(help) => error.with_help(help),
+                None => error,
+            });
         }
-        spawn_nodes(&mut self.world, &gltf, &[index], holder, &take);
         Ok(())
     }
 
@@ -117,7 +145,7 @@ fn import_error(document: &Document, at: &[Step], fault: ImportFault) -> FileErr
     document.error(&at, Kind::BadValue, fault.message)
 }
 
-fn model_source() -> Source {
+pub(super) fn model_source() -> Source {
     Source {
         components: OverrideFile::default(),
         material: None,
@@ -127,53 +155,12 @@ fn model_source() -> Source {
     }
 }
 
-/// The nodes above a node, the root first.
-fn ancestors(gltf: &Gltf, index: usize) -> Vec<usize> {
-    let mut chain: Vec<usize> = std::iter::successors(gltf.nodes[index].parent, |i| gltf.nodes[*i].parent).collect();
-    chain.reverse();
-    chain
-}
-
-/// Spawns nodes with all below them. Iterative: models may nest deeper than the stack.
-fn spawn_nodes(world: &mut GameWorld, gltf: &Gltf, roots: &[usize], parent: Entity, take: &Take) {
-    let mut names = Names::default();
-    let mut pending: Vec<(usize, Entity)> = roots.iter().rev().map(|r| (*r, parent)).collect();
-    while let Some((index, parent)) = pending.pop() {
-        let node = &gltf.nodes[index];
-        let name = names.unique(parent, &node.name);
-        let entity = world.spawn(&name, Some(parent));
-        world.ecs.entity_mut(entity).insert((node.local, model_source()));
-        spawn_primitives(world, node, entity, &mut names, take);
-        if let Some(light) = node.light.as_ref().filter(|_| take.lights) {
-            world.ecs.entity_mut(entity).insert(light.light());
-        }
-        if let Some(camera) = node.camera.as_ref().filter(|_| take.cameras) {
-            world.ecs.entity_mut(entity).insert(camera.camera());
-        }
-        pending.extend(node.children.iter().rev().map(|c| (*c, entity)));
-    }
-}
-
-fn spawn_primitives(world: &mut GameWorld, node: &GltfNode, entity: Entity, names: &mut Names, take: &Take) {
-    for (i, (mesh, material)) in node.primitives.iter().enumerate() {
-        let material = take.material.unwrap_or(material).clone();
-        let renderer = renderer(take.components, mesh.clone(), material);
-        if node.primitives.len() == 1 {
-            world.ecs.entity_mut(entity).insert(renderer);
-        } else {
-            let name = names.unique(entity, &format!("primitive {i}"));
-            let part = world.spawn(&name, Some(entity));
-            world.ecs.entity_mut(part).insert((renderer, model_source()));
-        }
-    }
-}
-
 /// Makes names unique among siblings, and free of `/`.
 #[derive(Default)]
-struct Names(HashSet<(Entity, String)>);
+pub(super) struct Names(HashSet<(Entity, String)>);
 
 impl Names {
-    fn unique(&mut self, parent: Entity, name: &str) -> String {
+    pub(super) fn unique(&mut self, parent: Entity, name: &str) -> String {
         let base = name.replace('/', "_");
         let mut name = base.clone();
         let mut count = 2;
@@ -201,8 +188,16 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
     let source = Source { components: components.clone(), origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(model).insert(source);
     let take = Take { lights: true, cameras: true, material: None, components: &components };
-    spawn_nodes(&mut world, &gltf, &gltf.roots, model, &take);
-    world.ecs.insert_resource(SceneSettings::default());
+    let mut nodes = Model::new(&mut world, &gltf, model, take);
+    nodes.spawn(&gltf.roots, model);
+    nodes.finish();
+    let mut settings = SceneSettings::default();
+    if let Some(clip) = gltf.clips.first() {
+        settings.duration = Some(clip.duration as f32).filter(|duration| *duration > 0.0);
+        let track = Track::Clip { name: clip.name.clone(), speed: 1.0, offset: 0.0, wrap: Wrap::Loop };
+        world.ecs.entity_mut(model).insert(Animation { tracks: vec![track], ..Animation::default() });
+    }
+    world.ecs.insert_resource(settings);
     world.ecs.insert_resource(SceneInfo { description: format!("{}", path.display()), ..SceneInfo::default() });
     world.update();
     complete(&mut world, path);

@@ -206,7 +206,8 @@ impl Writer<'_> {
         let flag =
             |now: bool, described: Option<bool>| if now == described.unwrap_or(true) { described } else { Some(now) };
         now.casts_shadow = flag(renderer.casts_shadow, described.casts_shadow);
-        now.visible = flag(renderer.visible, described.visible);
+        let visible = self.world.rest_visible(entity).unwrap_or(renderer.visible);
+        now.visible = flag(visible, described.visible);
         Ok(())
     }
 

@@ -6,6 +6,7 @@ use super::format::*;
 use super::load::{Context, Loader, Resolved, extended, key};
 use super::tree::Step;
 use crate::assets::{Material, Mesh, Texture};
+use crate::world::animation::Track;
 use crate::world::{MeshRenderer, Transform};
 use bevy_ecs::prelude::Entity;
 use std::sync::Arc;
@@ -35,6 +36,13 @@ impl Loader<'_> {
         if let Some(model) = &c.model {
             let at = extended(&r.surface.1, &[key("model")]);
             self.model(entity, model, material.as_ref(), c, &r.surface.0.clone(), &at)?;
+        }
+        let plays = c.animation.iter().flat_map(|a| &a.tracks).any(|track| matches!(track, Track::Clip { .. }));
+        if plays && c.model.is_none() {
+            let at = extended(&r.surface.1, &[key("animation")]);
+            let message = "the animation plays a clip, but the entity has no model that could have one";
+            let error = r.surface.0.document.error(&at, Kind::BadValue, message);
+            return Err(error.with_help("give the clip to the entity that has the `model`"));
         }
         let mut target = self.world.ecs.entity_mut(entity);
         if let Some(light) = &c.light {

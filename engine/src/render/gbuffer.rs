@@ -1,7 +1,7 @@
 //! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
 
 use super::frame::Frame;
-use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use super::gpu_scene::{DrawFilter, MaterialClass};
 use crate::gpu::RasterKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use wgpu::TextureFormat;
@@ -84,8 +84,8 @@ fn raster_key(class: MaterialClass) -> RasterKey {
         shader: "gbuffer.wgsl",
         vertex: "vertex",
         fragment: Some("fragment"),
-        defs: Vec::new(),
-        vertex_buffers: vec![vertex_layout()],
+        defs: class.defs(),
+        vertex_buffers: class.vertex_buffers(),
         primitive: class.primitive_state(),
         depth: Some(depth_state()),
         targets: COLOR_TARGETS.iter().map(|&(_, format)| Some(format.into())).collect(),

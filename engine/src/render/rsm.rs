@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use super::gpu_scene::{DrawFilter, MaterialClass};
 use super::light_view::{LightView, light_views};
 use super::shadow::view_bits;
 use crate::gpu::{Gpu, RasterKey};
@@ -208,8 +208,8 @@ fn raster_key(class: MaterialClass) -> RasterKey {
         shader: "rsm.wgsl",
         vertex: "vertex",
         fragment: Some("fragment"),
-        defs: Vec::new(),
-        vertex_buffers: vec![vertex_layout()],
+        defs: class.defs(),
+        vertex_buffers: class.vertex_buffers(),
         // Backs of surfaces stop light too.
         primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
         depth: Some(depth_state()),

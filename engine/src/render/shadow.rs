@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use super::gpu_scene::{DrawFilter, MaterialClass, vertex_layout};
+use super::gpu_scene::{DrawFilter, MaterialClass};
 use super::light_view::{LightView, light_views};
 use crate::gpu::{Gpu, RasterKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
@@ -163,8 +163,8 @@ fn raster_key(class: MaterialClass, directional: bool) -> RasterKey {
         shader: "shadow.wgsl",
         vertex: "vertex",
         fragment,
-        defs: Vec::new(),
-        vertex_buffers: vec![vertex_layout()],
+        defs: class.defs(),
+        vertex_buffers: class.vertex_buffers(),
         // Both sides of a surface block light, whichever of them can be seen.
         primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
         depth: Some(depth_state()),

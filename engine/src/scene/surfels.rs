@@ -4,7 +4,7 @@
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
 use super::{Primitive, Scene};
-use crate::assets::{AssetId, Material, Texture, Wrap, parallel};
+use crate::assets::{AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
@@ -185,14 +185,23 @@ impl Group<'_> {
 struct Triangle {
     corners: [Vec3; 3],
     uvs: [[f32; 2]; 3],
+    /// Indices of the vertices.
+    vertices: [usize; 3],
 }
 
 fn triangles(primitive: &Primitive) -> impl Iterator<Item = Triangle> {
     let vertices = &primitive.mesh.vertices;
     primitive.mesh.indices.chunks_exact(3).map(move |t| {
-        let [a, b, c] = [t[0], t[1], t[2]].map(|i| &vertices[i as usize]);
-        Triangle { corners: [a, b, c].map(|v| v.position.into()), uvs: [a.uv, b.uv, c.uv] }
+        let indices = [t[0], t[1], t[2]].map(|i| i as usize);
+        let [a, b, c] = indices.map(|i| &vertices[i]);
+        Triangle { corners: [a, b, c].map(|v| v.position.into()), uvs: [a.uv, b.uv, c.uv], vertices: indices }
     })
+}
+
+/// Corners of the triangles before the mesh was posed.
+fn rest_triangles(primitive: &Primitive) -> impl Iterator<Item = [Vec3; 3]> {
+    let mesh = primitive.mesh.rest.as_ref().unwrap_or(&primitive.mesh);
+    mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|i| Vec3::from(mesh.vertices[i as usize].position)))
 }
 
 fn world_area(linear: &Mat3A, corners: &[Vec3; 3]) -> f32 {
@@ -202,18 +211,26 @@ fn world_area(linear: &Mat3A, corners: &[Vec3; 3]) -> f32 {
 }
 
 fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, surfels: &mut Vec<Surfel>) {
-    let whole: f64 = triangles(primitive).map(|t| f64::from(world_area(linear, &t.corners))).sum();
+    // A posed mesh has the surfels of its rest, moved along: else they would jump from frame to frame.
+    let shares: Vec<f64> = rest_triangles(primitive).map(|corners| f64::from(world_area(linear, &corners))).collect();
+    let whole: f64 = shares.iter().sum();
     if !(whole > 0.0) {
         return;
     }
     let count = (whole * f64::from(density)).ceil().max(1.0);
-    let area = (whole / count) as f32;
+    let rest_area = whole / count;
     let extent = second_edge(primitive, linear);
     let turned = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
     let mut gone = 0.0;
-    for triangle in triangles(primitive) {
+    for (triangle, &share) in triangles(primitive).zip(&shares) {
         let first = (gone / whole * count + 0.5).floor();
-        gone += f64::from(world_area(linear, &triangle.corners));
+        gone += share;
+        let stretch = if primitive.mesh.rest.is_some() && share > 0.0 {
+            f64::from(world_area(linear, &triangle.corners)) / share
+        } else {
+            1.0
+        };
+        let area = (rest_area * stretch) as f32;
         let last = (gone / whole * count + 0.5).floor();
         let [a, b, c] = triangle.corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -222,8 +239,7 @@ fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, 
             let weights = point_of_triangle(index);
             let mix = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
             let position = mix(triangle.corners);
-            let uv = mix(triangle.uvs.map(|uv| Vec3::new(uv[0], uv[1], 0.0)));
-            let Some((albedo, emissive)) = surface(&primitive.material, [uv.x, uv.y]) else { continue };
+            let Some((albedo, emissive)) = surface(primitive, &triangle, weights) else { continue };
             let surfel = Surfel {
                 position: position.to_array(),
                 area,
@@ -290,9 +306,22 @@ fn point_of_triangle(mut index: u32) -> [f32; 3] {
 }
 
 /// Diffuse reflectance and emitted radiance; none where alpha cuts the surface out.
-fn surface(material: &Material, uv: [f32; 2]) -> Option<(Vec3, Vec3)> {
-    let texel = |texture: &Option<Arc<Texture>>| texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, uv));
-    let base = material.base_color * texel(&material.base_color_texture);
+fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Option<(Vec3, Vec3)> {
+    let material = &primitive.material;
+    let mix = |values: [[f32; 2]; 3]| -> [f32; 2] {
+        std::array::from_fn(|i| (0..3).map(|corner| weights[corner] * values[corner][i]).sum())
+    };
+    let (mut second, mut color) = ([0.0; 2], Vec4::ONE);
+    if primitive.mesh.extras.is_some() {
+        let extras = triangle.vertices.map(|vertex| primitive.mesh.extra(vertex));
+        second = mix(extras.map(|extra| extra.uv));
+        color = (0..3).map(|corner| weights[corner] * Vec4::from(extras[corner].rgba())).sum();
+    }
+    let sets = [mix(triangle.uvs), second];
+    let texel = |texture: &Option<Arc<Texture>>, map: &UvMap| {
+        texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, map.apply(sets)))
+    };
+    let base = material.base_color * color * texel(&material.base_color_texture, &material.uv.base_color);
     let cutoff = match material.alpha_mode {
         crate::assets::AlphaMode::Opaque => -1.0,
         crate::assets::AlphaMode::Mask(cutoff) => cutoff,
@@ -301,9 +330,12 @@ fn surface(material: &Material, uv: [f32; 2]) -> Option<(Vec3, Vec3)> {
     if base.w < cutoff {
         return None;
     }
-    let metallic = (material.metallic * texel(&material.metallic_roughness_texture).z).clamp(0.0, 1.0);
+    let metallic = (material.metallic * texel(&material.metallic_roughness_texture, &material.uv.metallic_roughness).z)
+        .clamp(0.0, 1.0);
     let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * (1.0 - metallic);
-    let emissive = (material.emissive * texel(&material.emissive_texture).truncate()).max(Vec3::ZERO);
+    let emissive =
+        (material.emissive * texel(&material.emissive_texture, &material.uv.emissive).truncate()).max(Vec3::ZERO);
+    let emissive = if material.unlit { emissive * color.truncate() } else { emissive };
     let finite = |v: Vec3| if v.is_finite() { v } else { Vec3::ZERO };
     Some((finite(albedo), finite(emissive)))
 }

@@ -1,8 +1,9 @@
 //! The system that plays animations: writes what they say at the clock's time, and only where it differs.
 
+use super::clips::{self, ClipTarget, Clips, MorphWeights};
 use super::rest::RestPose;
-use super::sample::Sample;
-use super::{Animation, Camera, Clock, Light, MeshRenderer, Name, Transform};
+use super::sample::{MaterialSample, Sample};
+use super::{Animation, Camera, Clock, Light, LightKind, MeshRenderer, Name, Transform};
 use crate::assets::{AssetId, Material};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -20,17 +21,34 @@ pub(super) struct Animated {
     light: Option<&'static mut Light>,
     camera: Option<&'static mut Camera>,
     renderer: Option<&'static mut MeshRenderer>,
+    weights: Option<&'static mut MorphWeights>,
 }
 
+/// What may be moved: by an animation of its own, or by a clip of the model that it belongs to.
+type Moves = Or<(With<Animation>, With<ClipTarget>)>;
+
 /// Brings all animated entities to the pose of the clock's time.
-pub(super) fn animate(clock: Res<Clock>, mut animated: Query<(Ref<Animation>, Animated)>) {
-    for (animation, mut item) in &mut animated {
-        if animation.is_changed() {
+pub(super) fn animate(
+    clock: Res<Clock>,
+    mut animated: Query<(Option<Ref<Animation>>, Option<&ClipTarget>, Animated), Moves>,
+    players: Query<(Entity, &Animation, &Clips)>,
+) {
+    for (animation, _, mut item) in &mut animated {
+        if let Some(animation) = animation.filter(|a| a.is_changed()) {
             check(&animation, &mut item);
         }
+    }
+    let sound = players.iter().filter(|(_, animation, _)| animation.validate().is_ok());
+    let playing = clips::playing(&clock, sound);
+    for (animation, target, mut item) in &mut animated {
+        let of_clips = target.and_then(|t| Some(clips::sample(playing.get(&t.player)?, t.node)));
+        let (of_clips, weights) = of_clips.unwrap_or_default();
         let base = item.transform.as_deref().map(|t| item.rest.transform(t)).unwrap_or_default();
-        let sample = if item.rest.faulty { Sample::default() } else { animation.sample(&clock, &base) };
-        pose(&sample, &mut item);
+        let sample = match animation.filter(|_| !item.rest.faulty) {
+            Some(animation) => animation.sample_over(of_clips, &clock, &base),
+            None => of_clips,
+        };
+        pose(&sample, weights, &mut item);
     }
 }
 
@@ -44,14 +62,17 @@ fn check(animation: &Animation, item: &mut AnimatedItem) {
 }
 
 /// Gives entities that have lost their animation their own values back.
-pub(super) fn put_to_rest(mut commands: Commands, mut left: Query<Animated, Without<Animation>>) {
+pub(super) fn put_to_rest(
+    mut commands: Commands,
+    mut left: Query<Animated, (Without<Animation>, Without<ClipTarget>)>,
+) {
     for mut item in &mut left {
-        pose(&Sample::default(), &mut item);
+        pose(&Sample::default(), None, &mut item);
         commands.entity(item.entity).remove::<RestPose>();
     }
 }
 
-fn pose(sample: &Sample, item: &mut AnimatedItem) {
+fn pose(sample: &Sample, weights: Option<Vec<f32>>, item: &mut AnimatedItem) {
     let rest = &mut *item.rest;
     if let Some(transform) = &mut item.transform {
         let now = Transform {
@@ -63,12 +84,14 @@ fn pose(sample: &Sample, item: &mut AnimatedItem) {
             **transform = now;
         }
     }
-    if let Some(light) = &mut item.light {
-        let intensity = drive(&mut rest.intensity, sample.intensity, light.intensity);
-        let color = drive(&mut rest.color, sample.color, light.color);
-        if intensity.to_bits() != light.intensity.to_bits() || vector_bits(color) != vector_bits(light.color) {
-            (light.intensity, light.color) = (intensity, color);
+    if let Some(shown) = &mut item.weights {
+        let now = drive(&mut rest.weights, weights, shown.0.clone());
+        if !now.iter().map(|w| w.to_bits()).eq(shown.0.iter().map(|w| w.to_bits())) {
+            shown.0 = now;
         }
+    }
+    if let Some(light) = &mut item.light {
+        shine(sample, rest, light);
     }
     if let Some(camera) = &mut item.camera {
         let fov = drive(&mut rest.fov, sample.fov, camera.fov);
@@ -77,12 +100,38 @@ fn pose(sample: &Sample, item: &mut AnimatedItem) {
         }
     }
     if let Some(renderer) = &mut item.renderer {
-        emit(sample.emissive, rest, renderer);
+        let visible = drive(&mut rest.visible, sample.visible, renderer.visible);
+        if visible != renderer.visible {
+            renderer.visible = visible;
+        }
+        paint(&sample.material, rest, renderer);
+    }
+}
+
+fn shine(sample: &Sample, rest: &mut RestPose, light: &mut Mut<Light>) {
+    let own = rest.kind.unwrap_or(light.kind);
+    let kind = match own {
+        LightKind::Spot { inner, outer } if sample.inner.is_some() || sample.outer.is_some() => {
+            let outer = sample.outer.unwrap_or(outer).max(1e-3);
+            Some(LightKind::Spot { inner: sample.inner.unwrap_or(inner).min(0.999 * outer), outer })
+        }
+        _ => None,
+    };
+    let now = Light {
+        kind: drive(&mut rest.kind, kind, light.kind),
+        color: drive(&mut rest.color, sample.color, light.color),
+        intensity: drive(&mut rest.intensity, sample.intensity, light.intensity),
+        range: drive(&mut rest.range, sample.range.map(Some), light.range),
+        ..Light::clone(light)
+    };
+    let bits = |l: &Light| (l.intensity.to_bits(), vector_bits(l.color), l.range.map(f32::to_bits));
+    if bits(&now) != bits(light) || now.kind != light.kind {
+        **light = now;
     }
 }
 
 /// The value to show: the animated one, while the entity's own is held; else the entity's own.
-fn drive<T: Copy>(held: &mut Option<T>, animated: Option<T>, current: T) -> T {
+fn drive<T: Clone>(held: &mut Option<T>, animated: Option<T>, current: T) -> T {
     match animated {
         Some(value) => {
             held.get_or_insert(current);
@@ -92,32 +141,43 @@ fn drive<T: Copy>(held: &mut Option<T>, animated: Option<T>, current: T) -> T {
     }
 }
 
-/// Materials are immutable and shared: an animated emission makes one of its own whenever it changes.
-fn emit(emissive: Option<Vec3>, rest: &mut RestPose, renderer: &mut Mut<MeshRenderer>) {
+/// Materials are immutable and shared: an animated one is made anew whenever it changes.
+fn paint(sample: &MaterialSample, rest: &mut RestPose, renderer: &mut Mut<MeshRenderer>) {
     let is_ours = rest.animated_material.as_ref().is_some_and(|m| Arc::ptr_eq(m, &renderer.material));
-    match emissive {
-        Some(emissive) => {
-            if !is_ours {
-                rest.material = Some(renderer.material.clone());
-            }
-            let Some(own) = &rest.material else { return };
-            if vector_bits(renderer.material.emissive) != vector_bits(emissive) {
-                let material = if vector_bits(own.emissive) == vector_bits(emissive) {
-                    own.clone()
-                } else {
-                    Arc::new(Material { id: AssetId::fresh(), emissive, ..Material::clone(own) })
-                };
-                renderer.material = material;
-            }
-            rest.animated_material = Some(renderer.material.clone());
+    if *sample == MaterialSample::default() {
+        if let Some(own) = rest.material.take().filter(|own| is_ours && !Arc::ptr_eq(own, &renderer.material)) {
+            renderer.material = own;
         }
-        None => {
-            if let Some(own) = rest.material.take().filter(|own| is_ours && !Arc::ptr_eq(own, &renderer.material)) {
-                renderer.material = own;
-            }
-            rest.animated_material = None;
-        }
+        rest.animated_material = None;
+        return;
     }
+    if !is_ours {
+        rest.material = Some(renderer.material.clone());
+    }
+    let Some(own) = &rest.material else { return };
+    let now = painted(own, sample);
+    if paint_bits(&renderer.material) != paint_bits(&now) {
+        let material = if paint_bits(own) == paint_bits(&now) { own.clone() } else { Arc::new(now) };
+        renderer.material = material;
+    }
+    rest.animated_material = Some(renderer.material.clone());
+}
+
+fn painted(own: &Material, sample: &MaterialSample) -> Material {
+    let color = sample.color.unwrap_or(own.base_color.truncate());
+    Material {
+        id: AssetId::fresh(),
+        base_color: color.extend(sample.alpha.unwrap_or(own.base_color.w)),
+        metallic: sample.metallic.unwrap_or(own.metallic),
+        roughness: sample.roughness.unwrap_or(own.roughness),
+        emissive: sample.emissive.unwrap_or(own.emissive),
+        ..Material::clone(own)
+    }
+}
+
+fn paint_bits(m: &Material) -> [u32; 9] {
+    let ([r, g, b, a], [x, y, z]) = (m.base_color.to_array(), m.emissive.to_array());
+    [r, g, b, a, x, y, z, m.metallic, m.roughness].map(f32::to_bits)
 }
 
 /// Compared by bits, so that frames do not depend on the sign of a zero that was there before.

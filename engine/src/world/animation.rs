@@ -82,6 +82,25 @@ pub enum Track {
         #[serde(default)]
         wrap: Wrap,
     },
+    /// Plays a clip of the model that the entity holds.
+    Clip {
+        /// Name of the clip; the first if it is left out.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        name: String,
+        /// Seconds of the clip in a second of the tracks; negative runs backwards.
+        #[serde(default = "one")]
+        speed: f64,
+        /// Time of the clip when the tracks are at zero \[s\].
+        #[serde(default)]
+        offset: f64,
+        /// What comes after the clip's last key.
+        #[serde(default)]
+        wrap: Wrap,
+    },
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn up() -> Vec3 {
@@ -101,10 +120,26 @@ pub enum Target {
     LightIntensity,
     /// Colour of the entity's light, linear (r, g, b).
     LightColor,
+    /// Distance beyond which the entity's light does not reach \[m\], a number.
+    LightRange,
+    /// Half angle of full intensity of the entity's spot light \[degrees\], a number.
+    LightInner,
+    /// Half angle beyond which the entity's spot light does not shine \[degrees\], a number.
+    LightOuter,
     /// Vertical field of view of the entity's camera \[degrees\], a number.
     CameraFov,
     /// Radiance that the entity's own material emits [W/(m² sr)], linear (r, g, b).
     MaterialEmissive,
+    /// Base colour of the entity's own material, linear (r, g, b).
+    MaterialColor,
+    /// Alpha of the entity's own material, a number.
+    MaterialAlpha,
+    /// Metallic of the entity's own material, a number.
+    MaterialMetallic,
+    /// Roughness of the entity's own material, a number.
+    MaterialRoughness,
+    /// Whether the entity's own mesh is drawn: where the number is ½ or more.
+    Visible,
 }
 
 /// What lies between two keys.
@@ -308,6 +343,12 @@ impl Track {
                 number("period", *period, valid, "from 1e-6 to 1e9 seconds (or the negative of that)")
             }
             Self::Keys { target, keys, .. } => check_keys(track, *target, keys),
+            Self::Clip { speed, offset, .. } => {
+                for (field, value) in [("speed", *speed), ("offset", *offset)] {
+                    number(field, value, (-1e6..=1e6).contains(&value), "a number from -1e6 to 1e6")?;
+                }
+                Ok(())
+            }
         }
     }
 }
@@ -344,6 +385,27 @@ fn check_keys(track: usize, target: Target, keys: &[(f64, KeyValue)]) -> Result<
 }
 
 impl Target {
+    /// Whether its values are single numbers.
+    pub fn is_number(self) -> bool {
+        match self {
+            Self::LightIntensity
+            | Self::LightRange
+            | Self::LightInner
+            | Self::LightOuter
+            | Self::CameraFov
+            | Self::MaterialAlpha
+            | Self::MaterialMetallic
+            | Self::MaterialRoughness
+            | Self::Visible => true,
+            Self::Translation
+            | Self::Rotation
+            | Self::Scale
+            | Self::LightColor
+            | Self::MaterialEmissive
+            | Self::MaterialColor => false,
+        }
+    }
+
     fn check(self, value: KeyValue) -> Result<(), &'static str> {
         let (valid, expected) = match (self, value) {
             (Self::Rotation, KeyValue::Quaternion(q)) => {
@@ -352,10 +414,10 @@ impl Target {
             }
             (Self::Rotation, KeyValue::Vector(v)) => (v.is_finite(), "finite numbers"),
             (Self::Rotation, _) => (false, "(x, y, z) in degrees or a quaternion (x, y, z, w)"),
-            (Self::LightIntensity | Self::CameraFov | Self::Scale, KeyValue::Scalar(v)) => {
+            (target, KeyValue::Scalar(v)) if target.is_number() || target == Self::Scale => {
                 (v.is_finite(), "a finite number")
             }
-            (Self::LightIntensity | Self::CameraFov, _) => (false, "one number"),
+            (target, _) if target.is_number() => (false, "one number"),
             (_, KeyValue::Vector(v)) => (v.is_finite(), "finite numbers"),
             (Self::Scale, _) => (false, "(x, y, z) or one number"),
             _ => (false, "(x, y, z)"),

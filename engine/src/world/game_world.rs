@@ -2,7 +2,7 @@
 
 use super::identity::{Identities, Identity, identify};
 use super::{
-    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate,
+    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate, deform,
     hierarchy, transform,
 };
 use crate::scene::SceneId;
@@ -69,7 +69,8 @@ impl GameWorld {
         ecs.add_observer(hierarchy::refuse_cycles);
         let mut frame = Schedule::new(Frame);
         frame.add_systems(
-            (identify, animate::put_to_rest, animate::animate, transform::propagate, despawn_queued).chain(),
+            (identify, animate::put_to_rest, animate::animate, transform::propagate, deform::deform, despawn_queued)
+                .chain(),
         );
         Self { ecs, behaviours: Schedule::new(Behaviours), frame }
     }

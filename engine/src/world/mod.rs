@@ -5,8 +5,10 @@
 
 mod animate;
 pub mod animation;
+mod clips;
 mod clock;
 mod components;
+mod deform;
 mod error;
 mod game_world;
 mod hierarchy;
@@ -17,12 +19,14 @@ mod sample;
 mod tests;
 mod transform;
 
+pub use clips::{ClipTarget, Clips, MorphWeights};
 pub use clock::{Clock, FLICKS_PER_SECOND};
 pub use components::*;
+pub use deform::Posed;
 pub use error::WorldError;
 pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
 pub use identity::Identity;
 pub use rest::RestPose;
-pub use sample::Sample;
+pub use sample::{MaterialSample, Sample};
 pub(crate) use transform::forward;

@@ -1,6 +1,6 @@
 //! What an entity is without its animation.
 
-use super::{Camera, GameWorld, Light, MeshRenderer, Transform};
+use super::{Camera, GameWorld, Light, LightKind, MeshRenderer, Transform};
 use crate::assets::Material;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
@@ -17,7 +17,11 @@ pub struct RestPose {
     pub(super) scale: Option<Vec3>,
     pub(super) intensity: Option<f32>,
     pub(super) color: Option<Vec3>,
+    pub(super) range: Option<Option<f32>>,
+    pub(super) kind: Option<LightKind>,
     pub(super) fov: Option<f32>,
+    pub(super) visible: Option<bool>,
+    pub(super) weights: Option<Vec<f32>>,
     pub(super) material: Option<Arc<Material>>,
     /// The material that the animation made last; another one in its place was put there by someone else.
     pub(super) animated_material: Option<Arc<Material>>,
@@ -61,7 +65,8 @@ impl GameWorld {
         let light = self.ecs.get::<Light>(entity)?.clone();
         let Some(rest) = self.ecs.get::<RestPose>(entity) else { return Some(light) };
         let (intensity, color) = (rest.intensity.unwrap_or(light.intensity), rest.color.unwrap_or(light.color));
-        Some(Light { intensity, color, ..light })
+        let (range, kind) = (rest.range.unwrap_or(light.range), rest.kind.unwrap_or(light.kind));
+        Some(Light { intensity, color, range, kind, ..light })
     }
 
     /// The camera without animation, as files hold it.
@@ -69,6 +74,12 @@ impl GameWorld {
         let camera = self.ecs.get::<Camera>(entity)?.clone();
         let fov = self.ecs.get::<RestPose>(entity).and_then(|rest| rest.fov).unwrap_or(camera.fov);
         Some(Camera { fov, ..camera })
+    }
+
+    /// Whether the entity's mesh is drawn without animation, as files hold it.
+    pub fn rest_visible(&self, entity: Entity) -> Option<bool> {
+        let current = self.ecs.get::<MeshRenderer>(entity)?.visible;
+        Some(self.ecs.get::<RestPose>(entity).and_then(|rest| rest.visible).unwrap_or(current))
     }
 
     /// The material without animation, as files hold it.

@@ -22,9 +22,32 @@ pub struct Sample {
     pub intensity: Option<f32>,
     /// Colour of the light.
     pub color: Option<Vec3>,
+    /// Range of the light \[m\].
+    pub range: Option<f32>,
+    /// Half angle of full intensity of the spot light \[degrees\].
+    pub inner: Option<f32>,
+    /// Half angle beyond which the spot light does not shine \[degrees\].
+    pub outer: Option<f32>,
     /// Field of view of the camera \[degrees\].
     pub fov: Option<f32>,
-    /// Emitted radiance of the material [W/(m² sr)].
+    /// Whether the mesh is drawn.
+    pub visible: Option<bool>,
+    /// What changes of the material.
+    pub material: MaterialSample,
+}
+
+/// What an animation says of a material at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MaterialSample {
+    /// Base colour.
+    pub color: Option<Vec3>,
+    /// Alpha.
+    pub alpha: Option<f32>,
+    /// Metallic.
+    pub metallic: Option<f32>,
+    /// Roughness.
+    pub roughness: Option<f32>,
+    /// Emitted radiance [W/(m² sr)].
     pub emissive: Option<Vec3>,
 }
 
@@ -32,7 +55,11 @@ impl Animation {
     /// The animation's values at a time, on top of a rest pose. Nothing where it does not play. All values are finite;
     /// the animation must be valid ([`Animation::validate`]).
     pub fn sample(&self, clock: &Clock, rest: &Transform) -> Sample {
-        let mut sample = Sample::default();
+        self.sample_over(Sample::default(), clock, rest)
+    }
+
+    /// The same on top of what a clip says.
+    pub(super) fn sample_over(&self, mut sample: Sample, clock: &Clock, rest: &Transform) -> Sample {
         if self.playing {
             let time = Time { flicks: clock.flicks(), speed: self.speed, offset: self.offset };
             for track in &self.tracks {
@@ -44,10 +71,10 @@ impl Animation {
 }
 
 /// Time of a track: speed · clock + offset.
-struct Time {
-    flicks: u64,
-    speed: f64,
-    offset: f64,
+pub(super) struct Time {
+    pub(super) flicks: u64,
+    pub(super) speed: f64,
+    pub(super) offset: f64,
 }
 
 impl Time {
@@ -68,7 +95,7 @@ impl Time {
     }
 
     /// Time within a span \[s\].
-    fn within(&self, span: f64, wrap: Wrap) -> f64 {
+    pub(super) fn within(&self, span: f64, wrap: Wrap) -> f64 {
         match wrap {
             Wrap::Once => {
                 let (time, round) = self.of(span);
@@ -108,6 +135,8 @@ impl Track {
                 let curve = Curve { target: *target, keys, interpolation: *interpolation, wrap: *wrap };
                 target.set(curve.at(now), out);
             }
+            // The nodes of the model follow it, not the entity itself.
+            Self::Clip { .. } => {}
         }
     }
 }
@@ -147,7 +176,17 @@ impl Target {
             Self::LightIntensity => set(&mut out.intensity, x.max(0.0), f32::is_finite),
             Self::LightColor => set(&mut out.color, vector.max(Vec3::ZERO), Vec3::is_finite),
             Self::CameraFov => set(&mut out.fov, x, f32::is_finite),
-            Self::MaterialEmissive => set(&mut out.emissive, vector.max(Vec3::ZERO), Vec3::is_finite),
+            Self::LightRange => set(&mut out.range, x.max(1e-6), f32::is_finite),
+            Self::LightInner => set(&mut out.inner, x.clamp(0.0, 90.0), f32::is_finite),
+            Self::LightOuter => set(&mut out.outer, x.clamp(0.0, 90.0), f32::is_finite),
+            Self::Visible => set(&mut out.visible, x >= 0.5, |_| true),
+            Self::MaterialEmissive => set(&mut out.material.emissive, vector.max(Vec3::ZERO), Vec3::is_finite),
+            Self::MaterialColor => {
+                set(&mut out.material.color, vector.clamp(Vec3::ZERO, Vec3::ONE), Vec3::is_finite);
+            }
+            Self::MaterialAlpha => set(&mut out.material.alpha, x.clamp(0.0, 1.0), f32::is_finite),
+            Self::MaterialMetallic => set(&mut out.material.metallic, x.clamp(0.0, 1.0), f32::is_finite),
+            Self::MaterialRoughness => set(&mut out.material.roughness, x.clamp(0.0, 1.0), f32::is_finite),
         }
     }
 }

@@ -8,7 +8,8 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 8] = [
+const SUPPORTED: [&str; 9] = [
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -169,23 +170,4 @@ pub(super) fn check_data(document: &Document, buffers: &Buffers) -> Result<(), A
         }
     }
     document.accessors().try_for_each(|accessor| buffers.check(&accessor))
-}
-
-/// Remarks on content that is not taken over.
-pub(super) fn remarks(document: &Document, warnings: &mut Vec<String>) {
-    let json = document.as_json();
-    let primitives = || json.meshes.iter().flat_map(|m| &m.primitives);
-    let mut say = |found: bool, text: &str| {
-        if found {
-            warnings.push(text.to_string());
-        }
-    };
-    say(!json.animations.is_empty(), "animations are not imported");
-    say(!json.skins.is_empty(), "skins are not imported: meshes keep their rest pose");
-    say(primitives().any(|p| p.targets.is_some()), "morph targets are not imported");
-    let colored = |p: &gltf::json::mesh::Primitive| {
-        let color = gltf::Semantic::Colors(0);
-        p.attributes.keys().any(|k| matches!(k, gltf::json::validation::Checked::Valid(s) if *s == color))
-    };
-    say(primitives().any(colored), "vertex colours are not used");
 }

@@ -1,32 +1,36 @@
 //! Materials and the textures they use.
 
 use super::source;
-use crate::assets::{AlphaMode, AssetError, Material, Sampling, Texture, Wrap, image, parallel};
+use crate::assets::{AlphaMode, AssetError, Material, Sampling, Texture, UvMap, UvMaps, Wrap, image, parallel};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;
-use gltf::texture::{Info, MagFilter, TextureTransform, WrappingMode};
+use gltf::texture::{Info, MagFilter, WrappingMode};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Which texture coordinates a material's textures use. A mesh carries one set, so all must agree.
+/// What a material asks of the meshes that it is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UvSource {
-    pub set: u32,
-    /// `KHR_texture_transform`, put into the vertices.
-    pub transform: Affine2,
+    /// The file's sets that become sets 0 and 1 of the mesh.
+    pub sets: [u32; 2],
+    /// Whether any texture lies by the second.
+    pub uses_second: bool,
+    /// Where the normal map lies, for tangents; none: there is none.
+    pub normal: Option<UvMap>,
 }
 
 impl Default for UvSource {
     fn default() -> Self {
-        Self { set: 0, transform: Affine2::IDENTITY }
+        Self { sets: [0, 1], uses_second: false, normal: None }
     }
 }
 
 impl UvSource {
     /// Bits for use in keys.
-    pub fn key(&self) -> (u32, [u32; 6]) {
-        (self.set, self.transform.to_cols_array().map(f32::to_bits))
+    pub fn key(&self) -> ([u32; 2], bool, Option<[u32; 8]>) {
+        let rows = self.normal.map(|map| map.rows());
+        (self.sets, self.uses_second, rows.map(|rows| std::array::from_fn(|i| rows[i / 4][i % 4].to_bits())))
     }
 }
 
@@ -61,6 +65,10 @@ pub(super) fn load(
         wanted.extend(m.emissive_texture().map(|t| (t.texture().index(), true)));
         wanted.extend(pbr.metallic_roughness_texture().map(|t| (t.texture().index(), false)));
         wanted.extend(m.normal_texture().map(|t| (t.texture().index(), false)));
+        if let Some(specular) = m.specular() {
+            wanted.extend(specular.specular_texture().map(|t| (t.texture().index(), false)));
+            wanted.extend(specular.specular_color_texture().map(|t| (t.texture().index(), true)));
+        }
     }
     let textures = load_textures(path, document, &wanted, image_bytes, files)?;
     let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, warnings)).collect();
@@ -79,8 +87,7 @@ fn load_textures(
     let by_index: Vec<_> = document.textures().collect();
     let mut by_image: BTreeMap<usize, Vec<TextureUse>> = BTreeMap::new();
     for (texture, srgb) in wanted {
-        let source = document.as_json().textures[*texture].source.value();
-        by_image.entry(source).or_default().push((*texture, *srgb));
+        by_image.entry(source_of(path, document, *texture)?).or_default().push((*texture, *srgb));
     }
     let mut encoded = Vec::new();
     for (index, uses) in &by_image {
@@ -123,6 +130,23 @@ fn load_textures(
     Ok(textures)
 }
 
+/// The image of a texture: that of `EXT_texture_webp` before the one for readers that do not know it.
+fn source_of(path: &Path, document: &Document, texture: usize) -> Result<usize, AssetError> {
+    let json = document.as_json();
+    let fail = |problem: String| Err(AssetError::format(path, format!("texture {texture}"), problem));
+    let extensions = json.textures[texture].extensions.as_ref().map(|e| &e.others);
+    let webp = extensions.and_then(|e| e.get("EXT_texture_webp")).and_then(|e| e.get("source"));
+    let plain = Some(json.textures[texture].source.value()).filter(|source| *source != u32::MAX as usize);
+    match webp.and_then(gltf::json::Value::as_u64).map(|source| source as usize).or(plain) {
+        Some(source) if source < json.images.len() => Ok(source),
+        Some(source) => fail(format!("refers to image {source}, but there are {}", json.images.len())),
+        None if extensions.is_some_and(|e| e.contains_key("KHR_texture_basisu")) => {
+            fail("has its image as KHR_texture_basisu alone, which is not supported: export PNG, JPEG or WebP".into())
+        }
+        None => fail("has no image (no `source`)".into()),
+    }
+}
+
 fn sampling(texture: &gltf::Texture) -> Sampling {
     let wrap = |mode| match mode {
         WrappingMode::ClampToEdge => Wrap::Clamp,
@@ -150,11 +174,13 @@ fn convert(
     let index = m.index().unwrap_or(0);
     let name = m.name().map_or(format!("material {index}"), str::to_string);
     let pbr = m.pbr_metallic_roughness();
-    let texture = |index: Option<usize>, srgb| index.and_then(|i| textures.get(&(i, srgb)).cloned());
-    let of = |info: &Option<Info>| info.as_ref().map(|t| t.texture().index());
+    let texture =
+        |info: &Option<Info>, srgb| info.as_ref().and_then(|t| textures.get(&(t.texture().index(), srgb)).cloned());
     let (base, rough, normal, glow) =
         (pbr.base_color_texture(), pbr.metallic_roughness_texture(), m.normal_texture(), m.emissive_texture());
-    let (specular, specular_color) = specular(m, &name, warnings);
+    let gloss = m.specular().and_then(|s| s.specular_texture());
+    let tint = m.specular().and_then(|s| s.specular_color_texture());
+    let (specular, specular_color) = specular(m);
     let mut material = Material {
         base_color: Vec4::from(pbr.base_color_factor()),
         metallic: pbr.metallic_factor(),
@@ -169,39 +195,70 @@ fn convert(
             gltf::material::AlphaMode::Blend => AlphaMode::Blend,
         },
         double_sided: m.double_sided(),
-        base_color_texture: texture(of(&base), true),
-        metallic_roughness_texture: texture(of(&rough), false),
-        normal_texture: texture(normal.as_ref().map(|n| n.texture().index()), false),
-        emissive_texture: texture(of(&glow), true),
+        base_color_texture: texture(&base, true),
+        metallic_roughness_texture: texture(&rough, false),
+        normal_texture: normal.as_ref().and_then(|n| textures.get(&(n.texture().index(), false)).cloned()),
+        emissive_texture: texture(&glow, true),
+        specular_texture: texture(&gloss, false),
+        specular_color_texture: texture(&tint, true),
+        uv: UvMaps {
+            base_color: uv_map(&base),
+            metallic_roughness: uv_map(&rough),
+            normal: normal.as_ref().map_or(UvMap::default(), |n| normal_map(m, n.tex_coord())),
+            emissive: uv_map(&glow),
+            specular: uv_map(&gloss),
+            specular_color: uv_map(&tint),
+        },
         ..Material::new(name.clone())
     };
     if m.unlit() {
         make_unlit(&mut material);
     }
     make_finite(&mut material, &name, warnings);
-    let infos = [&base, &rough, &glow].into_iter().flatten().map(uv_source);
-    let normal_source = normal.as_ref().map(|n| normal_uv(m, n.tex_coord()));
-    let sources: Vec<_> = infos.chain(normal_source).collect();
-    let chosen = sources.first().copied().unwrap_or_default();
-    if sources.iter().any(|s| *s != chosen) {
+    let source = choose_sets(&mut material, warnings);
+    (Arc::new(material), source)
+}
+
+/// A mesh has room for two sets of texture coordinates: those that the material uses take their places there.
+fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
+    let used: BTreeSet<u32> = m.textures().iter().filter(|(t, _)| t.is_some()).map(|(_, map)| map.set).collect();
+    let mut sets = [0, 1];
+    if used.iter().any(|set| *set > 1) {
+        let mut chosen = used.iter().copied();
+        let first = chosen.next().unwrap_or(0);
+        sets = [first, chosen.next().unwrap_or(if first == 1 { 0 } else { 1 })];
+    }
+    if used.len() > 2 {
         warnings.push(format!(
-            "material {index} \"{name}\": its textures use different texture coordinates; all take those of the first"
+            "material \"{}\": its textures use {} sets of texture coordinates; only {sets:?} are kept",
+            m.name,
+            used.len()
         ));
     }
-    (Arc::new(material), chosen)
+    let uv = &mut m.uv;
+    for map in [
+        &mut uv.base_color,
+        &mut uv.metallic_roughness,
+        &mut uv.normal,
+        &mut uv.emissive,
+        &mut uv.specular,
+        &mut uv.specular_color,
+    ] {
+        map.set = u32::from(map.set == sets[1]);
+    }
+    let uses_second = m.textures().iter().any(|(texture, map)| texture.is_some() && map.set == 1);
+    UvSource { sets, uses_second, normal: m.normal_texture.is_some().then_some(m.uv.normal) }
 }
 
 /// `KHR_materials_specular`, and `KHR_materials_ior` folded into its colour: F0 = ((n − 1)/(n + 1))², where 4 % is n = 1.5.
-fn specular(m: &gltf::Material, name: &str, warnings: &mut Vec<String>) -> (f32, Vec3) {
+fn specular(m: &gltf::Material) -> (f32, Vec3) {
     let (mut factor, mut color) = (1.0, Vec3::ONE);
     if let Some(s) = m.specular() {
         factor = s.specular_factor();
         color = Vec3::from(s.specular_color_factor());
-        if s.specular_texture().is_some() || s.specular_color_texture().is_some() {
-            warnings.push(format!("material \"{name}\": the textures of KHR_materials_specular are not used"));
-        }
     }
     if let Some(ior) = m.ior().filter(|n| n.is_finite() && *n >= 0.0) {
+        // 0 stands for a dielectric that reflects all light.
         color *= ((ior - 1.0) / (ior + 1.0)).powi(2) / 0.04;
     }
     (factor, color.max(Vec3::ZERO).min(Vec3::splat(25.0)))
@@ -211,9 +268,14 @@ fn specular(m: &gltf::Material, name: &str, warnings: &mut Vec<String>) -> (f32,
 fn make_unlit(m: &mut Material) {
     m.emissive = m.base_color.truncate();
     m.emissive_texture = m.base_color_texture.clone();
+    m.uv.emissive = m.uv.base_color;
+    m.unlit = true;
     m.base_color = Vec3::ZERO.extend(m.base_color.w);
     m.metallic = 0.0;
     m.metallic_roughness_texture = None;
+    m.normal_texture = None;
+    m.specular_texture = None;
+    m.specular_color_texture = None;
     m.specular = 0.0;
 }
 
@@ -233,24 +295,32 @@ fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
     }
 }
 
-fn uv_source(info: &Info) -> UvSource {
+fn uv_map(info: &Option<Info>) -> UvMap {
+    let Some(info) = info else { return UvMap::default() };
     let Some(t) = info.texture_transform() else {
-        return UvSource { set: info.tex_coord(), ..Default::default() };
+        return UvMap { set: info.tex_coord(), ..Default::default() };
     };
-    UvSource { set: t.tex_coord().unwrap_or(info.tex_coord()), transform: affine(&t) }
+    UvMap { set: t.tex_coord().unwrap_or(info.tex_coord()), transform: affine(t.offset(), t.rotation(), t.scale()) }
 }
 
-fn affine(t: &TextureTransform) -> Affine2 {
+fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Affine2 {
     // The extension rotates counter-clockwise in a space whose v points down.
-    let (sin, cos) = t.rotation().sin_cos();
+    let (sin, cos) = rotation.sin_cos();
     let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
     let transform =
-        Affine2::from_mat2_translation(rotation * Mat2::from_diagonal(Vec2::from(t.scale())), Vec2::from(t.offset()));
+        Affine2::from_mat2_translation(rotation * Mat2::from_diagonal(Vec2::from(scale)), Vec2::from(offset));
     if transform.is_finite() { transform } else { Affine2::IDENTITY }
 }
 
-/// The loader has no typed transform for normal textures: they share that of the base colour where they use its set.
-fn normal_uv(m: &gltf::Material, set: u32) -> UvSource {
-    let base = m.pbr_metallic_roughness().base_color_texture().map(|t| uv_source(&t));
-    base.filter(|b| b.set == set).unwrap_or(UvSource { set, ..Default::default() })
+/// The loader has no type for the transform of normal textures: it is read from the extension as it is written.
+fn normal_map(m: &gltf::Material, set: u32) -> UvMap {
+    let extensions = m.index().and(m.normal_texture()).and_then(|n| n.extensions().cloned());
+    let Some(t) = extensions.as_ref().and_then(|e| e.get("KHR_texture_transform")) else {
+        return UvMap { set, ..Default::default() };
+    };
+    let number =
+        |value: Option<&gltf::json::Value>, usual: f32| value.and_then(|v| v.as_f64()).map_or(usual, |v| v as f32);
+    let pair = |name: &str, usual: f32| [0, 1].map(|i| number(t.get(name).and_then(|v| v.get(i)), usual));
+    let set = t.get("texCoord").and_then(|v| v.as_u64()).and_then(|v| u32::try_from(v).ok()).unwrap_or(set);
+    UvMap { set, transform: affine(pair("offset", 0.0), number(t.get("rotation"), 0.0), pair("scale", 1.0)) }
 }

@@ -1,9 +1,11 @@
-//! Import of glTF 2.0 (`.gltf` and `.glb`): node hierarchy, triangle meshes, materials, cameras and punctual lights.
+//! Import of glTF 2.0 (`.gltf` and `.glb`): node hierarchy, triangle meshes with skins
+//! and morph targets, materials, cameras, punctual lights and animations.
 //!
 //! The file is not trusted: sizes, ranges, references and paths are checked before they are used, so that a broken or
 //! hostile file gives an [`AssetError`] and nothing else.
 
 mod accessor;
+mod animation;
 mod document;
 mod import;
 mod material;
@@ -11,6 +13,7 @@ mod material;
 mod model_tests;
 mod nodes;
 mod primitive;
+mod skin;
 mod source;
 mod tangents;
 #[cfg(test)]
@@ -18,10 +21,10 @@ mod tests;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 
-use super::{AssetError, Material, Mesh, parallel, read_file};
+use super::{AssetError, Clip, Material, Mesh, parallel, read_file};
 use crate::world::{Camera, Light, LightKind, Transform};
 use accessor::Buffers;
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use primitive::{Job, Reader};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -81,8 +84,17 @@ impl GltfLight {
     }
 }
 
+/// Joints that vertices follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfSkin {
+    /// Indices of the nodes.
+    pub joints: Vec<usize>,
+    /// For each joint, its own space from that of the mesh, as the mesh was modelled.
+    pub inverse_bind: Vec<Affine3A>,
+}
+
 /// A node of the hierarchy.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct GltfNode {
     /// Name; `node N` if the file has none. Names need not be unique.
     pub name: String,
@@ -94,6 +106,10 @@ pub struct GltfNode {
     pub local: Transform,
     /// What is drawn there. Nodes with the same mesh share it.
     pub primitives: Vec<GltfPrimitive>,
+    /// Index of the skin that poses the primitives; their place is then that of the joints alone.
+    pub skin: Option<usize>,
+    /// Weights of the morph targets of the primitives, as many as these have.
+    pub weights: Vec<f32>,
     /// Camera that stands there.
     pub camera: Option<GltfCamera>,
     /// Light that stands there.
@@ -109,6 +125,10 @@ pub struct Gltf {
     pub nodes: Vec<GltfNode>,
     /// The top nodes of the file's default scene; of its first scene if it names none; else all that have no parent.
     pub roots: Vec<usize>,
+    /// Skins, by their index in the file.
+    pub skins: Vec<Arc<GltfSkin>>,
+    /// Animations, by their index in the file.
+    pub clips: Arc<Vec<Clip>>,
     /// Buffers and images beside the file that it was made from.
     pub files: Vec<PathBuf>,
     /// What could not be taken over as it is. They were logged too.
@@ -145,11 +165,16 @@ impl Gltf {
         let materials = material::load(path, &document, &image_bytes, &mut files, &mut warnings)?;
         let meshes = load_meshes(&document, &reader, &materials, &mut warnings)?;
         for (node, json) in nodes.iter_mut().zip(&document.as_json().nodes) {
-            node.primitives = json.mesh.and_then(|m| meshes.get(m.value())).cloned().unwrap_or_default();
+            let mesh = json.mesh.map(|m| m.value());
+            node.primitives = mesh.and_then(|m| meshes.get(m)).cloned().unwrap_or_default();
+            node.skin = json.skin.map(|s| s.value());
+            node.weights = weights(path, node, json, mesh.map(|m| &document.as_json().meshes[m]))?;
         }
-        document::remarks(&document, &mut warnings);
+        let skins = skin::read(&document, &reader.buffers, &mut warnings)?;
+        skin::check(&reader.buffers, &nodes, &skins, &mut warnings)?;
+        let clips = Arc::new(animation::read(&document, &reader.buffers, &nodes, &mut warnings)?);
         let warnings = condense(path, warnings);
-        Ok(Self { path: path.to_path_buf(), nodes, roots, files, warnings })
+        Ok(Self { path: path.to_path_buf(), nodes, roots, skins, clips, files, warnings })
     }
 
     /// The first node of that name.
@@ -170,6 +195,25 @@ impl Gltf {
     }
 }
 
+/// Weights of the node's morph targets: its own, or else its mesh's; zero where they are missing or not finite.
+fn weights(
+    path: &Path,
+    node: &GltfNode,
+    json: &gltf::json::Node,
+    mesh: Option<&gltf::json::Mesh>,
+) -> Result<Vec<f32>, AssetError> {
+    let counts = node.primitives.iter().map(|(mesh, _)| mesh.deform.as_ref().map_or(0, |d| d.targets.len()));
+    let (most, least) = (counts.clone().max().unwrap_or(0), counts.min().unwrap_or(0));
+    if most != least {
+        let problem =
+            format!("its mesh has primitives with {least} and with {most} morph targets; all must have as many");
+        return Err(AssetError::format(path, format!("node \"{}\"", node.name), problem));
+    }
+    let given = json.weights.as_ref().or(mesh.and_then(|m| m.weights.as_ref()));
+    let weight = |i: usize| given.and_then(|w| w.get(i)).copied().filter(|w| w.is_finite()).unwrap_or(0.0);
+    Ok((0..most).map(weight).collect())
+}
+
 /// Loads the primitives of all meshes in parallel; primitives that read the same data in the same way are one.
 fn load_meshes(
     document: &gltf::Document,
@@ -182,14 +226,17 @@ fn load_meshes(
         let name = mesh.name().map_or(format!("mesh {}", mesh.index()), str::to_string);
         for primitive in mesh.primitives() {
             let (surface, uv) = materials.get(primitive.material().index());
-            let normal_map = surface.normal_texture.is_some();
             let attributes: Vec<_> = primitive.attributes().map(|(s, a)| (format!("{s:?}"), a.index())).collect();
-            let shape = (attributes, primitive.indices().map(|a| a.index()), primitive.mode().as_gl_enum());
+            let targets: Vec<_> = primitive
+                .morph_targets()
+                .map(|t| [t.positions(), t.normals(), t.tangents()].map(|a| a.map(|a| a.index())))
+                .collect();
+            let shape = (attributes, targets, primitive.indices().map(|a| a.index()), primitive.mode().as_gl_enum());
             let next = jobs.len();
-            let index = *known.entry((shape, uv.key(), normal_map)).or_insert(next);
+            let index = *known.entry((shape, uv.key())).or_insert(next);
             if index == next {
                 let counts = primitive.get(&gltf::Semantic::Positions).map_or(0, |a| a.count());
-                corners = corners.saturating_add(counts);
+                corners = corners.saturating_add(counts.saturating_mul(1 + primitive.morph_targets().len()));
                 corners = corners.saturating_add(primitive.indices().map_or(0, |a| a.count().saturating_mul(3)));
                 let place = format!("mesh {} \"{name}\", primitive {}", mesh.index(), primitive.index());
                 if corners > MAX_CORNERS {
@@ -197,7 +244,7 @@ fn load_meshes(
                     return Err(AssetError::format(reader.buffers.path, place, problem));
                 }
                 let name = if primitive.index() == 0 { name.clone() } else { format!("{name}.{}", primitive.index()) };
-                jobs.push(Job { primitive, name, place, uv, normal_map });
+                jobs.push(Job { primitive, name, place, uv });
             }
             uses.push((mesh.index(), index, surface));
         }

@@ -26,12 +26,11 @@ pub(super) fn read(
         let json = &document.as_json().nodes[node.index()];
         nodes.push(GltfNode {
             local,
-            parent: None,
             children: json.children.iter().flatten().map(|c| c.value()).collect(),
-            primitives: Vec::new(),
             camera: json.camera.and_then(|c| cameras.get(c.value()).cloned().flatten()),
             light: node.light().and_then(|l| lights.get(l.index()).cloned()),
             name,
+            ..GltfNode::default()
         });
     }
     link(path, &mut nodes)?;

@@ -3,10 +3,11 @@
 use super::accessor::{Buffers, place};
 use super::material::UvSource;
 use super::tangents;
-use crate::assets::{AssetError, Mesh, Vertex};
-use glam::{Vec2, Vec3};
-use gltf::accessor::{Accessor, DataType};
+use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
+use glam::Vec3;
+use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::mesh::{Mode, Primitive, Semantic};
+use std::sync::Arc;
 
 /// How to read primitives.
 pub(super) struct Reader<'a> {
@@ -22,7 +23,6 @@ pub(super) struct Job<'a> {
     /// Where messages say it is.
     pub place: String,
     pub uv: UvSource,
-    pub normal_map: bool,
 }
 
 /// A mesh, or none for what has no triangles, and remarks.
@@ -32,7 +32,8 @@ struct Attributes {
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     tangents: Option<Vec<[f32; 4]>>,
-    uvs: Option<Vec<[f32; 2]>>,
+    uvs: [Option<Vec<[f32; 2]>>; 2],
+    colors: Option<Vec<[f32; 4]>>,
 }
 
 impl Reader<'_> {
@@ -54,33 +55,36 @@ impl Reader<'_> {
         }
         let flat = attributes.normals.is_none();
         let given_tangents = attributes.tangents.is_some() && !flat;
-        let mut vertices = weave(attributes, &job.uv);
+        let mut own = Mesh::new("", Vec::new(), Vec::new());
+        own.extras = extras(&attributes).map(Arc::new);
+        own.deform = self.deform(job, attributes.positions.len())?.map(|d| Arc::new(Deform { flat, ..d }));
+        let mut vertices = weave(attributes);
+        // Vertices are copied and reordered below; this is where each was.
+        let mut origins: Vec<u32> = (0..vertices.len() as u32).collect();
         if flat {
             vertices = indices.iter().map(|i| vertices[*i as usize]).collect();
-            indices = (0..vertices.len() as u32).collect();
+            origins = std::mem::replace(&mut indices, (0..vertices.len() as u32).collect());
             flat_normals(&mut vertices);
         } else if let Some(repaired) = repair_normals(&mut vertices, &indices) {
             warnings.push(format!("{}: {repaired} normals are not finite or have no length; replaced", job.place));
         }
-        if given_tangents || !job.normal_map {
-            vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent));
-        } else {
-            tangents::generate(&mut vertices, &mut indices);
+        match job.uv.normal.filter(|_| !given_tangents) {
+            None => vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent)),
+            Some(map) => {
+                let second = |vertex: usize| own.extra(origins[vertex] as usize).uv;
+                let uvs = vertices.iter().enumerate().map(|(i, v)| map.apply([v.uv, second(i)])).collect();
+                let copies = tangents::generate(&mut vertices, &mut indices, uvs);
+                origins.extend(copies.iter().map(|copy| origins[*copy as usize]).collect::<Vec<_>>());
+            }
         }
-        Ok((Some(Mesh::new(job.name.clone(), vertices, indices)), warnings))
+        let mut mesh = Mesh::new(job.name.clone(), vertices, indices);
+        mesh.carry(&own, &origins);
+        Ok((Some(mesh), warnings))
     }
 
-    fn attributes(&self, job: &Job, positions: &Accessor) -> Result<Attributes, AssetError> {
+    fn attributes<'a>(&self, job: &Job<'a>, positions: &Accessor) -> Result<Attributes, AssetError> {
         let count = positions.count();
-        let optional = |semantic: Semantic| {
-            let accessor = job.primitive.get(&semantic);
-            match &accessor {
-                Some(a) if a.count() != count => {
-                    Err(self.fail(job, a, format!("{} elements, but {count} positions", a.count())))
-                }
-                _ => Ok(accessor),
-            }
-        };
+        let optional = |semantic: Semantic| self.counted(job, semantic, count);
         let directions = |semantic: Semantic| {
             let accessor = optional(semantic)?;
             accessor.as_ref().map_or(Ok(()), |a| self.float_only(job, a))?;
@@ -89,36 +93,75 @@ impl Reader<'_> {
         self.float_only(job, positions)?;
         let normals = directions(Semantic::Normals)?;
         let tangents = directions(Semantic::Tangents)?;
-        let uvs = optional(Semantic::TexCoords(job.uv.set))?;
-        if let Some(a) = &uvs {
-            let plain = a.data_type() == DataType::F32
-                || (a.normalized() && matches!(a.data_type(), DataType::U8 | DataType::U16));
-            if !plain && !self.quantized {
-                return Err(self.fail(
-                    job,
-                    a,
-                    "texture coordinates must be floats or normalised unsigned integers".into(),
-                ));
-            }
-        }
+        let uvs = [self.uvs(job, optional(Semantic::TexCoords(job.uv.sets[0]))?)?, {
+            let second = if job.uv.uses_second { optional(Semantic::TexCoords(job.uv.sets[1]))? } else { None };
+            self.uvs(job, second)?
+        }];
+        let colors = optional(Semantic::Colors(0))?;
         let found = Attributes {
             positions: self.buffers.vectors(positions)?,
             normals: normals.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
             tangents: tangents.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
-            uvs: uvs.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
+            uvs,
+            colors: colors.as_ref().map(|a| self.colors(job, a)).transpose()?,
         };
         self.finite(job, positions, &found.positions)?;
-        if let (Some(accessor), Some(values)) = (&uvs, &found.uvs) {
-            self.finite(job, accessor, values)?;
-        }
         Ok(found)
     }
 
-    fn fail(&self, job: &Job, accessor: &Accessor, problem: String) -> AssetError {
+    fn uvs(&self, job: &Job, accessor: Option<Accessor>) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
+        let Some(a) = accessor else { return Ok(None) };
+        if !is_float_or_unit(&a) && !self.quantized {
+            return Err(self.fail(
+                job,
+                &a,
+                "texture coordinates must be floats or normalised unsigned integers".into(),
+            ));
+        }
+        let values = self.buffers.vectors(&a)?;
+        self.finite(job, &a, &values)?;
+        Ok(Some(values))
+    }
+
+    /// Colours of three or four components, clamped to 0 to 1.
+    fn colors(&self, job: &Job, accessor: &Accessor) -> Result<Vec<[f32; 4]>, AssetError> {
+        if !is_float_or_unit(accessor) {
+            return Err(self.fail(job, accessor, "colours must be floats or normalised unsigned integers".into()));
+        }
+        let mut colors: Vec<[f32; 4]> = match accessor.dimensions() {
+            Dimensions::Vec3 => self.buffers.vectors::<3>(accessor)?.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
+            _ => self.buffers.vectors::<4>(accessor)?,
+        };
+        self.finite(job, accessor, &colors)?;
+        colors.as_flattened_mut().iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
+        Ok(colors)
+    }
+
+    /// An attribute, if it is there, with as many elements as there are vertices.
+    pub(super) fn counted<'a>(
+        &self,
+        job: &Job<'a>,
+        semantic: Semantic,
+        count: usize,
+    ) -> Result<Option<Accessor<'a>>, AssetError> {
+        let accessor = job.primitive.get(&semantic);
+        match &accessor {
+            Some(a) if a.count() != count => {
+                Err(self.fail(job, a, format!("{} elements, but {count} positions", a.count())))
+            }
+            _ => Ok(accessor),
+        }
+    }
+
+    pub(super) fn wrong(&self, job: &Job, problem: String) -> AssetError {
+        AssetError::format(self.buffers.path, &job.place, problem)
+    }
+
+    pub(super) fn fail(&self, job: &Job, accessor: &Accessor, problem: String) -> AssetError {
         AssetError::format(self.buffers.path, format!("{}, {}", job.place, place(accessor)), problem)
     }
 
-    fn float_only(&self, job: &Job, accessor: &Accessor) -> Result<(), AssetError> {
+    pub(super) fn float_only(&self, job: &Job, accessor: &Accessor) -> Result<(), AssetError> {
         if accessor.data_type() == DataType::F32 || self.quantized {
             return Ok(());
         }
@@ -126,7 +169,12 @@ impl Reader<'_> {
         Err(self.fail(job, accessor, problem))
     }
 
-    fn finite<const N: usize>(&self, job: &Job, accessor: &Accessor, values: &[[f32; N]]) -> Result<(), AssetError> {
+    pub(super) fn finite<const N: usize>(
+        &self,
+        job: &Job,
+        accessor: &Accessor,
+        values: &[[f32; N]],
+    ) -> Result<(), AssetError> {
         match values.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
             Some(i) => Err(self.fail(job, accessor, format!("element {i} is {:?}: not a finite number", values[i]))),
             None => Ok(()),
@@ -168,13 +216,30 @@ fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Vec<String>, plac
     }
 }
 
-fn weave(attributes: Attributes, uv: &UvSource) -> Vec<Vertex> {
-    let Attributes { positions, normals, tangents, uvs } = attributes;
+fn is_float_or_unit(a: &Accessor) -> bool {
+    a.data_type() == DataType::F32 || (a.normalized() && matches!(a.data_type(), DataType::U8 | DataType::U16))
+}
+
+/// Second texture coordinates and colours, if there are any.
+fn extras(attributes: &Attributes) -> Option<Vec<VertexExtra>> {
+    let (uvs, colors) = (&attributes.uvs[1], &attributes.colors);
+    if uvs.is_none() && colors.is_none() {
+        return None;
+    }
+    let extra = |i: usize| VertexExtra {
+        uv: uvs.as_ref().map_or([0.0; 2], |u| u[i]),
+        color: colors.as_ref().map_or([u16::MAX; 4], |c| c[i].map(|x| (x * 65535.0).round() as u16)),
+    };
+    Some((0..attributes.positions.len()).map(extra).collect())
+}
+
+fn weave(attributes: Attributes) -> Vec<Vertex> {
+    let Attributes { positions, normals, tangents, uvs: [uvs, _], .. } = attributes;
     let at = |i: usize, position: [f32; 3]| Vertex {
         position,
         normal: normals.as_ref().map_or([0.0; 3], |n| n[i]),
         tangent: tangents.as_ref().map_or([0.0; 4], |t| t[i]),
-        uv: uvs.as_ref().map_or([0.0; 2], |u| uv.transform.transform_point2(Vec2::from(u[i])).to_array()),
+        uv: uvs.as_ref().map_or([0.0; 2], |u| u[i]),
     };
     positions.into_iter().enumerate().map(|(i, p)| at(i, p)).collect()
 }

@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 struct Corners<'a> {
     vertices: &'a [Vertex],
+    /// Texture coordinates of the normal map.
+    uvs: Vec<[f32; 2]>,
     indices: &'a [u32],
     tangents: Vec<Option<[f32; 4]>>,
 }
@@ -31,7 +33,7 @@ impl Geometry for Corners<'_> {
         self.vertex(face, corner).normal
     }
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        self.vertex(face, corner).uv
+        self.uvs[self.indices[3 * face + corner] as usize]
     }
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         // MikkTSpace points the bitangent along +v, which is down the image in glTF, but a glTF normal map's green
@@ -41,9 +43,10 @@ impl Geometry for Corners<'_> {
 }
 
 /// Computes all tangents. Vertices whose corners need different ones (mirrored or split texture coordinates) are
-/// duplicated.
-pub(super) fn generate(vertices: &mut Vec<Vertex>, indices: &mut [u32]) {
-    let mut corners = Corners { vertices, indices, tangents: vec![None; indices.len()] };
+/// duplicated, at the end; which ones is returned. `uvs` are the normal map's texture coordinates.
+pub(super) fn generate(vertices: &mut Vec<Vertex>, indices: &mut [u32], uvs: Vec<[f32; 2]>) -> Vec<u32> {
+    let mut copied = Vec::new();
+    let mut corners = Corners { vertices, uvs, indices, tangents: vec![None; indices.len()] };
     let done = generate_tangents(&mut corners).is_ok();
     let tangents = corners.tangents;
     let mut first: Vec<Option<[f32; 4]>> = vec![None; vertices.len()];
@@ -61,6 +64,7 @@ pub(super) fn generate(vertices: &mut Vec<Vertex>, indices: &mut [u32]) {
             Some(t) if *t == tangent => {}
             Some(_) => {
                 let copy = *copies.entry((*index, tangent.map(f32::to_bits))).or_insert_with(|| {
+                    copied.push(*index);
                     vertices.push(Vertex { tangent, ..vertices[*index as usize] });
                     vertices.len() as u32 - 1
                 });
@@ -68,6 +72,7 @@ pub(super) fn generate(vertices: &mut Vec<Vertex>, indices: &mut [u32]) {
             }
         }
     }
+    copied
 }
 
 /// The tangent made unit length with handedness ±1; any one perpendicular to the normal where it is unusable.

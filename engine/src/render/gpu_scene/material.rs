@@ -20,6 +20,7 @@ pub(crate) struct MaterialUniform {
     alpha_cutoff: f32,
     normal_scale: f32,
     double_sided: u32,
+    uv_rows: [Vec4; 12],
 }
 
 impl MaterialUniform {
@@ -44,6 +45,7 @@ impl MaterialUniform {
                 _ => 0.0,
             },
             double_sided: u32::from(material.double_sided),
+            uv_rows: material.uv_rows().map(Vec4::from),
         }
     }
 }
@@ -66,11 +68,13 @@ pub(super) struct GpuMaterial {
     metallic_roughness: Arc<GpuTexture>,
     normal: Arc<GpuTexture>,
     emissive: Arc<GpuTexture>,
+    specular: Arc<GpuTexture>,
+    specular_color: Arc<GpuTexture>,
 }
 
 impl GpuMaterial {
     /// All that a shader may bind of it, by its name in WGSL.
-    pub(super) fn bindings(&self) -> [(&'static str, Binding<'_>); 9] {
+    pub(super) fn bindings(&self) -> [(&'static str, Binding<'_>); 13] {
         [
             ("material", Binding::Buffer(&self.uniform)),
             ("base_color_texture", Binding::Texture(&self.base_color.view)),
@@ -81,6 +85,10 @@ impl GpuMaterial {
             ("normal_sampler", Binding::Sampler(&self.normal.sampler)),
             ("emissive_texture", Binding::Texture(&self.emissive.view)),
             ("emissive_sampler", Binding::Sampler(&self.emissive.sampler)),
+            ("specular_texture", Binding::Texture(&self.specular.view)),
+            ("specular_sampler", Binding::Sampler(&self.specular.sampler)),
+            ("specular_color_texture", Binding::Texture(&self.specular_color.view)),
+            ("specular_color_sampler", Binding::Sampler(&self.specular_color.sampler)),
         ]
     }
 }
@@ -113,7 +121,7 @@ impl MaterialStore {
         let used: HashMap<AssetId, &Arc<Material>> = used.map(|m| (m.id, m)).collect();
         self.materials.retain(|id, _| used.contains_key(id));
         let textures: HashMap<AssetId, &Arc<Texture>> =
-            used.values().flat_map(|m| textures_of(m)).flatten().map(|t| (t.id, t)).collect();
+            used.values().flat_map(|m| m.textures()).filter_map(|(t, _)| t).map(|t| (t.id, t)).collect();
         self.textures.retain(|id, _| textures.contains_key(id));
         for (&id, texture) in &textures {
             self.textures.entry(id).or_insert_with(|| Arc::new(GpuTexture::new(gpu, texture)));
@@ -130,13 +138,16 @@ impl MaterialStore {
         let find = |texture: Option<&Arc<Texture>>, neutral: &Arc<GpuTexture>| {
             texture.and_then(|t| self.textures.get(&t.id)).unwrap_or(neutral).clone()
         };
-        let [base_color, metallic_roughness, normal, emissive] = textures_of(material);
+        let [base_color, metallic_roughness, normal, emissive, specular, specular_color] =
+            material.textures().map(|(texture, _)| texture);
         GpuMaterial {
             uniform: gpu.uniform(&material.name, &MaterialUniform::new(material)),
             base_color: find(base_color, &self.white),
             metallic_roughness: find(metallic_roughness, &self.white),
             normal: find(normal, &self.flat_normal),
             emissive: find(emissive, &self.white),
+            specular: find(specular, &self.white),
+            specular_color: find(specular_color, &self.white),
         }
     }
 
@@ -144,15 +155,6 @@ impl MaterialStore {
     pub(super) fn texture_bytes(&self) -> u64 {
         self.textures.values().map(|t| t.bytes).sum()
     }
-}
-
-fn textures_of(material: &Material) -> [Option<&Arc<Texture>>; 4] {
-    [
-        material.base_color_texture.as_ref(),
-        material.metallic_roughness_texture.as_ref(),
-        material.normal_texture.as_ref(),
-        material.emissive_texture.as_ref(),
-    ]
 }
 
 fn single_texel(name: &str, texel: [u8; 4]) -> Texture {

@@ -7,8 +7,8 @@
 mod material;
 mod texture;
 
-use crate::assets::{AssetId, Mesh, Vertex};
-use crate::gpu::{Binding, Gpu, RasterKey};
+use crate::assets::{AssetId, Mesh, Vertex, VertexExtra};
+use crate::gpu::{Binding, Gpu, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId};
 use bytemuck::{Pod, Zeroable};
@@ -29,6 +29,8 @@ pub struct MaterialClass {
     pub masked: bool,
     /// The transform mirrors: triangles wind the other way.
     pub mirrored: bool,
+    /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular`.
+    pub plain: bool,
 }
 
 impl MaterialClass {
@@ -37,7 +39,18 @@ impl MaterialClass {
             double_sided: primitive.material.double_sided,
             masked: alpha_cutoff(&primitive.material) >= 0.0,
             mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
+            plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
         }
+    }
+
+    /// What the shader of a pass may leave out.
+    pub fn defs(self) -> Vec<(&'static str, ShaderDef)> {
+        if self.plain { vec![("PLAIN", ShaderDef::Flag(true))] } else { Vec::new() }
+    }
+
+    /// Layouts of [`Vertex`] and, where there is more than the plain, [`VertexExtra`].
+    pub fn vertex_buffers(self) -> Vec<wgpu::VertexBufferLayout<'static>> {
+        if self.plain { vec![vertex_layout()] } else { vec![vertex_layout(), extra_layout()] }
     }
 
     /// Winding and culling for what the camera sees: back faces of single-sided surfaces are left out.
@@ -68,7 +81,10 @@ impl Instance {
 }
 
 struct GpuMesh {
+    topology: AssetId,
     vertices: wgpu::Buffer,
+    /// For draws that are not plain.
+    extras: Option<wgpu::Buffer>,
     indices: wgpu::Buffer,
     index_count: u32,
 }
@@ -76,10 +92,36 @@ struct GpuMesh {
 impl GpuMesh {
     fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
         Self {
-            vertices: gpu.storage(&mesh.name, &mesh.vertices, wgpu::BufferUsages::VERTEX),
+            topology: mesh.topology(),
+            vertices: gpu.storage(
+                &mesh.name,
+                &mesh.vertices,
+                wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            ),
+            extras: None,
             indices: gpu.storage(&mesh.name, &mesh.indices, wgpu::BufferUsages::INDEX),
             index_count: mesh.indices.len() as u32,
         }
+    }
+
+    /// The buffers with another pose of the same mesh in them.
+    fn posed(self, gpu: &Gpu, mesh: &Mesh) -> Self {
+        gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
+        self
+    }
+
+    fn add_extras(&mut self, gpu: &Gpu, mesh: &Mesh) {
+        self.extras.get_or_insert_with(|| {
+            let neutral;
+            let extras = match &mesh.extras {
+                Some(extras) => extras.as_slice(),
+                None => {
+                    neutral = vec![VertexExtra::NEUTRAL; mesh.vertices.len()];
+                    &neutral
+                }
+            };
+            gpu.storage(&mesh.name, extras, wgpu::BufferUsages::VERTEX)
+        });
     }
 }
 
@@ -139,10 +181,21 @@ impl GpuScene {
 
     fn update_meshes(&mut self, gpu: &Gpu, scene: &Scene) {
         let used: HashMap<AssetId, &Mesh> = scene.primitives.iter().map(|p| (p.mesh.id, &*p.mesh)).collect();
-        self.meshes.retain(|id, _| used.contains_key(id));
-        for (&id, mesh) in &used {
-            if !mesh.indices.is_empty() {
-                self.meshes.entry(id).or_insert_with(|| GpuMesh::new(gpu, mesh));
+        // Poses that are gone leave their buffers to those that come.
+        let gone: Vec<AssetId> = self.meshes.keys().filter(|id| !used.contains_key(id)).copied().collect();
+        let mut free: HashMap<AssetId, Vec<GpuMesh>> = HashMap::new();
+        for mesh in gone.iter().filter_map(|id| self.meshes.remove(id)) {
+            free.entry(mesh.topology).or_default().push(mesh);
+        }
+        for (&id, mesh) in used.iter().filter(|(_, mesh)| !mesh.indices.is_empty()) {
+            self.meshes.entry(id).or_insert_with(|| match free.get_mut(&mesh.topology()).and_then(Vec::pop) {
+                Some(old) => old.posed(gpu, mesh),
+                None => GpuMesh::new(gpu, mesh),
+            });
+        }
+        for primitive in scene.primitives.iter().filter(|p| !MaterialClass::of(p).plain) {
+            if let Some(mesh) = self.meshes.get_mut(&primitive.mesh.id) {
+                mesh.add_extras(gpu, &primitive.mesh);
             }
         }
     }
@@ -215,6 +268,9 @@ impl GpuScene {
                 }
             }
             pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+            if let Some(extras) = mesh.extras.as_ref().filter(|_| !batch.class.plain) {
+                pass.set_vertex_buffer(1, extras.slice(..));
+            }
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
             for run in runs {
                 let instances = run.len() as u64;
@@ -253,7 +309,16 @@ impl Batch {
     }
 }
 
-/// The one vertex layout: [`Vertex`] at locations 0 to 3.
+fn extra_layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![4 => Float32x2, 5 => Unorm16x4];
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<VertexExtra>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &ATTRIBUTES,
+    }
+}
+
+/// [`Vertex`] at locations 0 to 3.
 pub fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
     const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];

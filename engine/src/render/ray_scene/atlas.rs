@@ -66,11 +66,8 @@ impl Atlas {
 }
 
 fn textures_of(scene: &Scene) -> BTreeMap<AssetId, &Arc<Texture>> {
-    let of_material = scene.primitives.iter().flat_map(|primitive| {
-        let m = &primitive.material;
-        [&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emissive_texture]
-    });
-    of_material.flatten().map(|texture| (texture.id, texture)).collect()
+    let of_material = scene.primitives.iter().flat_map(|primitive| primitive.material.textures());
+    of_material.filter_map(|(texture, _)| texture).map(|texture| (texture.id, texture)).collect()
 }
 
 /// Origin x and y, and the layer.

@@ -2,6 +2,7 @@
 
 use super::RayError;
 use super::materials::GpuMaterials;
+use crate::assets::VertexExtra;
 use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
 use crate::scene::Scene;
@@ -71,6 +72,7 @@ pub(super) struct GpuGeometry {
     nodes: Words,
     triangles: Words,
     attributes: Words,
+    extras: Words,
     /// Link to the root.
     pub(super) root: u32,
 }
@@ -81,6 +83,7 @@ impl GpuGeometry {
             nodes: Words::new(gpu, "ray nodes", 1),
             triangles: Words::new(gpu, "ray triangles", 1),
             attributes: Words::new(gpu, "ray attributes", 1),
+            extras: Words::new(gpu, "ray extras", 1),
             root: NONE,
         }
     }
@@ -97,6 +100,10 @@ impl GpuGeometry {
         &self.attributes.view
     }
 
+    pub(super) fn extras(&self) -> &wgpu::TextureView {
+        &self.extras.view
+    }
+
     /// Uploads all triangles in the order of the leaves. `emitters` gives each its emitter, or [`NONE`].
     pub(super) fn update(
         &mut self,
@@ -109,7 +116,7 @@ impl GpuGeometry {
         let (mut nodes, root) = nodes_of(&bvh.bvh);
         self.nodes.upload(gpu, "ray nodes", "hierarchies", &mut nodes)?;
         self.root = root;
-        let (mut triangles, mut attributes) = (Vec::new(), Vec::new());
+        let (mut triangles, mut attributes, mut extras) = (Vec::new(), Vec::new(), Vec::new());
         for (&index, &emitter) in bvh.bvh.order.iter().zip(emitters) {
             let triangle = &bvh.triangles[index as usize];
             let primitive = &scene.primitives[triangle.primitive as usize];
@@ -127,7 +134,12 @@ impl GpuGeometry {
                 let [x, y, z] = corner.to_array().map(f32::to_bits);
                 [x, y, z, word]
             }));
-            let vertices = vertex_indices(primitive, triangle.triangle).map(|vertex| &primitive.mesh.vertices[vertex]);
+            let indices = vertex_indices(primitive, triangle.triangle);
+            if !materials.is_plain() {
+                pad_row(&mut extras);
+                extras.extend(indices.map(|vertex| encode_extra(&primitive.mesh.extra(vertex))));
+            }
+            let vertices = indices.map(|vertex| &primitive.mesh.vertices[vertex]);
             let transform = &primitive.world_from_object;
             attributes.extend(vertices.map(|vertex| {
                 let normal = encode_direction(world_normal(transform, vertex.normal.into()));
@@ -136,8 +148,15 @@ impl GpuGeometry {
             }));
         }
         self.triangles.upload(gpu, "ray triangles", "triangles", &mut triangles)?;
+        self.extras.upload(gpu, "ray extras", "triangles", &mut extras)?;
         self.attributes.upload(gpu, "ray attributes", "triangles", &mut attributes)
     }
+}
+
+/// Second texture coordinates, then colour and alpha of 16 bits each.
+fn encode_extra(extra: &VertexExtra) -> Texel {
+    let ([u, v], [r, g, b, a]) = (extra.uv.map(f32::to_bits), extra.color.map(u32::from));
+    [u, v, r | g << 16, b | a << 16]
 }
 
 /// Rows hold 1365 triangles; the last texel of each stays empty.

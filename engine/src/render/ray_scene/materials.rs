@@ -23,8 +23,9 @@ pub(crate) struct RayMaterial {
     alpha_cutoff: f32,
     normal_scale: f32,
     double_sided: u32,
-    /// Base colour, metallic-roughness, normal, emissive.
-    textures: [[u32; 4]; 4],
+    /// In the order of [`Material::textures`].
+    textures: [[u32; 4]; 6],
+    uv_rows: [[f32; 4]; 12],
 }
 
 impl RayMaterial {
@@ -32,12 +33,6 @@ impl RayMaterial {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO).min(Vec3::splat(1e30)) } else { Vec3::ZERO };
         let base_color = material.base_color;
-        let textures = [
-            &material.base_color_texture,
-            &material.metallic_roughness_texture,
-            &material.normal_texture,
-            &material.emissive_texture,
-        ];
         Self {
             base_color: if base_color.is_finite() { base_color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::W }
                 .to_array(),
@@ -49,7 +44,8 @@ impl RayMaterial {
             alpha_cutoff: alpha_cutoff(material),
             normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 0.0 },
             double_sided: u32::from(material.double_sided),
-            textures: textures.map(|texture| texture.as_ref().map_or([0; 4], |texture| atlas.slot(texture.id))),
+            textures: material.textures().map(|(texture, _)| texture.map_or([0; 4], |texture| atlas.slot(texture.id))),
+            uv_rows: material.uv_rows(),
         }
     }
 }
@@ -60,12 +56,13 @@ pub(super) struct GpuMaterials {
     indices: HashMap<AssetId, u32>,
     masked: Vec<bool>,
     specular: bool,
+    plain: bool,
 }
 
 impl GpuMaterials {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
-        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false }
+        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, plain: true }
     }
 
     /// Uploads all materials of the scene.
@@ -73,6 +70,7 @@ impl GpuMaterials {
         self.indices.clear();
         self.masked.clear();
         self.specular = scene.primitives.iter().any(|p| p.material.specular != 0.0 || p.material.metallic != 0.0);
+        self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         let mut list = Vec::new();
         for primitive in &scene.primitives {
             let material = &primitive.material;
@@ -99,6 +97,11 @@ impl GpuMaterials {
     /// Whether any material is not purely diffuse.
     pub(super) fn any_specular(&self) -> bool {
         self.specular
+    }
+
+    /// Whether all textures lie by one set of coordinates as it is, and no mesh has colours.
+    pub(super) fn is_plain(&self) -> bool {
+        self.plain
     }
 
     pub(super) fn is_masked(&self, index: u32) -> bool {

@@ -143,6 +143,7 @@ impl RayScene {
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
             ("UNLIT", self.emitter_count == 0),
+            ("PLAIN", self.materials.is_plain()),
         ];
         let key = ComputeKey::new(file, entry).def("STACK", ShaderDef::Uint(stack));
         let set = flags.into_iter().filter(|(_, set)| *set);
@@ -150,7 +151,7 @@ impl RayScene {
     }
 
     /// Group 1 of all passes that cast rays.
-    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 7] {
+    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
         [
             ("nodes", Binding::Texture(self.geometry.nodes())),
             ("triangles", Binding::Texture(self.geometry.triangles())),
@@ -159,6 +160,7 @@ impl RayScene {
             ("emitters", Binding::Buffer(&self.emitters)),
             ("lights", Binding::Buffer(&self.lights)),
             ("atlas", Binding::Texture(self.atlas.view())),
+            ("extras", Binding::Texture(self.geometry.extras())),
         ]
     }
 }

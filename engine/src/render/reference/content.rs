@@ -75,6 +75,9 @@ impl Content {
             let mut hash = Xxh3::new();
             hash.update(bytemuck::cast_slice(&mesh.vertices));
             hash.update(bytemuck::cast_slice(&mesh.indices));
+            if let Some(extras) = &mesh.extras {
+                hash.update(bytemuck::cast_slice(extras));
+            }
             hash.digest128()
         });
     }
@@ -90,13 +93,13 @@ impl Content {
         self.f32s(material.specular_color.to_array());
         self.f32s(material.emissive.to_array());
         self.f32s([material.metallic, material.roughness, material.specular, material.normal_scale, alpha.1]);
-        let textures = [
-            &material.base_color_texture,
-            &material.metallic_roughness_texture,
-            &material.normal_texture,
-            &material.emissive_texture,
-        ];
-        textures.into_iter().for_each(|texture| self.texture(texture.as_ref()));
+        let textures = material.textures();
+        textures[..4].iter().for_each(|(texture, _)| self.texture(*texture));
+        // Keys of materials without these are those of versions that did not know them.
+        if !material.is_plain() {
+            textures[4..].iter().for_each(|(texture, _)| self.texture(*texture));
+            material.uv_rows().into_iter().for_each(|row| self.f32s(row));
+        }
     }
 
     fn texture(&mut self, texture: Option<&Arc<Texture>>) {

@@ -90,7 +90,11 @@ impl<'a> HostTracer<'a> {
         scene.primitives.iter().all(|primitive| {
             let m = &primitive.material;
             let textured = m.base_color_texture.is_some() || m.normal_texture.is_some() || m.emissive_texture.is_some();
-            !textured && m.specular == 0.0 && m.metallic == 0.0 && m.emissive == Vec3::ZERO
+            !textured
+                && primitive.mesh.extras.is_none()
+                && m.specular == 0.0
+                && m.metallic == 0.0
+                && m.emissive == Vec3::ZERO
         })
     }
 

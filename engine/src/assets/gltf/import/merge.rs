@@ -1,8 +1,7 @@
 //! Merging of all primitives of one material.
 
-use super::super::{Gltf, GltfNode};
-use crate::assets::{AssetId, Material, Mesh, Vertex};
-use crate::world::Transform;
+use super::super::{Gltf, GltfNode, GltfPrimitive};
+use crate::assets::{AssetId, Material, Mesh, Vertex, VertexExtra};
 use glam::{Affine3A, Mat3, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,6 +10,8 @@ use std::sync::Arc;
 struct Merged {
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
+    extras: Vec<VertexExtra>,
+    has_extras: bool,
 }
 
 /// Puts all that the model draws into one node at its top, one primitive a material. The other nodes keep their
@@ -22,7 +23,10 @@ pub(super) fn merge(model: &mut Gltf) {
     while let Some((index, parent)) = open.pop() {
         let node = &mut model.nodes[index];
         let place = parent * node.local.matrix();
-        for (mesh, material) in std::mem::take(&mut node.primitives) {
+        // What is posed stays where its joints and weights are.
+        let (posed, rigid) = std::mem::take(&mut node.primitives).into_iter().partition(|(m, _)| m.deform.is_some());
+        node.primitives = posed;
+        for (mesh, material) in rigid as Vec<GltfPrimitive> {
             let target = merged.entry(material.id).or_insert_with(|| {
                 order.push(material.clone());
                 Merged::default()
@@ -32,20 +36,14 @@ pub(super) fn merge(model: &mut Gltf) {
         open.extend(node.children.iter().rev().map(|child| (*child, place)));
     }
     let mesh = |material: &Arc<Material>| {
-        let Merged { vertices, indices } = merged.remove(&material.id).unwrap_or_default();
-        (Arc::new(Mesh::new(material.name.clone(), vertices, indices)), material.clone())
+        let Merged { vertices, indices, extras, has_extras } = merged.remove(&material.id).unwrap_or_default();
+        let mut mesh = Mesh::new(material.name.clone(), vertices, indices);
+        mesh.extras = has_extras.then(|| Arc::new(extras));
+        (Arc::new(mesh), material.clone())
     };
     let primitives = order.iter().map(mesh).collect();
     model.roots.push(model.nodes.len());
-    model.nodes.push(GltfNode {
-        name: "merged".into(),
-        parent: None,
-        children: Vec::new(),
-        local: Transform::default(),
-        primitives,
-        camera: None,
-        light: None,
-    });
+    model.nodes.push(GltfNode { name: "merged".into(), primitives, ..GltfNode::default() });
 }
 
 impl Merged {
@@ -70,6 +68,8 @@ impl Merged {
                 uv: v.uv,
             }
         };
+        self.has_extras |= mesh.extras.is_some();
+        self.extras.extend((0..mesh.vertices.len()).map(|vertex| mesh.extra(vertex)));
         self.vertices.extend(mesh.vertices.iter().map(moved));
         for triangle in mesh.indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| first + triangle[i]);

@@ -6,8 +6,8 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-use super::{Gltf, GltfPrimitive, tangents};
-use crate::assets::{AssetId, Material, Mesh};
+use super::{Gltf, GltfNode, GltfPrimitive, tangents};
+use crate::assets::{AssetId, Material, Mesh, Vertex};
 use glam::{Mat3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
@@ -171,22 +171,29 @@ impl ImportSettings {
         if self.flip_winding {
             indices.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
         }
-        match self.normals {
-            Normals::Keep => {}
+        let mut origins: Vec<u32> = match self.normals {
+            Normals::Keep => (0..vertices.len() as u32).collect(),
             Normals::Flat => normals::flat(&mut vertices, &mut indices),
             Normals::Smooth { crease } => normals::smooth(&mut vertices, &mut indices, crease.to_radians()),
-        }
+        };
         if self.normals != Normals::Keep {
             match material.normal_texture {
-                Some(_) => tangents::generate(&mut vertices, &mut indices),
+                Some(_) => {
+                    let uv = |(v, origin): (&Vertex, &u32)| {
+                        material.uv.normal.apply([v.uv, mesh.extra(*origin as usize).uv])
+                    };
+                    let uvs = vertices.iter().zip(&origins).map(uv).collect();
+                    let copies = tangents::generate(&mut vertices, &mut indices, uvs);
+                    origins.extend(copies.iter().map(|copy| origins[*copy as usize]).collect::<Vec<_>>());
+                }
                 None => vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent)),
             }
         }
+        let mut changed = Mesh::new(mesh.name.clone(), vertices, indices);
+        changed.carry(mesh, &origins);
         match self.parts {
-            Parts::Split { most } => {
-                split::split(&mesh.name, &vertices, &indices, most).into_iter().map(Arc::new).collect()
-            }
-            Parts::Keep | Parts::Merge => vec![Arc::new(Mesh::new(mesh.name.clone(), vertices, indices))],
+            Parts::Split { most } => split::split(&changed, most).into_iter().map(Arc::new).collect(),
+            Parts::Keep | Parts::Merge => vec![Arc::new(changed)],
         }
     }
 
@@ -199,6 +206,9 @@ impl ImportSettings {
         };
         if self.scale == 1.0 && self.up == UpAxis::Y {
             return;
+        }
+        if model.clips.iter().any(|clip| model.roots.iter().any(|root| clip.moves(*root))) {
+            add_top(model);
         }
         for &root in &model.roots {
             let local = &mut model.nodes[root].local;
@@ -216,6 +226,14 @@ impl ImportSettings {
             }
         }
     }
+}
+
+/// A node above all others: clips say where the roots are, and would undo what is done to them.
+fn add_top(model: &mut Gltf) {
+    let top = model.nodes.len();
+    let children = std::mem::replace(&mut model.roots, vec![top]);
+    children.iter().for_each(|child| model.nodes[*child].parent = Some(top));
+    model.nodes.push(GltfNode { name: "import".into(), children, ..GltfNode::default() });
 }
 
 /// Leaves out what the pattern fits; false if that is nothing.

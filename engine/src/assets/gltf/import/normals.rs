@@ -7,14 +7,14 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 /// One normal a triangle, and so three vertices of its own.
-pub(super) fn flat(vertices: &mut Vec<Vertex>, indices: &mut [u32]) {
+pub(super) fn flat(vertices: &mut Vec<Vertex>, indices: &mut [u32]) -> Vec<u32> {
     let faces: Vec<Vec3> = indices.chunks_exact(3).map(|triangle| normal(triangle, vertices)).collect();
     let corner_normals: Vec<Vec3> = faces.into_iter().flat_map(|face| [face; 3]).collect();
-    rewrite(vertices, indices, &corner_normals);
+    rewrite(vertices, indices, &corner_normals)
 }
 
 /// One normal for all triangles around a vertex that are joined by edges of no more than `crease` \[rad\].
-pub(super) fn smooth(vertices: &mut Vec<Vertex>, indices: &mut [u32], crease: f32) {
+pub(super) fn smooth(vertices: &mut Vec<Vertex>, indices: &mut [u32], crease: f32) -> Vec<u32> {
     let places = places(vertices);
     let faces: Vec<Vec3> = indices.chunks_exact(3).map(|triangle| normal(triangle, vertices)).collect();
     let groups = smoothing_groups(indices, &places, &faces, crease);
@@ -24,7 +24,7 @@ pub(super) fn smooth(vertices: &mut Vec<Vertex>, indices: &mut [u32], crease: f3
     }
     let normal = |corner: usize| sums[groups[corner] as usize].try_normalize().unwrap_or(faces[corner / 3]);
     let corner_normals: Vec<Vec3> = (0..indices.len()).map(normal).collect();
-    rewrite(vertices, indices, &corner_normals);
+    rewrite(vertices, indices, &corner_normals)
 }
 
 /// For each corner the first corner whose normal it shares: corners at one place are joined across the edges that
@@ -62,17 +62,20 @@ fn angle_at(corner: usize, vertices: &[Vertex], indices: &[u32]) -> f32 {
     a.normalize_or_zero().dot(b.normalize_or_zero()).clamp(-1.0, 1.0).acos()
 }
 
-/// Gives every corner its normal; corners that differ in nothing share a vertex.
-fn rewrite(vertices: &mut Vec<Vertex>, indices: &mut [u32], normals: &[Vec3]) {
+/// Gives every corner its normal; corners that differ in nothing share a vertex. Returns which vertex each was.
+fn rewrite(vertices: &mut Vec<Vertex>, indices: &mut [u32], normals: &[Vec3]) -> Vec<u32> {
+    let mut origins = Vec::with_capacity(vertices.len());
     let mut made: Vec<Vertex> = Vec::with_capacity(vertices.len());
     let mut known = HashMap::new();
     for (index, normal) in indices.iter_mut().zip(normals) {
         let next = made.len() as u32;
         let place = *known.entry((*index, normal.to_array().map(f32::to_bits))).or_insert(next);
         if place == next {
+            origins.push(*index);
             made.push(Vertex { normal: normal.to_array(), ..vertices[*index as usize] });
         }
         *index = place;
     }
     *vertices = made;
+    origins
 }

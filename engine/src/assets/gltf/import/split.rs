@@ -44,15 +44,16 @@ pub(super) fn places(vertices: &[Vertex]) -> Vec<u32> {
 
 /// The connected parts in the order of their first triangles. Triangles are connected where they share a position.
 /// Parts of more than `most` triangles are halved until they have no more.
-pub(super) fn split(name: &str, vertices: &[Vertex], indices: &[u32], most: Option<u32>) -> Vec<Mesh> {
-    let triangles: Vec<[u32; 3]> = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+pub(super) fn split(whole: &Mesh, most: Option<u32>) -> Vec<Mesh> {
+    let (name, vertices) = (&whole.name, &whole.vertices);
+    let triangles: Vec<[u32; 3]> = whole.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     let mut parts = connected(vertices, &triangles);
     if let Some(most) = most {
         parts = parts.into_iter().flat_map(|part| halved(part, vertices, most.max(1) as usize)).collect();
     }
     let is_whole = parts.len() == 1;
-    let name_of = |i: usize| if is_whole { name.to_owned() } else { format!("{name} part {}", i + 1) };
-    parts.iter().enumerate().map(|(i, part)| mesh(name_of(i), part, vertices)).collect()
+    let name_of = |i: usize| if is_whole { name.clone() } else { format!("{name} part {}", i + 1) };
+    parts.iter().enumerate().map(|(i, part)| mesh(name_of(i), part, whole)).collect()
 }
 
 fn connected(vertices: &[Vertex], triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
@@ -97,15 +98,19 @@ fn halved(part: Vec<[u32; 3]>, vertices: &[Vertex], most: usize) -> Vec<Vec<[u32
 }
 
 /// A mesh of the triangles with the vertices that they need.
-fn mesh(name: String, triangles: &[[u32; 3]], all: &[Vertex]) -> Mesh {
+fn mesh(name: String, triangles: &[[u32; 3]], whole: &Mesh) -> Mesh {
+    let mut origins = Vec::new();
     let (mut vertices, mut indices, mut known) = (Vec::new(), Vec::new(), HashMap::new());
     for corner in triangles.as_flattened() {
         let next = vertices.len() as u32;
         let index = *known.entry(*corner).or_insert(next);
         if index == next {
-            vertices.push(all[*corner as usize]);
+            vertices.push(whole.vertices[*corner as usize]);
+            origins.push(*corner);
         }
         indices.push(index);
     }
-    Mesh::new(name, vertices, indices)
+    let mut mesh = Mesh::new(name, vertices, indices);
+    mesh.carry(whole, &origins);
+    mesh
 }

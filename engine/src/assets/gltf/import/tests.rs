@@ -4,24 +4,23 @@
 use super::super::GltfNode;
 use super::*;
 use crate::assets::{Shape, Vertex};
-use crate::world::Transform;
 use std::path::PathBuf;
 
 fn node(name: &str, mesh: Mesh, material: &Arc<Material>) -> GltfNode {
-    GltfNode {
-        name: name.into(),
-        parent: None,
-        children: Vec::new(),
-        local: Transform::default(),
-        primitives: vec![(Arc::new(mesh), material.clone())],
-        camera: None,
-        light: None,
-    }
+    GltfNode { name: name.into(), primitives: vec![(Arc::new(mesh), material.clone())], ..GltfNode::default() }
 }
 
 fn model(nodes: Vec<GltfNode>) -> Gltf {
     let roots = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
-    Gltf { path: PathBuf::from("m.glb"), nodes, roots, files: Vec::new(), warnings: Vec::new() }
+    Gltf {
+        path: PathBuf::from("m.glb"),
+        nodes,
+        roots,
+        skins: Vec::new(),
+        clips: Arc::default(),
+        files: Vec::new(),
+        warnings: Vec::new(),
+    }
 }
 
 fn cube() -> Mesh {
