@@ -24,13 +24,15 @@ pub(super) struct Animated {
     weights: Option<&'static mut MorphWeights>,
 }
 
+type Moved = (Option<Ref<'static, Animation>>, Option<&'static ClipTarget>, Animated);
+
 /// What may be moved: by an animation of its own, or by a clip of the model that it belongs to.
 type Moves = Or<(With<Animation>, With<ClipTarget>)>;
 
 /// Brings all animated entities to the pose of the clock's time.
 pub(super) fn animate(
     clock: Res<Clock>,
-    mut animated: Query<(Option<Ref<Animation>>, Option<&ClipTarget>, Animated), Moves>,
+    mut animated: Query<Moved, Moves>,
     players: Query<(Entity, &Animation, &Clips)>,
 ) {
     for (animation, _, mut item) in &mut animated {
