@@ -1,8 +1,10 @@
 //! The command line.
 
 mod bench;
+mod sheet;
 
 pub use bench::{BenchArgs, Bounces, Sweep};
+pub use sheet::SheetArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::Deserialize;
@@ -20,6 +22,7 @@ Examples:
   lightwell bench cornell --quick -o out/bench
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
   lightwell test                              the scene tests in tests/scenes
+  lightwell sheet ~/models -o out/sheets      a thumbnail of each model below a folder
 
 A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
 Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
@@ -65,6 +68,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Run headless scene tests
     Test(TestArgs),
+    /// Draw many models and scenes as labelled thumbnails on sheets
+    Sheet(SheetArgs),
     /// Show the graphics adapter, its features and limits
     Info,
 }

@@ -9,12 +9,14 @@ mod capture;
 pub mod cli;
 mod commands;
 mod jitter;
+mod logging;
 mod play;
 mod progress;
 mod scene_path;
 pub mod scene_test;
 pub mod session;
 mod set;
+mod sheet;
 
 use clap::Parser;
 use cli::{Cli, Command};
@@ -23,7 +25,7 @@ use std::process::ExitCode;
 /// Runs the program: parses its arguments, does what they ask for, and prints an error once.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
-    start_log(cli.common.verbose);
+    logging::start(cli.common.verbose);
     let common = &cli.common;
     let result = match &cli.command {
         Command::Play(args) => play::run(args, common).map(|()| ExitCode::SUCCESS),
@@ -32,20 +34,11 @@ pub fn run() -> ExitCode {
         Command::Bench(args) => commands::bench::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Explain(args) => commands::explain::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Test(args) => commands::test::run(args, common),
+        Command::Sheet(args) => sheet::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
         ExitCode::from(1)
     })
-}
-
-/// Warnings always, more with `-v`; RUST_LOG overrides. What the graphics libraries say is a level quieter.
-fn start_log(verbose: u8) {
-    let filter = match verbose {
-        0 => "warn,wgpu=error,wgpu_hal=error,wgpu_core=error,naga=error,winit=error",
-        1 => "info,wgpu=warn,wgpu_hal=error,wgpu_core=warn,naga=warn",
-        _ => "debug,wgpu=info,wgpu_hal=warn,wgpu_core=info,naga=info",
-    };
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or(filter)).format_target(false).init();
 }

@@ -29,11 +29,12 @@ fn picture(folder: &Path, name: &str, size: [u32; 2], color: [f32; 3]) -> PathBu
 fn help_teaches_by_example() {
     let help = lightwell(&["--help"]);
     assert_eq!(help.status.code(), Some(0));
-    for word in ["play", "render", "compare", "explain", "test", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"]
+    for word in
+        ["play", "render", "compare", "explain", "test", "sheet", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"]
     {
         assert!(out(&help).contains(word), "no {word} in\n{}", out(&help));
     }
-    for command in ["play", "render", "compare", "explain", "test", "info"] {
+    for command in ["play", "render", "compare", "explain", "test", "sheet", "info"] {
         let help = lightwell(&[command, "--help"]);
         assert_eq!(help.status.code(), Some(0), "{command}: {}", err(&help));
     }
@@ -282,4 +283,30 @@ fn play_without_a_display_writes_frames() {
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     assert!(dir.path().join("out/cornell/frame_0048.png").is_file(), "{}", out(&output));
     assert!(out(&output).contains("frame_0001.png"), "{}", out(&output));
+}
+
+#[test]
+fn sheets_show_bad_files_too() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("broken.gltf"), b"{").unwrap();
+    std::fs::write(
+        dir.path().join("ball.scene.ron"),
+        r#"Scene(entities: [
+            (name: "Camera", transform: (translation: (0, 0, 4)), camera: (fov: 45)),
+            (name: "Ball", mesh: Sphere(radius: 1), material: (emissive: (1, 0, 0))),
+        ])"#,
+    )
+    .unwrap();
+    let sheets = dir.path().join("sheets");
+    let (folder, target) = (dir.path().to_string_lossy(), sheets.to_string_lossy());
+    let output = lightwell(&["sheet", &folder, "-o", &target, "--size", "160x160", "--jobs", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(out(&output).contains("2 files: 1 drawn (0 with warnings), 1 with errors"), "{}", out(&output));
+    let report = std::fs::read_to_string(sheets.join("sheet.txt")).unwrap();
+    assert!(report.contains("broken ") && report.contains("error: JSON, line 1"), "{report}");
+    let sheet = lightwell::measure::read_image(&sheets.join("sheet_01.png")).unwrap();
+    // The first cell holds the ball's red middle, the second the message on grey.
+    let [r, g, _] = sheet.pixel(10 + 80, 10 + 80);
+    assert!(r > 2.0 * g, "{r} {g}");
+    assert!(lightwell(&["sheet", "no_such_folder", "-o", &target]).status.code() == Some(1));
 }

@@ -68,6 +68,9 @@ impl AssetLibrary {
             return Ok(model.clone());
         }
         let model = Arc::new(Gltf::load(path)?);
+        for warning in &model.warnings {
+            log::warn!("{}: {warning}", path.display());
+        }
         self.models.insert(key, model.clone());
         Ok(model)
     }

@@ -27,4 +27,6 @@ mod variant;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use picture::Canvas;
+pub(crate) use plot::text_width;
 pub use run::run;

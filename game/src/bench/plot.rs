@@ -60,6 +60,16 @@ pub fn text(rgb: &mut [u8], size: [u32; 2], at: [i32; 2], text: &str) -> Result<
     area.present().map_err(wrong)
 }
 
+/// Width of a line of text as [`text`] draws it \[pixels\].
+///
+/// # Errors
+/// If the font cannot be read.
+pub fn text_width(text: &str) -> Result<u32> {
+    fonts()?;
+    let (low, high) = (FONT, 16).into_font().layout_box(text).map_err(wrong)?;
+    Ok((high.0 - low.0).unsigned_abs())
+}
+
 /// Draws into an empty picture and writes it.
 fn drawn(path: &Path, draw: impl FnOnce(&Area) -> Result<()>) -> Result<()> {
     fonts()?;

@@ -1,0 +1,56 @@
+//! The program's log on its error stream, and warnings caught while something is tried.
+
+use log::{Level, Log, Metadata, Record};
+use std::cell::RefCell;
+
+thread_local! {
+    /// Warnings of this thread that are caught; none: they go to the log.
+    static CAUGHT: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// Warnings always, more with `-v`; RUST_LOG overrides. What the graphics libraries say is a level quieter.
+pub fn start(verbose: u8) {
+    let filter = match verbose {
+        0 => "warn,wgpu=error,wgpu_hal=error,wgpu_core=error,naga=error,winit=error",
+        1 => "info,wgpu=warn,wgpu_hal=error,wgpu_core=warn,naga=warn",
+        _ => "debug,wgpu=info,wgpu_hal=warn,wgpu_core=info,naga=info",
+    };
+    let env = env_logger::Env::default().default_filter_or(filter);
+    let logger = env_logger::Builder::from_env(env).format_target(false).build();
+    log::set_max_level(logger.filter());
+    // Fails where a log is running already, which is then as good.
+    let _ = log::set_boxed_logger(Box::new(Listener(logger)));
+}
+
+/// Runs `work` and gives the warnings that this thread logged meanwhile, which go nowhere else.
+pub fn catching<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
+    CAUGHT.with_borrow_mut(|caught| *caught = Some(Vec::new()));
+    let result = work();
+    (result, CAUGHT.take().unwrap_or_default())
+}
+
+struct Listener(env_logger::Logger);
+
+impl Log for Listener {
+    fn enabled(&self, metadata: &Metadata) -> bool {
+        self.0.enabled(metadata)
+    }
+
+    fn log(&self, record: &Record) {
+        if record.level() != Level::Warn || !self.0.matches(record) {
+            return self.0.log(record);
+        }
+        let is_caught = CAUGHT.with_borrow_mut(|caught| {
+            let Some(caught) = caught else { return false };
+            caught.push(record.args().to_string());
+            true
+        });
+        if !is_caught {
+            self.0.log(record);
+        }
+    }
+
+    fn flush(&self) {
+        self.0.flush();
+    }
+}
