@@ -250,6 +250,20 @@ fn device_and_host_trace_the_same_paths() {
     }
 }
 
+/// On a plain of 200 km a room is smaller than the unit that boxes are rounded to: they are kept as they are.
+#[test]
+fn device_and_host_trace_the_same_paths_on_a_wide_plain() {
+    let gpu = gpu();
+    let mut stage = box_room();
+    let plain = Shape::Plane { size: [2e5; 2], subdivisions: [1; 2] };
+    stage.add(plain, Vec3::splat(0.5), Affine3A::from_translation(Vec3::new(0.0, -3.0, 0.0)));
+    let settings = TraceSettings { bounces: Some(2), seed: 7 };
+    let measured = measure_throughput(&gpu, &stage.scene, &stage.view, &settings, 8, 1)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .expect("diffuse surfaces without textures");
+    assert_near("mean", measured.device_image.total().mean(), measured.host_image.total().mean(), 2e-3);
+}
+
 #[test]
 fn pieces_and_repetition_leave_every_bit_as_it_is() {
     let gpu = gpu();

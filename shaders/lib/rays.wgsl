@@ -5,7 +5,6 @@
 // Nodes and triangles lie in textures of integers: four words come with one fetch, which on some adapters costs a
 // quarter of the same words from a buffer. What a scene does not have is left out of the shader, since adapters that
 // run both sides of a branch would pay for it at every step:
-//   STACK       entries of the traversal stack
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
@@ -49,9 +48,13 @@ struct RayLight {
     indirect: u32,
 }
 
-// A node takes two texels: lower corner and link, upper corner and an unused word; the two children of a node lie
-// side by side. A link: number of triangles in the upper three bits, 0 for inner nodes; below them the first triangle
-// or the first child.
+// Boxes in the order in which a ray meets them, one texel a box, so that a ray needs no stack (Smits 1998, "Efficiency
+// issues for ray tracing"): after a box that it meets comes the next one, after one that it misses the one that the
+// link names. There is a list for each of the eight signs of a direction, near children before far ones. Words:
+// corners in 16 bits each, in units of the frame (x, y, z of the lower, then of the upper corner), and the link: the texel of
+// the next box that does not lie in this one; or for a leaf its first triangle, below LEAF and their number less one.
+// Two texels come first: the frame's origin and the boxes of a list; the frame's unit.
+//   EXACT_BOXES  instead: lower corner and link, upper corner and an unused word; links count boxes
 @group(1) @binding(0) var nodes: texture_2d<u32>;
 // Three texels a triangle: a corner in world space [m], and a word: material and flags; emitter or NONE; primitive.
 @group(1) @binding(1) var triangles: texture_2d<u32>;
@@ -66,8 +69,9 @@ struct RayLight {
 @group(1) @binding(7) var extras: texture_2d<u32>;
 #endif
 
-const LINK_BITS: u32 = 29u;
-const LINK_MASK: u32 = 0x1fffffffu;
+const LEAF: u32 = 0x80000000u;
+const COUNT_BITS: u32 = 29u;
+const FIRST_MASK: u32 = 0x1fffffffu;
 
 const MATERIAL_MASK: u32 = 0x1fffffffu;
 const CASTS_SHADOW: u32 = 0x20000000u;
@@ -83,21 +87,16 @@ struct Triangle {
     emitter: u32,          // or NONE
 }
 
-// Rows of 4096 texels hold 2048 nodes.
-fn node_texel(index: u32) -> vec2u {
-    return vec2u((2u * index) & 4095u, index >> 11u);
-}
-
-// Rows of 4096 texels hold 1365 triangles.
+// Three rows hold the first, second and third texels of 4096 triangles.
 fn triangle_texel(index: u32) -> vec2u {
-    return vec2u(3u * (index % 1365u), index / 1365u);
+    return vec2u(index & 4095u, 3u * (index >> 12u));
 }
 
 fn load_triangle(index: u32) -> Triangle {
     let at = triangle_texel(index);
     let a = textureLoad(triangles, at, 0);
-    let b = textureLoad(triangles, at + vec2u(1u, 0u), 0);
-    let c = textureLoad(triangles, at + vec2u(2u, 0u), 0);
+    let b = textureLoad(triangles, at + vec2u(0u, 1u), 0);
+    let c = textureLoad(triangles, at + vec2u(0u, 2u), 0);
     return Triangle(bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz), a.w & MATERIAL_MASK, a.w, b.w);
 }
 
@@ -156,7 +155,7 @@ fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
 // What a ray is for.
 const CAMERA: u32 = 0u;    // nearest surface, backs of single-sided ones left out
 const LIGHT: u32 = 1u;     // nearest surface that casts shadows, from both sides
-const SHADOW: u32 = 2u;    // any surface that casts shadows
+const SHADOW: u32 = 2u;    // any surface that casts shadows; which one is not said
 
 struct Ray {
     origin: vec3f,
@@ -171,28 +170,85 @@ struct Hit {
 
 fn inverse_direction(d: vec3f) -> vec3f {
     // No component is zero, so that no 0·∞ arises.
-    return select(select(vec3f(1e30), vec3f(-1e30), d < vec3f(0.0)), 1.0 / d, abs(d) > vec3f(1e-30));
+    return select(select(vec3f(1e20), vec3f(-1e20), d < vec3f(0.0)), 1.0 / d, abs(d) > vec3f(1e-20));
 }
 
-const FAR: f32 = 3e38;
+// A ray as boxes see it: they lie at box·scale + offset along it.
+struct Slabs {
+    scale: vec3f,
+    offset: vec3f,
+    first: u32,            // box of this ray's list
+    end: u32,
+}
 
-// Where the ray enters the box, or FAR.
-fn enter_box(low: vec3f, high: vec3f, origin: vec3f, inverse: vec3f, t_max: f32) -> f32 {
-    let a = (low - origin) * inverse;
-    let b = (high - origin) * inverse;
+struct Box {
+    low: vec3f,
+    high: vec3f,
+    link: u32,
+}
+
+fn box_texel(index: u32) -> vec2u {
+    return vec2u(index & 4095u, index >> 12u);
+}
+
+fn slabs(ray: Ray, boxes: u32) -> Slabs {
+    let inverse = inverse_direction(ray.direction);
+    let negative = vec3u(ray.direction < vec3f(0.0));
+    let first = HEADER + (negative.x + 2u * negative.y + 4u * negative.z) * boxes;
+#ifdef EXACT_BOXES
+    return Slabs(inverse, ray.origin, first, first + boxes);
+#else
+    let origin = bitcast<vec3f>(textureLoad(nodes, vec2u(0u, 0u), 0).xyz);
+    let unit = bitcast<vec3f>(textureLoad(nodes, vec2u(1u, 0u), 0).xyz);
+    return Slabs(unit * inverse, (origin - ray.origin) * inverse, first, first + boxes);
+#endif
+}
+
+#ifdef EXACT_BOXES
+const HEADER: u32 = 0u;
+#else
+const HEADER: u32 = 2u;
+#endif
+
+fn load_box(index: u32) -> Box {
+#ifdef EXACT_BOXES
+    let low = textureLoad(nodes, box_texel(2u * index), 0);
+    let high = textureLoad(nodes, box_texel(2u * index + 1u), 0);
+    return Box(bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz), low.w);
+#else
+    let words = textureLoad(nodes, box_texel(index), 0);
+    // Signed, since that is one instruction on adapters that convert unsigned numbers in six.
+    let low = vec3i(vec3u(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu));
+    let high = vec3i(vec3u(words.y >> 16u, words.z & 0xffffu, words.z >> 16u));
+    return Box(vec3f(low), vec3f(high), words.w);
+#endif
+}
+
+// Whether the ray meets the box before t_max.
+//
+// Floats that are not negative are ordered as their bits are, and what is negative stays so: whole numbers will do,
+// whose minimum is one instruction where that of floats has to look out for NaN.
+fn meets_box(box: Box, slabs: Slabs, t_max: f32) -> bool {
+#ifdef EXACT_BOXES
+    let a = bitcast<vec3i>((box.low - slabs.offset) * slabs.scale);
+    let b = bitcast<vec3i>((box.high - slabs.offset) * slabs.scale);
+#else
+    let a = bitcast<vec3i>(box.low * slabs.scale + slabs.offset);
+    let b = bitcast<vec3i>(box.high * slabs.scale + slabs.offset);
+#endif
     let near = min(a, b);
     let far = max(a, b);
-    let enter = max(max(near.x, near.y), max(near.z, 0.0));
-    // Two roundings further, so that no box is missed that holds a hit (Ize 2013).
-    let leave = min(far.x, min(far.y, far.z)) * 1.0000005;
-    return select(FAR, enter, enter <= min(leave, t_max));
+    let enter = max(max(near.x, near.y), max(near.z, 0));
+    let leave = min(min(far.x, far.y), min(far.z, bitcast<i32>(t_max)));
+    // Four roundings further, so that no box is missed that holds a hit (Ize 2013).
+    return enter <= leave + 4;
 }
 
 fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
     let at = triangle_texel(triangle);
     let a = bitcast<vec2f>(textureLoad(attributes, at, 0).yz);
-    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(1u, 0u), 0).yz);
-    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(2u, 0u), 0).yz);
+    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 1u), 0).yz);
+    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 2u), 0).yz);
     return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
 }
 
@@ -210,8 +266,8 @@ fn coordinates(triangle: u32, barycentric: vec2f) -> Coordinates {
 #else
     let at = triangle_texel(triangle);
     let a = textureLoad(extras, at, 0);
-    let b = textureLoad(extras, at + vec2u(1u, 0u), 0);
-    let c = textureLoad(extras, at + vec2u(2u, 0u), 0);
+    let b = textureLoad(extras, at + vec2u(0u, 1u), 0);
+    let c = textureLoad(extras, at + vec2u(0u, 2u), 0);
     let w = 1.0 - barycentric.x - barycentric.y;
     return Coordinates(
         uv,
@@ -250,96 +306,112 @@ fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
     return materials[material].emissive * emission_color(materials[material].uv_rows[7], at.color) * texel;
 }
 
-// Entries that the deepest way through the tree needs; the host knows.
-#ifdef STACK
-const STACK_SIZE: u32 = #{STACK}u;
-#else
-const STACK_SIZE: u32 = 128u;
-#endif
-
-// The inner loop goes down to a leaf before any lane looks into one (Aila and Laine 2009). Loops that are known to be
-// entered test at their end: adapters that run lanes in lockstep take a whole turn to find out at the start.
-fn trace(root: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
-    var hit = Hit(t_max, NONE, vec2f(0.0));
-    var stack: array<u32, STACK_SIZE>;
-    var top = 0u;
-    let origin = ray.origin;
-    let direction = ray.direction;
-    let inverse = inverse_direction(direction);
-    // The link to look at next; NONE: nothing is left.
-    var link = root;
-    while link != NONE {
-        if link <= LINK_MASK {
-            loop {
-                let at = node_texel(link);
-                let left_low = textureLoad(nodes, at, 0);
-                let left_high = textureLoad(nodes, at + vec2u(1u, 0u), 0);
-                let right_low = textureLoad(nodes, at + vec2u(2u, 0u), 0);
-                let right_high = textureLoad(nodes, at + vec2u(3u, 0u), 0);
-                let a = enter_box(bitcast<vec3f>(left_low.xyz), bitcast<vec3f>(left_high.xyz), origin, inverse, hit.t);
-                let b = enter_box(bitcast<vec3f>(right_low.xyz), bitcast<vec3f>(right_high.xyz), origin, inverse, hit.t);
-                let right_first = b < a;
-                if max(a, b) < FAR {
-                    stack[top] = select(right_low.w, left_low.w, right_first);
-                    top += 1u;
-                }
-                link = select(left_low.w, right_low.w, right_first);
-                if min(a, b) >= FAR {
-                    link = NONE;
-                    if top > 0u {
-                        top -= 1u;
-                        link = stack[top];
-                    }
-                }
-                continuing {
-                    break if link > LINK_MASK;
-                }
-            }
-        }
-        if link != NONE {
-            var i = link & LINK_MASK;
-            let end = i + (link >> LINK_BITS);
-            loop {
-                // Möller and Trumbore 1997, without any tolerance.
-                let triangle = load_triangle(i);
-                let edge_b = triangle.corner_b - triangle.corner_a;
-                let edge_c = triangle.corner_c - triangle.corner_a;
-                let p = cross(direction, edge_c);
-                let determinant = dot(edge_b, p);
-                let r = 1.0 / determinant;
-                let s = origin - triangle.corner_a;
-                let u = dot(s, p) * r;
-                let q = cross(s, edge_b);
-                let v = dot(direction, q) * r;
-                let t = dot(edge_c, q) * r;
-                // Seen from the front the determinant is positive.
-                let counts = select(
-                    (triangle.flags & CASTS_SHADOW) != 0u,
-                    determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
-                    kind == CAMERA,
-                );
-                var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
+// Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle.
+fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
+    let triangle = load_triangle(index);
+    let edge_b = triangle.corner_b - triangle.corner_a;
+    let edge_c = triangle.corner_c - triangle.corner_a;
+    let p = cross(ray.direction, edge_c);
+    let determinant = dot(edge_b, p);
+    let r = 1.0 / determinant;
+    let s = ray.origin - triangle.corner_a;
+    let u = dot(s, p) * r;
+    let q = cross(s, edge_b);
+    let v = dot(ray.direction, q) * r;
+    let t = dot(edge_c, q) * r;
+    // Seen from the front the determinant is positive.
+    let counts = select(
+        (triangle.flags & CASTS_SHADOW) != 0u,
+        determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
+        is_camera,
+    );
+    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
 #ifndef OPAQUE
-                if met && (triangle.flags & ALPHA_TESTED) != 0u {
-                    met = !is_transparent(i, triangle.material, vec2f(u, v));
-                }
+    if met && (triangle.flags & ALPHA_TESTED) != 0u {
+        met = !is_transparent(index, triangle.material, vec2f(u, v));
+    }
 #endif
-                if met {
-                    hit = Hit(t, i, vec2f(u, v));
-                }
-                continuing {
-                    i += 1u;
-                    break if i >= end;
-                }
-            }
-            link = NONE;
-            if top > 0u && (kind != SHADOW || hit.triangle == NONE) {
-                top -= 1u;
-                link = stack[top];
-            }
-        }
+    if met {
+        return Hit(t, index, vec2f(u, v));
     }
     return hit;
+}
+
+struct Pair {
+    is_blocked: bool,
+    hit: Hit,
+}
+
+// A shadow ray, and after it another ray: adapters that run lanes in lockstep let no lane wait between the two for the
+// others. A reach of zero leaves a ray out. `boxes` is the number of boxes of a list, which the host knows.
+//
+// The inner loop goes on until each lane has two leaves or nothing left, before any lane looks into one (Aila and Laine
+// 2009, "Understanding the efficiency of ray traversal on GPUs").
+fn trace_pair(boxes: u32, shadow: Ray, shadow_reach: f32, after: Ray, reach: f32, kind: u32) -> Pair {
+    let shadow_slabs = slabs(shadow, boxes);
+    let after_slabs = slabs(after, boxes);
+    var in_shadow = shadow_reach > 0.0;
+    var is_blocked = false;
+    var ray = after;
+    var slabs = after_slabs;
+    var hit = Hit(reach, NONE, vec2f(0.0));
+    if in_shadow {
+        ray = shadow;
+        slabs = shadow_slabs;
+        hit.t = shadow_reach;
+    }
+    var next = select(slabs.end, slabs.first, hit.t > 0.0);
+    while next < slabs.end {
+        var leaf = 0u;
+        var earlier_leaf = 0u;
+        loop {
+            let box = load_box(next);
+            let met = meets_box(box, slabs, hit.t);
+            let is_leaf = box.link >= LEAF;
+            earlier_leaf = select(earlier_leaf, leaf, met && is_leaf);
+            leaf = select(leaf, box.link, met && is_leaf);
+            next = select(box.link, next + 1u, met || is_leaf);
+            continuing {
+                break if earlier_leaf != 0u || next >= slabs.end;
+            }
+        }
+        if leaf != 0u {
+            var i = leaf & FIRST_MASK;
+            let end = i + ((leaf >> COUNT_BITS) & 3u) + 1u;
+            // Of the earlier leaf, if there is one; or where the loop ends anyway.
+            var turn = end;
+            let after_turn = i;
+            if earlier_leaf != 0u {
+                i = earlier_leaf & FIRST_MASK;
+                turn = i + ((earlier_leaf >> COUNT_BITS) & 3u) + 1u;
+            }
+            loop {
+                hit = meet_triangle(i, ray, hit, kind == CAMERA && !in_shadow);
+                continuing {
+                    i += 1u;
+                    i = select(i, after_turn, i == turn && turn != end);
+                    break if i == end;
+                }
+            }
+        }
+        is_blocked |= in_shadow && hit.triangle != NONE;
+        if in_shadow && (is_blocked || next >= slabs.end) {
+            in_shadow = false;
+            ray = after;
+            slabs = after_slabs;
+            hit = Hit(reach, NONE, vec2f(0.0));
+            next = select(slabs.end, slabs.first, reach > 0.0);
+        }
+    }
+    return Pair(is_blocked, hit);
+}
+
+fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
+    if kind == SHADOW {
+        let is_blocked = trace_pair(boxes, ray, t_max, ray, 0.0, LIGHT).is_blocked;
+        return Hit(t_max, select(NONE, 0u, is_blocked), vec2f(0.0));
+    }
+    return trace_pair(boxes, ray, 0.0, ray, t_max, kind).hit;
 }
 
 // ---- Surfaces ----
@@ -381,8 +453,8 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
 
     let at = triangle_texel(hit.triangle);
     let a = textureLoad(attributes, at, 0);
-    let b = textureLoad(attributes, at + vec2u(1u, 0u), 0);
-    let c = textureLoad(attributes, at + vec2u(2u, 0u), 0);
+    let b = textureLoad(attributes, at + vec2u(0u, 1u), 0);
+    let c = textureLoad(attributes, at + vec2u(0u, 2u), 0);
     let material = triangle.material;
 #ifdef PLAIN
 #ifndef UNTEXTURED

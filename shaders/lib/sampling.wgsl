@@ -23,10 +23,10 @@ fn hash_pair(a: u32, b: u32) -> u32 {
     return hash(a ^ hash(b));
 }
 
-// Owen scrambling as a hash of the reversed bits (Laine and Karras 2011, with the constants of Burley 2020).
-fn scramble(value: u32, seed: u32) -> u32 {
-    var x = reverseBits(value);
-    x += seed;
+// Owen scrambling of a number whose bits are in reverse order (Laine and Karras 2011, with the constants of Burley
+// 2020).
+fn scramble_reversed(value: u32, seed: u32) -> u32 {
+    var x = value + seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
@@ -34,19 +34,20 @@ fn scramble(value: u32, seed: u32) -> u32 {
     return reverseBits(x);
 }
 
-// Second dimension of the Sobol' (0, 2)-sequence: its direction numbers are the rows of Pascal's triangle mod 2.
-fn sobol_second(index: u32) -> u32 {
-    var x = 0u;
-    var direction = 0x80000000u;
-    for (var i = index; i != 0u; i >>= 1u) {
-        x ^= select(0u, direction, (i & 1u) != 0u);
-        direction ^= direction >> 1u;
-    }
+// Second dimension of the Sobol' (0, 2)-sequence, its bits in reverse order. The direction numbers are the rows of
+// Pascal's triangle mod 2: with the index's bits as a polynomial b(z) over GF(2), this is b(1 + z), found by halves,
+// since (1 + z)^n = 1 + z^n for n a power of two.
+fn reversed_sobol_second(index: u32) -> u32 {
+    var x = index ^ (index >> 16u);
+    x ^= (x >> 8u) & 0x00ff00ffu;
+    x ^= (x >> 4u) & 0x0f0f0f0fu;
+    x ^= (x >> 2u) & 0x33333333u;
+    x ^= (x >> 1u) & 0x55555555u;
     return x;
 }
 
 fn unit_float(bits: u32) -> f32 {
-    return f32(bits >> 8u) * 0x1p-24f;
+    return f32(i32(bits >> 8u)) * 0x1p-24f;
 }
 
 // Two numbers in [0, 1), stratified together over the samples; different pairs are shuffled against each other
@@ -54,9 +55,10 @@ fn unit_float(bits: u32) -> f32 {
 fn next_pair(state: ptr<function, Sampler>) -> vec2f {
     let seed = hash_pair((*state).seed, (*state).dimension);
     (*state).dimension += 1u;
-    let index = scramble((*state).index, seed);
-    let x = scramble(reverseBits(index), hash(seed ^ 0x9e3779b9u));
-    let y = scramble(sobol_second(index), hash(seed ^ 0x85ebca6bu));
+    let index = scramble_reversed(reverseBits((*state).index), seed);
+    // The first dimension of the sequence is the index in reverse.
+    let x = scramble_reversed(index, hash(seed ^ 0x9e3779b9u));
+    let y = scramble_reversed(reversed_sobol_second(index), hash(seed ^ 0x85ebca6bu));
     return vec2f(unit_float(x), unit_float(y));
 }
 

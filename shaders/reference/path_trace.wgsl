@@ -9,7 +9,7 @@
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, surface_at, leave_surface, load_triangle, emitted_at, materials, emitters, lights}
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, trace_pair, surface_at, leave_surface, load_triangle, emitted_at, materials, emitters, lights}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
 struct Trace {
@@ -52,6 +52,16 @@ struct Path {
     vertices: u32,         // surfaces met so far
     direct: vec3f,
     indirect: vec3f,
+    shadow: Shadow,
+}
+
+// Light on its way to a vertex, until it is known whether anything is in the way: its ray is traced together with the
+// ray that goes on.
+struct Shadow {
+    ray: Ray,
+    reach: f32,            // 0: there is none
+    light: vec3f,          // that the path brings to the eye if nothing is in the way
+    is_direct: bool,
 }
 
 fn bounded(value: vec3f) -> vec3f {
@@ -67,15 +77,16 @@ fn add(path: ptr<function, Path>, radiance: vec3f, is_direct: bool) {
     }
 }
 
-fn camera_path(pixel: vec2u, random: ptr<function, Sampler>) -> Path {
+// Starts anew, but for what the last path has still to bring.
+fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sampler>) {
     let at = (vec2f(pixel) - params.jitter + next_pair(random)) / vec2f(params.size) * 2.0 - 1.0;
     let direction = params.forward + at.x * params.right - at.y * params.up;
-    var path: Path;
     // Not of unit length: the near and far planes lie at fixed distances along the axis.
-    path.ray = Ray(params.eye + direction * params.near, direction);
-    path.reach = params.far - params.near;
-    path.throughput = vec3f(1.0);
-    return path;
+    (*path).ray = Ray(params.eye + direction * params.near, direction);
+    (*path).reach = params.far - params.near;
+    (*path).throughput = vec3f(1.0);
+    (*path).density = 0.0;
+    (*path).vertices = 0u;
 }
 
 // ---- Reflection ----
@@ -186,17 +197,17 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
     if chosen_weight <= 0.0 {
         return;
     }
-    if casts_shadow {
-        let origin = leave_surface(surface, chosen.to_light);
-        // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
-        let is_far = chosen.distance == 0.0;
-        let offset = surface.position + chosen.to_light * chosen.distance - origin;
-        let ray = Ray(origin, select(offset, chosen.to_light, is_far));
-        if trace(params.root, ray, select(1.0, 3e38, is_far), SHADOW).triangle != NONE {
-            return;
-        }
+    let light = chosen_light * (total / chosen_weight);
+    if !casts_shadow {
+        add(path, light, is_direct);
+        return;
     }
-    add(path, chosen_light * (total / chosen_weight), is_direct);
+    let origin = leave_surface(surface, chosen.to_light);
+    // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
+    let is_far = chosen.distance == 0.0;
+    let offset = surface.position + chosen.to_light * chosen.distance - origin;
+    let ray = Ray(origin, select(offset, chosen.to_light, is_far));
+    (*path).shadow = Shadow(ray, select(1.0, 3e38, is_far), bounded((*path).throughput * bounded(light)), is_direct);
 }
 
 #ifndef UNLIT
@@ -286,10 +297,24 @@ fn survives(path: ptr<function, Path>, random: f32) -> bool {
     return random < chance;
 }
 
-// Follows the path to the next surface; false where it ends.
-fn extend(path: ptr<function, Path>, random: ptr<function, Sampler>) -> bool {
+// Traces the path's rays and adds the light that waited for it.
+fn advance(path: ptr<function, Path>) -> Hit {
+    let shadow = (*path).shadow;
     let kind = select(LIGHT, CAMERA, (*path).vertices == 0u);
-    let hit = trace(params.root, (*path).ray, (*path).reach, kind);
+    let pair = trace_pair(params.root, shadow.ray, shadow.reach, (*path).ray, (*path).reach, kind);
+    if shadow.reach > 0.0 && !pair.is_blocked {
+        if shadow.is_direct {
+            (*path).direct += shadow.light;
+        } else {
+            (*path).indirect += shadow.light;
+        }
+    }
+    (*path).shadow.reach = 0.0;
+    return pair.hit;
+}
+
+// Goes on from the surface that the path has met; false where it ends.
+fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -> bool {
     if hit.triangle == NONE {
         add(path, params.sky, (*path).vertices == 0u);
         return false;
@@ -336,27 +361,36 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     for (var i = 0u; i < 4u; i++) {
         sum[i] = sums[4u * index + i].rgb;
     }
+    let end = params.first_sample + params.samples;
     var sample = params.first_sample;
-    let end = sample + params.samples;
     var random: Sampler;
     var path: Path;
     var alive = false;
     // A thread whose path has ended starts the next one at once, so that its neighbours do not wait for it.
     loop {
-        if !alive {
+        let is_new = !alive;
+        if is_new {
+            random = Sampler(hash_pair(index, hash_pair(params.seed, sample & 1u)), sample >> 1u, 0u);
+            start_path(&path, pixel, &random);
+            // After the last one only what is left of it is traced.
+            path.reach = select(0.0, path.reach, sample < end);
+        }
+        let hit = advance(&path);
+        if is_new {
+            // Of the sample before, which is of the other half.
+            let odd = (sample & 1u) == 0u;
+            sum[0] += select(path.direct, vec3f(0.0), odd);
+            sum[1] += select(path.indirect, vec3f(0.0), odd);
+            sum[2] += select(vec3f(0.0), path.direct, odd);
+            sum[3] += select(vec3f(0.0), path.indirect, odd);
+            path.direct = vec3f(0.0);
+            path.indirect = vec3f(0.0);
             if sample == end {
                 break;
             }
-            random = Sampler(hash_pair(index, hash_pair(params.seed, sample & 1u)), sample >> 1u, 0u);
-            path = camera_path(pixel, &random);
-        }
-        alive = extend(&path, &random);
-        if !alive {
-            let half = (sample & 1u) * 2u;
-            sum[half] += path.direct;
-            sum[half + 1u] += path.indirect;
             sample += 1u;
         }
+        alive = extend(&path, hit, &random);
     }
     for (var i = 0u; i < 4u; i++) {
         sums[4u * index + i] = vec4f(sum[i], 0.0);

@@ -10,7 +10,7 @@ use glam::{Affine3A, Vec3};
 use std::time::{Duration, Instant};
 
 /// Most triangles of a leaf.
-const LEAF_SIZE: usize = 4;
+const LEAF_SIZE: usize = 2;
 /// A refitted tree that costs so many times what it did when it was built is built anew.
 const WORN_OUT: f32 = 1.5;
 

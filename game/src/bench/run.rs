@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Units of the bar for each million of pixels drawn, about as many as of paths traced.
 const DRAWN: f64 = 0.6;
 /// Size and samples of the measurement of paths a second.
-const THROUGHPUT: ([u32; 2], u32, u32) = ([256, 256], 4, 3);
+const THROUGHPUT: ([u32; 2], u32, u32) = ([128, 128], 32, 5);
 
 /// Takes the measurements that are missing, and writes results, report, plots and pictures; gives the report's path.
 ///

@@ -1,9 +1,10 @@
 //! Nodes and triangles in the layouts of `lib/rays.wgsl`.
 
 use super::RayError;
+use super::boxes::BoxLists;
 use super::materials::GpuMaterials;
 use crate::assets::VertexExtra;
-use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
+use crate::bvh::{SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
@@ -18,11 +19,9 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Texels of a row of all these textures.
 const ROW: u32 = 4096;
-/// Bits of a link below the number of triangles.
-const LINK_BITS: u32 = 29;
 
 /// Four words.
-type Texel = [u32; 4];
+pub(super) type Texel = [u32; 4];
 
 /// A texture of four words a texel.
 struct Words {
@@ -73,18 +72,21 @@ pub(super) struct GpuGeometry {
     triangles: Words,
     attributes: Words,
     extras: Words,
-    /// Link to the root.
-    pub(super) root: u32,
+    /// Boxes of a list.
+    pub(super) box_count: u32,
+    /// Whether the boxes are stored as they are: see [`boxes`].
+    pub(super) exact_boxes: bool,
 }
 
 impl GpuGeometry {
     pub(super) fn new(gpu: &Gpu) -> Self {
         Self {
-            nodes: Words::new(gpu, "ray nodes", 1),
+            nodes: Words::new(gpu, "ray boxes", 1),
             triangles: Words::new(gpu, "ray triangles", 1),
             attributes: Words::new(gpu, "ray attributes", 1),
             extras: Words::new(gpu, "ray extras", 1),
-            root: NONE,
+            box_count: 0,
+            exact_boxes: false,
         }
     }
 
@@ -113,11 +115,13 @@ impl GpuGeometry {
         materials: &GpuMaterials,
         emitters: &[u32],
     ) -> Result<(), RayError> {
-        let (mut nodes, root) = nodes_of(&bvh.bvh);
-        self.nodes.upload(gpu, "ray nodes", "hierarchies", &mut nodes)?;
-        self.root = root;
-        let (mut triangles, mut attributes, mut extras) = (Vec::new(), Vec::new(), Vec::new());
-        for (&index, &emitter) in bvh.bvh.order.iter().zip(emitters) {
+        let mut lists = BoxLists::new(&bvh.bvh);
+        self.nodes.upload(gpu, "ray boxes", "hierarchies", &mut lists.texels)?;
+        (self.box_count, self.exact_boxes) = (lists.box_count, lists.exact);
+        let mut triangles = triangle_rows(bvh.bvh.order.len());
+        let mut attributes = triangles.clone();
+        let mut extras = triangle_rows(if materials.is_plain() { 0 } else { bvh.bvh.order.len() });
+        for (place, (&index, &emitter)) in bvh.bvh.order.iter().zip(emitters).enumerate() {
             let triangle = &bvh.triangles[index as usize];
             let primitive = &scene.primitives[triangle.primitive as usize];
             let material = materials.index(primitive.material.id);
@@ -127,25 +131,21 @@ impl GpuGeometry {
                 | flag(primitive.material.double_sided, DOUBLE_SIDED)
                 | flag(materials.is_masked(material), MASKED);
             let words = [head, emitter, triangle.primitive];
-            // Rows end before a triangle would be cut in two.
-            pad_row(&mut triangles);
-            pad_row(&mut attributes);
-            triangles.extend(triangle.corners.iter().zip(words).map(|(corner, word)| {
-                let [x, y, z] = corner.to_array().map(f32::to_bits);
-                [x, y, z, word]
-            }));
             let indices = vertex_indices(primitive, triangle.triangle);
-            if !materials.is_plain() {
-                pad_row(&mut extras);
-                extras.extend(indices.map(|vertex| encode_extra(&primitive.mesh.extra(vertex))));
-            }
             let vertices = indices.map(|vertex| &primitive.mesh.vertices[vertex]);
             let transform = &primitive.world_from_object;
-            attributes.extend(vertices.map(|vertex| {
+            for corner in 0..3 {
+                let [x, y, z] = triangle.corners[corner].to_array().map(f32::to_bits);
+                let vertex = vertices[corner];
                 let normal = encode_direction(world_normal(transform, vertex.normal.into()));
                 let [u, v] = vertex.uv.map(f32::to_bits);
-                [normal, u, v, encode_tangent(transform, vertex.tangent)]
-            }));
+                let texel = triangle_texel(place, corner);
+                triangles[texel] = [x, y, z, words[corner]];
+                attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
+                if !extras.is_empty() {
+                    extras[texel] = encode_extra(&primitive.mesh.extra(indices[corner]));
+                }
+            }
         }
         self.triangles.upload(gpu, "ray triangles", "triangles", &mut triangles)?;
         self.extras.upload(gpu, "ray extras", "triangles", &mut extras)?;
@@ -159,27 +159,15 @@ fn encode_extra(extra: &VertexExtra) -> Texel {
     [u, v, r | g << 16, b | a << 16]
 }
 
-/// Rows hold 1365 triangles; the last texel of each stays empty.
-fn pad_row(texels: &mut Vec<Texel>) {
-    if texels.len() % ROW as usize == (ROW - 1) as usize {
-        texels.push(Texel::default());
-    }
+/// Room for so many triangles, in whole rows.
+fn triangle_rows(triangles: usize) -> Vec<Texel> {
+    vec![Texel::default(); triangles.div_ceil(ROW as usize) * 3 * ROW as usize]
 }
 
-/// All nodes but the root, and the link to it. The children of a node are met by one look at both, so that the root,
-/// which has no sibling, is not stored: node k lies at k − 1, and pairs of children start at even places. The box of a
-/// tree that is a single leaf is tested nowhere, which costs little.
-fn nodes_of(bvh: &Bvh) -> (Vec<Texel>, u32) {
-    let link = |node: &Node| match node.count {
-        0 => node.first - 1,
-        count => node.first | count << LINK_BITS,
-    };
-    let Some((root, rest)) = bvh.nodes.split_first() else { return (Vec::new(), NONE) };
-    let texels = rest.iter().flat_map(|node| {
-        let ([ax, ay, az], [bx, by, bz]) = (node.min.map(f32::to_bits), node.max.map(f32::to_bits));
-        [[ax, ay, az, link(node)], [bx, by, bz, 0]]
-    });
-    (texels.collect(), link(root))
+/// Where a corner of a triangle lies: three rows hold the corners of 4096 triangles.
+fn triangle_texel(triangle: usize, corner: usize) -> usize {
+    let row = ROW as usize;
+    (triangle / row * 3 + corner) * row + triangle % row
 }
 
 /// Octahedral coordinates of a unit vector (Cigolle et al. 2014) in −1..1.

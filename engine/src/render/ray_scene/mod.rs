@@ -3,6 +3,7 @@
 //! Passes that cast rays import `lightwell::rays` and bind [`RayScene::bindings`] as group 1.
 
 mod atlas;
+mod boxes;
 mod emitters;
 mod geometry;
 mod materials;
@@ -130,24 +131,23 @@ impl RayScene {
         Ok(())
     }
 
-    /// Link to the root of the hierarchy; `u32::MAX` if there is nothing to meet.
+    /// What `trace` of `lib/rays.wgsl` is to know: the boxes of the hierarchy; 0 if there is nothing to meet.
     pub fn root(&self) -> u32 {
-        self.geometry.root
+        self.geometry.box_count
     }
 
     /// The shader with all that this scene needs of `lib/rays.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
-        let stack = (self.bvh.bvh.depth() + 1).next_multiple_of(16);
         let flags = [
+            ("EXACT_BOXES", self.geometry.exact_boxes),
             ("UNTEXTURED", !self.atlas.holds_textures()),
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
             ("UNLIT", self.emitter_count == 0),
             ("PLAIN", self.materials.is_plain()),
         ];
-        let key = ComputeKey::new(file, entry).def("STACK", ShaderDef::Uint(stack));
         let set = flags.into_iter().filter(|(_, set)| *set);
-        set.fold(key, |key, (name, _)| key.def(name, ShaderDef::Flag(true)))
+        set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)))
     }
 
     /// Group 1 of all passes that cast rays.

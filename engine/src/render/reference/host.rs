@@ -24,33 +24,26 @@ fn hash_pair(a: u32, b: u32) -> u32 {
     hash(a ^ hash(b))
 }
 
-fn scramble(value: u32, seed: u32) -> u32 {
-    let mut x = value.reverse_bits().wrapping_add(seed);
+fn scramble_reversed(value: u32, seed: u32) -> u32 {
+    let mut x = value.wrapping_add(seed);
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6_u32] {
         x ^= x.wrapping_mul(factor);
     }
     x.reverse_bits()
 }
 
-fn sobol_second(mut index: u32) -> u32 {
-    let (mut x, mut direction) = (0, 0x8000_0000_u32);
-    while index != 0 {
-        if index & 1 != 0 {
-            x ^= direction;
-        }
-        direction ^= direction >> 1;
-        index >>= 1;
-    }
-    x
+fn reversed_sobol_second(index: u32) -> u32 {
+    let steps = [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555_u32)];
+    steps.into_iter().fold(index ^ (index >> 16), |x, (shift, mask)| x ^ (x >> shift & mask))
 }
 
 impl Sampler {
     fn next_pair(&mut self) -> Vec2 {
         let seed = hash_pair(self.seed, self.dimension);
         self.dimension += 1;
-        let index = scramble(self.index, seed);
-        let x = scramble(index.reverse_bits(), hash(seed ^ 0x9e37_79b9));
-        let y = scramble(sobol_second(index), hash(seed ^ 0x85eb_ca6b));
+        let index = scramble_reversed(self.index.reverse_bits(), seed);
+        let x = scramble_reversed(index, hash(seed ^ 0x9e37_79b9));
+        let y = scramble_reversed(reversed_sobol_second(index), hash(seed ^ 0x85eb_ca6b));
         let unit = |bits: u32| (bits >> 8) as f32 * 2.0_f32.powi(-24);
         Vec2::new(unit(x), unit(y))
     }
