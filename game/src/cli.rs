@@ -111,10 +111,16 @@ pub struct LookArgs {
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,
+    /// Instant radiosity: show the light of one virtual light alone, by its number from 0
+    #[arg(long, value_name = "N")]
+    pub virtual_light: Option<u32>,
+    /// Instant radiosity: draw the ways of the first N particles of every source over the image
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    pub particle_paths: u32,
     /// Camera by name [default: the scene's primary camera]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE` or
+    /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE`, `vpl.FIELD=VALUE` or
     /// `scene.FIELD=VALUE`, with the value as in scene files, or `preset=NAME` for a set of changes that the scene's
     /// file lists; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
@@ -187,6 +193,8 @@ pub enum Gi {
     None,
     /// Cascaded light propagation volumes: the scene's, or one that fits it if it has none
     Clpv,
+    /// Instant radiosity: virtual point lights, as the scene sets them or by default
+    Vpl,
     /// Path tracing, the reference: slow, and right but for noise
     Reference,
 }

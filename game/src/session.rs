@@ -12,7 +12,7 @@ use lightwell::measure::Image;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
-use lightwell::world::{Clpv, GameWorld, SceneSettings, Transform};
+use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -146,6 +146,7 @@ impl Session {
             gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(&self.loaded.world)) {
                 Gi::None => GiMethod::None,
                 Gi::Clpv => GiMethod::Clpv,
+                Gi::Vpl => GiMethod::Vpl,
                 Gi::Reference => {
                     let samples = self.look.trace.spp;
                     let trace = self.trace_settings();
@@ -162,6 +163,8 @@ impl Session {
             },
             exposure: self.settings().exposure,
             no_cache: false,
+            virtual_light: self.look.virtual_light,
+            particle_paths: self.look.particle_paths,
             display,
         }
     }
@@ -309,6 +312,13 @@ impl Loaded {
         self.world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
     }
 
+    /// Gives the scene the default settings of instant radiosity.
+    fn add_virtual_lights(&mut self) {
+        log::info!("the scene has no `vpl` component: the default settings are used");
+        let entity = self.world.spawn("Virtual lights", None);
+        self.world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
+    }
+
     fn update(&mut self) {
         self.world.update();
         self.extractor.extract(&mut self.world, &mut self.scene);
@@ -319,6 +329,7 @@ impl Loaded {
 fn gi_of_scene(world: &GameWorld) -> Gi {
     match world.ecs.get_resource::<SceneInfo>().map(|info| info.gi) {
         Some(files::Gi::None) => Gi::None,
+        Some(files::Gi::Vpl) => Gi::Vpl,
         Some(files::Gi::Clpv) | None => Gi::Clpv,
     }
 }
@@ -334,6 +345,11 @@ fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, look: &L
     loaded.update();
     if look.gi == Some(Gi::Clpv) && loaded.scene.clpv.is_none() {
         loaded.add_light_volume();
+    }
+    if loaded.scene.vpl.is_none()
+        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && gi_of_scene(&loaded.world) == Gi::Vpl)
+    {
+        loaded.add_virtual_lights();
     }
     for (target, value) in &look.sets {
         set::apply(&mut loaded.world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;

@@ -58,6 +58,7 @@ impl EntityFile {
             light: self.light.clone(),
             camera: self.camera.clone(),
             clpv: self.clpv.clone(),
+            vpl: self.vpl.clone(),
             animation: self.animation.clone(),
             ..Default::default()
         }
@@ -76,6 +77,7 @@ impl EntityFile {
             light: c.light,
             camera: c.camera,
             clpv: c.clpv,
+            vpl: c.vpl,
             animation: c.animation,
             ..Default::default()
         }
@@ -85,7 +87,7 @@ impl EntityFile {
 /// Calls the macro with the names of all component fields.
 macro_rules! for_components {
     ($each:ident) => {
-        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, animation)
+        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, animation)
     };
 }
 
@@ -111,6 +113,7 @@ impl OverrideFile {
             (ComponentKind::Light, base.light.is_some() && self.light.is_none()),
             (ComponentKind::Camera, base.camera.is_some() && self.camera.is_none()),
             (ComponentKind::Clpv, base.clpv.is_some() && self.clpv.is_none()),
+            (ComponentKind::Vpl, base.vpl.is_some() && self.vpl.is_none()),
             (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
         ];
         changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
@@ -141,6 +144,7 @@ impl OverrideFile {
             ComponentKind::Light => self.light = None,
             ComponentKind::Camera => self.camera = None,
             ComponentKind::Clpv => self.clpv = None,
+            ComponentKind::Vpl => self.vpl = None,
             ComponentKind::Animation => self.animation = None,
         }
     }

@@ -4,7 +4,7 @@
 
 pub use super::parts::*;
 pub use crate::assets::Shape;
-use crate::world::{Animation, Camera, Clpv, Light, SceneSettings};
+use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -16,6 +16,8 @@ pub enum Gi {
     /// Cascaded light propagation volumes.
     #[default]
     Clpv,
+    /// Instant radiosity: virtual point lights.
+    Vpl,
 }
 
 /// A scene file: `Scene(entities: […])`.
@@ -86,6 +88,9 @@ pub struct EntityFile {
     /// Light propagation volumes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clpv: Option<Clpv>,
+    /// Instant radiosity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vpl: Option<InstantRadiosity>,
     /// Animation of the transform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -134,6 +139,9 @@ pub struct OverrideFile {
     /// Light propagation volumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clpv: Option<Clpv>,
+    /// Instant radiosity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vpl: Option<InstantRadiosity>,
     /// Animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -156,6 +164,8 @@ pub enum ComponentKind {
     Camera,
     /// The light propagation volumes.
     Clpv,
+    /// Instant radiosity.
+    Vpl,
     /// The animation.
     Animation,
 }

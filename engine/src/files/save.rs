@@ -6,7 +6,7 @@ use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;
 use super::write::{to_text, write_atomically};
-use crate::world::{Animation, Clpv, GameWorld, MeshRenderer, Name, SceneSettings, Transform};
+use crate::world::{Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, SceneSettings, Transform};
 use bevy_ecs::prelude::{Entity, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -167,6 +167,7 @@ impl Writer<'_> {
             light: self.world.rest_light(entity),
             camera: self.world.rest_camera(entity),
             clpv: self.ecs().get::<Clpv>(entity).cloned(),
+            vpl: self.ecs().get::<InstantRadiosity>(entity).cloned(),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone(),
             ..Default::default()

@@ -6,7 +6,9 @@ use super::suggest::suggestion;
 use super::tree::Step;
 use crate::assets::AssetError;
 use crate::world::animation::AnimationError;
-use crate::world::{Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, SceneSettings};
+use crate::world::{
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, InstantRadiosity, Light, LightKind, SceneSettings,
+};
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 
@@ -244,6 +246,9 @@ impl Validator {
         if let Some(clpv) = &c.clpv {
             self.field("clpv", |v| v.clpv(clpv))?;
         }
+        if let Some(vpl) = &c.vpl {
+            self.field("vpl", |v| v.vpl(vpl))?;
+        }
         if let Some(animation) = &c.animation {
             self.field("animation", |v| v.animation(animation))?;
         }
@@ -396,6 +401,20 @@ impl Validator {
         self.number("blocker_scale", c.blocker_scale, 0.0, 1e6)?;
         self.number("gain", c.gain, 0.0, 1e6)?;
         self.number("border_fade", c.border_fade, 0.0, 128.0)
+    }
+
+    fn vpl(&mut self, c: &InstantRadiosity) -> Checked {
+        self.require(c.particles > 0, "particles", "there are no particles", "use 1 or more")?;
+        if let Bounces::Count(n) = c.bounces {
+            let help = "use Count(1) to Count(32), or Converged";
+            self.require((1..=32).contains(&n), "bounces", format!("{n} bounces"), help)?;
+        }
+        self.number("near_bound", c.near_bound, 0.0, 1e3)?;
+        self.number("shadow_bias", c.shadow_bias, 0.0, 1e3)?;
+        self.number("shadow_slope_bias", c.shadow_slope_bias, 0.0, 1e3)?;
+        let samples = c.shadow_samples;
+        let message = format!("`shadow_samples` is {samples}");
+        self.require((1..=64).contains(&samples), "shadow_samples", message, "use 1 to 64")
     }
 }
 

@@ -4,7 +4,7 @@ use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, SceneFile};
 use super::tree::Node;
-use crate::world::{Animation, Camera, Clpv, Light, SceneSettings};
+use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -36,6 +36,7 @@ impl Defaults {
             ("light", node(&Light::default())?),
             ("camera", node(&Camera::default())?),
             ("clpv", node(&Clpv::default())?),
+            ("vpl", node(&InstantRadiosity::default())?),
             ("animation", node(&Animation::default())?),
             ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),

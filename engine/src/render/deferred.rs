@@ -15,6 +15,7 @@ use super::lpv::sweep::GpuSurfels;
 use super::post::tone_map::{self, DISPLAY};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
+use super::vpl::{self, VirtualLights, VplError};
 use super::{direct, gbuffer, lpv};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
@@ -46,6 +47,9 @@ pub enum RenderError {
     /// CLPV settings that make no volume.
     #[error("Clpv component: {0}")]
     Clpv(String),
+    /// Virtual lights that cannot be made.
+    #[error("virtual lights: {0}")]
+    Vpl(#[from] VplError),
     /// A pass failed, or the frame was put together wrongly.
     #[error(transparent)]
     Graph(#[from] GraphError),
@@ -61,6 +65,8 @@ pub enum RenderError {
 pub struct Renderer {
     gpu_scene: GpuScene,
     surfels: GpuSurfels,
+    /// Made when they are first asked for.
+    virtual_lights: Option<VirtualLights>,
     targets: TargetCache,
     /// Made when it is first asked for.
     tracer: Option<PathTracer>,
@@ -69,7 +75,13 @@ pub struct Renderer {
 impl Renderer {
     /// A renderer with nothing drawn yet.
     pub fn new(gpu: &Gpu) -> Self {
-        Self { gpu_scene: GpuScene::new(gpu), surfels: GpuSurfels::new(gpu), targets: TargetCache::new(), tracer: None }
+        Self {
+            gpu_scene: GpuScene::new(gpu),
+            surfels: GpuSurfels::new(gpu),
+            virtual_lights: None,
+            targets: TargetCache::new(),
+            tracer: None,
+        }
     }
 
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
@@ -94,7 +106,12 @@ impl Renderer {
         if let Some(cell) = finest_cell(scene, view, settings, &bounds)? {
             self.surfels.update(gpu, scene, cell);
         }
-        let frame = Frame { scene, gpu_scene: &self.gpu_scene, surfels: &self.surfels, view, settings, bounds };
+        if settings.gi == GiMethod::Vpl && settings.only.is_light() {
+            self.virtual_lights.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?;
+        }
+        let virtual_lights = self.virtual_lights.as_ref();
+        let (gpu_scene, surfels) = (&self.gpu_scene, &self.surfels);
+        let frame = Frame { scene, gpu_scene, surfels, virtual_lights, view, settings, bounds };
         let mut graph = Graph::new(seed(gpu));
         declare(&mut graph, &frame)?;
         execute(gpu, graph, &mut self.targets, settings)
@@ -191,6 +208,9 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Result<(), RenderErr
         graph.skip("clpv", "the layer that is shown holds no indirect light");
     } else if frame.settings.gi == GiMethod::None {
         graph.skip("clpv", "indirect light is switched off");
+    } else if frame.settings.gi == GiMethod::Vpl {
+        graph.skip("clpv", "the indirect light comes from virtual lights");
+        lights.indirect = vpl::declare(graph, frame, &gbuffer)?;
     } else {
         lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
     }

@@ -3,6 +3,7 @@
 use super::gpu_scene::GpuScene;
 use super::lpv::sweep::GpuSurfels;
 use super::settings::RenderSettings;
+use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Frustum, Scene, SceneView};
 use encase::ShaderType;
@@ -26,6 +27,8 @@ pub struct Frame<'a> {
     pub gpu_scene: &'a GpuScene,
     /// Its surfaces as surfels, where a method needs them.
     pub surfels: &'a GpuSurfels,
+    /// Virtual lights and the scene for their rays, where a method needs them.
+    pub virtual_lights: Option<&'a VirtualLights>,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.

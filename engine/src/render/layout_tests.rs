@@ -12,6 +12,7 @@ use super::ray_scene::{Emitter, RayLight, RayMaterial};
 use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
+use super::vpl::{ShadeUniform, VirtualLight};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
 use encase::ShaderType;
@@ -54,5 +55,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, SliceUniform::min_size().get(), "lpv/sweep/transport.wgsl", "Slice");
     check(&gpu, SumUniform::min_size().get(), "lpv/sweep/sum.wgsl", "Sum");
     check(&gpu, size_of::<Surfel>() as u64, "lpv/sweep/emit.wgsl", "Surfel");
+    check(&gpu, ShadeUniform::min_size().get(), "vpl/shade.wgsl", "Shade");
+    check(&gpu, size_of::<VirtualLight>() as u64, "vpl/shade.wgsl", "VirtualLight");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

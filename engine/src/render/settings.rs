@@ -10,6 +10,8 @@ pub enum GiMethod {
     /// Cascaded light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
     #[default]
     Clpv,
+    /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
+    Vpl,
     /// Path tracing, the reference: all light, direct and indirect.
     Reference(ReferenceSettings),
 }
@@ -67,12 +69,25 @@ pub struct RenderSettings {
     pub exposure: f32,
     /// Recompute everything, whatever the cache holds.
     pub no_cache: bool,
+    /// Instant radiosity: the light of this virtual light alone, by its place in the list.
+    pub virtual_light: Option<u32>,
+    /// Instant radiosity: ways of so many particles of each source, drawn over the image as lines. Changes the
+    /// radiance image.
+    pub particle_paths: u32,
     /// Make the display image too: exposure, tone map, sRGB.
     pub display: bool,
 }
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        Self { gi: GiMethod::default(), only: Layer::Total, exposure: 0.0, no_cache: false, display: true }
+        Self {
+            gi: GiMethod::default(),
+            only: Layer::Total,
+            exposure: 0.0,
+            no_cache: false,
+            virtual_light: None,
+            particle_paths: 0,
+            display: true,
+        }
     }
 }

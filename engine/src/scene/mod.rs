@@ -12,11 +12,12 @@ mod view;
 pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
+pub(crate) use surfels::texel;
 pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
 pub use view::{SceneCamera, SceneView, perspective};
 
 use crate::assets::{Material, Mesh};
-use crate::world::Clpv;
+use crate::world::{Clpv, InstantRadiosity};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
@@ -84,6 +85,8 @@ pub struct Scene {
     pub cameras: Vec<SceneCamera>,
     /// Light propagation volumes, if the world asks for them. The first by SceneId wins.
     pub clpv: Option<SceneClpv>,
+    /// Settings of instant radiosity, if the world holds them. The first by SceneId wins.
+    pub vpl: Option<InstantRadiosity>,
     /// Radiance of the sky behind everything [W/(m² sr)], linear RGB.
     pub sky: Vec3,
     /// Revisions.

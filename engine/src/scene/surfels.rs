@@ -341,7 +341,7 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
 }
 
 /// The nearest texel, linear.
-fn texel(texture: &Texture, uv: [f32; 2]) -> Vec4 {
+pub(crate) fn texel(texture: &Texture, uv: [f32; 2]) -> Vec4 {
     let at = |coordinate: f32, wrap: Wrap, size: u32| {
         let c = if coordinate.is_finite() { coordinate } else { 0.0 };
         let c = match wrap {

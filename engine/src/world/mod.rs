@@ -13,6 +13,7 @@ mod error;
 mod game_world;
 mod hierarchy;
 mod identity;
+mod instant_radiosity;
 mod rest;
 mod sample;
 #[cfg(test)]
@@ -27,6 +28,7 @@ pub use error::WorldError;
 pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
 pub use identity::Identity;
+pub use instant_radiosity::*;
 pub use rest::RestPose;
 pub use sample::{MaterialSample, Sample};
 pub(crate) use transform::forward;

@@ -137,6 +137,8 @@ impl Variant {
         LookArgs {
             gi: Some(self.gi),
             only: cli::Only::Total,
+            virtual_light: None,
+            particle_paths: 0,
             trace: TraceArgs { spp: self.spp, bounces: self.bounces, seed: 0 },
             camera: camera.map(str::to_owned),
             sets: self.sets.clone(),

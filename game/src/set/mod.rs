@@ -6,11 +6,13 @@ use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
 use lightwell::files::SceneInfo;
-use lightwell::world::{Camera, Clpv, GameWorld, Light, MeshRenderer, Name, SceneSettings, Transform};
+use lightwell::world::{
+    Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings, Transform,
+};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `preset` or `ENTITY.COMPONENT.FIELD`, where an entity is its name,
+/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `preset` or `ENTITY.COMPONENT.FIELD`, where an entity is its name,
 /// or its path `PARENT/CHILD`, and a field may be one inside of another (`kind.outer`, `color.0`). `value` is
 /// written as in scene files.
 ///
@@ -34,6 +36,15 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         world.ecs.entity_mut(entity).insert(clpv);
         return Ok(());
     }
+    if let Some(field) = target.strip_prefix("vpl.") {
+        let mut query = world.ecs.query::<(Entity, &InstantRadiosity)>();
+        let Some((entity, vpl)) = query.iter(&world.ecs).min_by_key(|(entity, _)| *entity) else {
+            bail!("no entity of the scene has a `vpl` component; `--gi vpl` gives it one");
+        };
+        let vpl = changed(vpl, field, value)?;
+        world.ecs.entity_mut(entity).insert(vpl);
+        return Ok(());
+    }
     let (entity, name, rest) = find_entity(world, target)?;
     let (component, field) = rest
         .split_once('.')
@@ -44,6 +55,7 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "light" => edit::<Light, Light>(world, entity, field, value),
         "camera" => edit::<Camera, Camera>(world, entity, field, value),
         "clpv" => edit::<Clpv, Clpv>(world, entity, field, value),
+        "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
         _ => Ok(false),
     }
     .and_then(|found| match found {
@@ -187,7 +199,7 @@ fn find_entity<'a>(world: &mut GameWorld, target: &'a str) -> Result<(Entity, St
     let more = if hidden > 0 { format!(" and {hidden} more") } else { String::new() };
     let names = known.join(", ");
     if found.is_empty() {
-        bail!("no such thing; paths begin with `scene`, `clpv` or an entity: {names}{more}");
+        bail!("no such thing; paths begin with `scene`, `clpv`, `vpl` or an entity: {names}{more}");
     }
     bail!("several entities have that name; give the path of one: {names}{more}")
 }
@@ -216,6 +228,7 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("light", ecs.get::<Light>(entity).is_some()),
         ("camera", ecs.get::<Camera>(entity).is_some()),
         ("clpv", ecs.get::<Clpv>(entity).is_some()),
+        ("vpl", ecs.get::<InstantRadiosity>(entity).is_some()),
     ];
     let names: Vec<String> = has.iter().filter(|(_, has)| *has).map(|(name, _)| format!("`{name}`")).collect();
     if names.is_empty() { "nothing that can be set".to_owned() } else { names.join(", ") }

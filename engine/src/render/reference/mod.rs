@@ -15,6 +15,7 @@ mod throughput;
 
 pub use content::content_key;
 pub use estimate::Estimate;
+pub(super) use path_trace::dispatch_rays;
 pub use path_trace::{PathTracer, TraceError};
 pub use state::StateError;
 pub use throughput::{Throughput, measure_throughput};

@@ -295,7 +295,7 @@ impl PathTracer {
 }
 
 /// Dispatches a shader that casts rays: group 0 as given, group 1 the scene.
-pub(super) fn dispatch_rays(
+pub(in crate::render) fn dispatch_rays(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     key: &ComputeKey,

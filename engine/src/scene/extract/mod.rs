@@ -10,6 +10,7 @@ mod primitives;
 mod sorted;
 #[cfg(test)]
 mod tests;
+mod vpl;
 
 use super::Scene;
 use crate::world::{GameWorld, Name, SceneSettings, UpdateCount};
@@ -37,6 +38,7 @@ struct Source {
     lights: lights::Lights,
     cameras: cameras::Cameras,
     clpv: clpv::Clpvs,
+    vpl: vpl::Vpls,
 }
 
 impl Source {
@@ -48,6 +50,7 @@ impl Source {
             lights: lights::Lights::new(world),
             cameras: cameras::Cameras::new(world),
             clpv: clpv::Clpvs::new(world),
+            vpl: vpl::Vpls::new(world),
         }
     }
 }
@@ -132,6 +135,7 @@ impl Extractor {
         source.lights.extract(world, scene, context);
         source.cameras.extract(world, scene, context);
         source.clpv.extract(world, scene, context);
+        source.vpl.extract(world, scene, context);
         extract_sky(world, scene, context.revisions);
     }
 }

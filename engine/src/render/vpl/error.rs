@@ -1,0 +1,28 @@
+//! What can be wrong with virtual lights.
+
+use crate::render::RayError;
+
+/// Why there can be no virtual lights.
+#[derive(Debug, thiserror::Error)]
+pub enum VplError {
+    /// The scene does not fit the device.
+    #[error(transparent)]
+    Scene(#[from] RayError),
+    /// More lights than fit a buffer. Nothing but memory limits their number.
+    #[error(
+        "{particles} particles leave up to {lights} lights, which take {needed} MiB, and the largest buffer of this \
+         adapter holds {limit} MiB: set `vpl.particles` to {possible} or less"
+    )]
+    TooMany {
+        /// Particles asked for.
+        particles: u32,
+        /// Lights that they can leave.
+        lights: u64,
+        /// Needed \[MiB\].
+        needed: u64,
+        /// Possible \[MiB\].
+        limit: u64,
+        /// Particles whose lights fit.
+        possible: u64,
+    },
+}

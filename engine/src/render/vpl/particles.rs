@@ -1,0 +1,192 @@
+//! The particles as a cached node of the frame: shot where lights, surfaces or settings changed, else kept.
+
+use super::simulate::{Particles, Setup, VirtualLight, simulate};
+use super::{CastCounts, VplError};
+use crate::assets::AssetId;
+use crate::gpu::Gpu;
+use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::render::frame::Frame;
+use crate::render::ray_scene::RayScene;
+use crate::scene::{Aabb, Frustum, Scene};
+use crate::world::{Accumulation, InstantRadiosity, VirtualVisibility};
+use glam::Vec3;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+
+/// Virtual lights and the scene that their rays are cast into. Keeps what was shot.
+pub struct VirtualLights {
+    pub(super) rays: RayScene,
+    colors: HashMap<AssetId, Vec3>,
+    /// The settings in use.
+    pub(super) settings: InstantRadiosity,
+    known: Option<String>,
+    capacity: u64,
+    particles: RefCell<Particles>,
+    /// Lights in the buffer that is shaded.
+    shaded: Cell<u32>,
+}
+
+/// Lights on the device.
+#[derive(Clone, Copy)]
+pub(super) struct Lights {
+    pub(super) buffer: Handle<Buffer>,
+}
+
+impl VirtualLights {
+    /// Nothing shot yet.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            rays: RayScene::new(gpu),
+            colors: HashMap::new(),
+            settings: InstantRadiosity::default(),
+            known: None,
+            capacity: 0,
+            particles: RefCell::default(),
+            shaded: Cell::new(0),
+        }
+    }
+
+    /// Brings the scene for rays up to date, and finds how many lights there can be. Costs nothing if nothing changed.
+    ///
+    /// # Errors
+    /// If the scene is larger than the device can bind.
+    pub fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), VplError> {
+        self.settings = scene.vpl.clone().unwrap_or_default();
+        self.rays.update(gpu, scene)?;
+        let key = self.key(scene);
+        if self.known.as_ref() != Some(&key) {
+            self.capacity = Setup::new(scene, &self.rays.bvh, &self.settings, &mut self.colors).capacity();
+            self.known = Some(key);
+        }
+        let limit = gpu.limits.max_buffer_size;
+        let needed = self.capacity * size_of::<VirtualLight>() as u64;
+        if needed > limit {
+            let particles = self.settings.particles;
+            return Err(VplError::TooMany {
+                particles,
+                lights: self.capacity,
+                needed: needed >> 20,
+                limit: limit >> 20,
+                possible: (u128::from(particles) * u128::from(limit) / u128::from(needed)) as u64,
+            });
+        }
+        Ok(())
+    }
+
+    /// What the last simulation left.
+    pub fn particles(&self) -> std::cell::Ref<'_, Particles> {
+        self.particles.borrow()
+    }
+
+    /// Intersection tests of the last simulation.
+    pub fn casts(&self) -> CastCounts {
+        self.particles.borrow().casts
+    }
+
+    /// Lights in the buffer that is shaded.
+    pub(super) fn shaded(&self) -> u32 {
+        self.shaded.get()
+    }
+
+    /// All that particles depend on. Settings of the shading are left out.
+    fn key(&self, scene: &Scene) -> String {
+        let settings = InstantRadiosity {
+            accumulation: Accumulation::default(),
+            visibility: VirtualVisibility::default(),
+            view_driven: false,
+            shadow_bias: 0.0,
+            shadow_slope_bias: 0.0,
+            shadow_samples: 0,
+            ..self.settings.clone()
+        };
+        let r = scene.revisions;
+        let sky = scene.sky.to_array().map(f32::to_bits);
+        format!("{} {} {} {} {sky:?} {settings:?}", scene.identity, r.geometry, r.materials, r.lights)
+    }
+}
+
+/// Declares the particles, and which of their lights the view needs.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    state: &'a VirtualLights,
+) -> Result<Option<Lights>, VplError> {
+    if state.capacity == 0 {
+        graph.skip("particles", "nothing in the scene feeds indirect light, or no surface reflects any");
+        return Ok(None);
+    }
+    let desc =
+        |capacity: u64| BufferDesc::new(capacity * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE);
+    let buffer = graph.retained_buffer("virtual lights", desc(state.capacity));
+    let mut pass = graph.pass("particles");
+    let buffer = pass.write(buffer);
+    pass.key(&state.key(frame.scene));
+    let scene = frame.scene;
+    pass.execute(move |cx| {
+        let setup = Setup::new(scene, &state.rays.bvh, &state.settings, &mut state.colors.clone());
+        let particles = simulate(scene, &state.rays.bvh, &state.settings, &setup);
+        log::debug!("particles: {} shot, {} lights, {:?}", particles.shot, particles.lights.len(), particles.casts);
+        let counts = cx.counts();
+        counts.paths += particles.shot;
+        counts.lights += particles.lights.len() as u64;
+        let bytes: &[u8] = bytemuck::cast_slice(&particles.lights);
+        counts.bytes += bytes.len() as u64;
+        if !bytes.is_empty() {
+            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
+        }
+        state.shaded.set(particles.lights.len() as u32);
+        *state.particles.borrow_mut() = particles;
+        Ok(())
+    });
+    if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
+        let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
+        graph.skip("reach", why);
+        return Ok(Some(Lights { buffer }));
+    }
+    Ok(Some(declare_reach(graph, frame, state, buffer, desc(state.capacity))))
+}
+
+/// Declares which lights can reach what is drawn: those with a drawn surface's box before their plane.
+fn declare_reach<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    state: &'a VirtualLights,
+    all: Handle<Buffer>,
+    desc: BufferDesc,
+) -> Lights {
+    let reached = graph.retained_buffer("reached lights", desc);
+    let mut pass = graph.pass("reach");
+    pass.read(all);
+    let buffer = pass.write(reached);
+    pass.key(&(frame.geometry_key(), frame.view_key()));
+    let frustum = frame.frustum();
+    let scene = frame.scene;
+    pass.execute(move |cx| {
+        let lights = reaching(&state.particles.borrow().lights, scene, &frustum);
+        let counts = cx.counts();
+        counts.lights += lights.len() as u64;
+        counts.bytes += size_of_val(lights.as_slice()) as u64;
+        if !lights.is_empty() {
+            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytemuck::cast_slice(&lights));
+        }
+        state.shaded.set(lights.len() as u32);
+        Ok(())
+    });
+    Lights { buffer }
+}
+
+/// The lights before whose plane some primitive lies that the frustum may hold. Conservative: what is left out lights
+/// nothing that is drawn.
+fn reaching(lights: &[VirtualLight], scene: &Scene, frustum: &Frustum) -> Vec<VirtualLight> {
+    let drawn: Vec<Aabb> =
+        scene.primitives.iter().map(|primitive| primitive.bounds).filter(|bounds| frustum.intersects(bounds)).collect();
+    let faces = |light: &&VirtualLight| {
+        let (place, normal) = (Vec3::from(light.place), Vec3::from(light.normal));
+        let before = |bounds: &Aabb| {
+            let foremost = Vec3::select(normal.cmpge(Vec3::ZERO), bounds.max, bounds.min);
+            normal.dot(foremost - place) > 0.0
+        };
+        light.kind == super::simulate::DISTANT || drawn.iter().any(before)
+    };
+    lights.iter().filter(faces).copied().collect()
+}

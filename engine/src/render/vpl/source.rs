@@ -1,0 +1,243 @@
+//! What shoots particles: lights, surfaces that emit, and the sky.
+
+use super::random::{Numbers, cone_direction, cosine_direction, frame};
+use super::surface;
+use crate::bvh::SceneBvh;
+use crate::scene::{Aabb, LightShape, Scene, SceneLight};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// A particle as it leaves its source.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub(super) origin: Vec3,
+    pub(super) direction: Vec3,
+    /// Flux over density [W]: the mean over all particles is the flux of the source.
+    pub(super) flux: Vec3,
+    /// Density of the direction [1/sr]; 0 where particles start side by side.
+    pub(super) per_solid_angle: f32,
+    /// Density of the start point across the direction [1/m²]; 0 where they start at one point.
+    pub(super) per_area: f32,
+    /// What the start point itself shines with.
+    pub(super) glow: Glow,
+}
+
+/// Light of a start point itself, for all particles of its source together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Glow {
+    /// The direct passes draw it.
+    None,
+    /// A surface: normal, intensity along it [W/sr], area \[m²\].
+    Surface(Vec3, Vec3, f32),
+    /// Light from far away that travels along the particle's direction: irradiance across it [W/m²].
+    Distant(Vec3),
+}
+
+/// A source of particles.
+pub(super) enum Source<'a> {
+    /// Index of a light of the scene.
+    Light(&'a SceneLight, Beam),
+    /// All triangles that emit.
+    Emitters(Emitters<'a>),
+    /// The sky around a ball that holds the scene.
+    Sky { radiance: Vec3, center: Vec3, radius: f32 },
+}
+
+/// The rectangle through which a directional light enters the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beam {
+    corner: Vec3,
+    right: Vec3,
+    up: Vec3,
+}
+
+impl Beam {
+    fn new(direction: Vec3, bounds: &Aabb) -> Self {
+        let axes = frame(direction);
+        let local = Aabb::from_points(bounds.corners().map(|corner| axes.transpose() * corner));
+        // Before the first surface, by a little of the scene's depth.
+        let start = local.min.z - 1e-3 * local.size().max_element();
+        Self {
+            corner: axes * Vec3::new(local.min.x, local.min.y, start),
+            right: axes.x_axis * local.size().x,
+            up: axes.y_axis * local.size().y,
+        }
+    }
+
+    fn area(&self) -> f32 {
+        self.right.length() * self.up.length()
+    }
+}
+
+/// Triangles that emit, each chosen in proportion to the flux that it sends out.
+pub(super) struct Emitters<'a> {
+    scene: &'a Scene,
+    bvh: &'a SceneBvh,
+    /// Triangle, and the sum of flux up to it.
+    list: Vec<(u32, f64)>,
+}
+
+impl<'a> Emitters<'a> {
+    fn new(scene: &'a Scene, bvh: &'a SceneBvh) -> Self {
+        let mut list = Vec::new();
+        let mut sum = 0.0;
+        for (triangle, index) in bvh.triangles.iter().zip(0..) {
+            let primitive = &scene.primitives[triangle.primitive as usize];
+            let radiance = primitive.material.emissive.max_element();
+            if !(radiance > 0.0) || !primitive.casts_shadow {
+                continue;
+            }
+            let sides = if primitive.material.double_sided { 2.0 } else { 1.0 };
+            let flux = f64::from(triangle.area_normal().length()) * 0.5 * f64::from(radiance) * sides;
+            if flux > 0.0 && flux.is_finite() {
+                sum += flux;
+                list.push((index, sum));
+            }
+        }
+        Self { scene, bvh, list }
+    }
+
+    fn total(&self) -> f64 {
+        self.list.last().map_or(0.0, |(_, sum)| *sum)
+    }
+
+    fn start(&self, numbers: &mut Numbers) -> Option<Start> {
+        let choice = numbers.pair();
+        let at = f64::from(choice.x) * self.total();
+        let index = self.list.partition_point(|(_, sum)| *sum <= at).min(self.list.len() - 1);
+        let before = if index > 0 { self.list[index - 1].1 } else { 0.0 };
+        let (triangle, until) = self.list[index];
+        let SurfaceShare { area, sides } = self.share(triangle);
+        // Chance of the triangle over its area and sides.
+        let density = ((until - before) / self.total()) as f32 / (area * sides);
+        // Uniform over the triangle (Turk 1990).
+        let u = numbers.pair();
+        let root = u.x.sqrt();
+        let barycentric = [root * (1.0 - u.y), root * u.y];
+        let point = surface::point(self.scene, self.bvh, triangle, barycentric);
+        let emitted = surface::emitted(self.scene, self.bvh, triangle, barycentric);
+        let outward = self.bvh.triangles[triangle as usize].area_normal().normalize_or_zero();
+        let n = if sides > 1.5 && choice.y < 0.5 { -outward } else { outward };
+        let direction = cosine_direction(n, numbers.pair());
+        let cosine = n.dot(direction);
+        if !(cosine > 0.0) || !density.is_finite() {
+            return None;
+        }
+        Some(Start {
+            origin: point.position + n * (4.0 * point.error),
+            direction,
+            flux: emitted * (PI / density),
+            per_solid_angle: cosine / PI,
+            per_area: 0.0,
+            glow: Glow::Surface(n, emitted / density, 1.0 / density),
+        })
+    }
+
+    fn share(&self, triangle: u32) -> SurfaceShare {
+        let triangle = &self.bvh.triangles[triangle as usize];
+        let double_sided = self.scene.primitives[triangle.primitive as usize].material.double_sided;
+        SurfaceShare { area: 0.5 * triangle.area_normal().length(), sides: if double_sided { 2.0 } else { 1.0 } }
+    }
+}
+
+struct SurfaceShare {
+    area: f32,
+    sides: f32,
+}
+
+impl<'a> Source<'a> {
+    /// All sources of the scene, and the flux [W] that particles are dealt out by. Only lights that feed indirect
+    /// light count.
+    pub(super) fn all(scene: &'a Scene, bvh: &'a SceneBvh) -> Vec<(Self, f64)> {
+        let bounds = scene.bounds();
+        if bounds.is_empty() {
+            return Vec::new();
+        }
+        let mut sources = Vec::new();
+        for light in scene.lights.iter().filter(|light| light.indirect && light.intensity.max_element() > 0.0) {
+            let beam = match light.shape {
+                LightShape::Directional => Beam::new(light.direction, &bounds),
+                _ => Beam::default(),
+            };
+            let extent = match light.shape {
+                LightShape::Directional => beam.area(),
+                LightShape::Point => 4.0 * PI,
+                LightShape::Spot { inner, outer } => 2.0 * PI * (1.0 - 0.5 * (inner.cos() + outer.cos())),
+            };
+            let flux = f64::from(light.intensity.element_sum()) / 3.0 * f64::from(extent);
+            sources.push((Source::Light(light, beam), flux));
+        }
+        let emitters = Emitters::new(scene, bvh);
+        if !emitters.list.is_empty() {
+            let flux = emitters.total() * f64::from(PI);
+            sources.push((Source::Emitters(emitters), flux));
+        }
+        if scene.sky.max_element() > 0.0 {
+            let radius = 0.5 * bounds.size().length();
+            let mean = f64::from(scene.sky.element_sum()) / 3.0;
+            let flux = mean * f64::from(4.0 * PI) * f64::from(PI) * f64::from(radius).powi(2);
+            sources.push((Source::Sky { radiance: scene.sky, center: bounds.center(), radius }, flux));
+        }
+        sources.retain(|(_, flux)| flux.is_finite());
+        sources
+    }
+
+    /// Whether start points are lights themselves.
+    pub(super) fn glows(&self) -> bool {
+        !matches!(self, Source::Light(..))
+    }
+
+    /// A particle.
+    pub(super) fn start(&self, numbers: &mut Numbers) -> Option<Start> {
+        match self {
+            Source::Light(light, beam) => Some(start_of_light(light, beam, numbers.pair())),
+            Source::Emitters(emitters) => emitters.start(numbers),
+            Source::Sky { radiance, center, radius } => {
+                let direction = cone_direction(Vec3::Z, -1.0, numbers.pair());
+                // A disc across the direction, all alike (Shirley and Chiu would keep more of the stratification).
+                let u = numbers.pair();
+                let (r, angle) = (radius * u.x.sqrt(), 2.0 * PI * u.y);
+                let axes = frame(direction);
+                let across = axes.x_axis * (r * angle.cos()) + axes.y_axis * (r * angle.sin());
+                let disc = PI * radius * radius;
+                Some(Start {
+                    origin: *center + across - direction * (1.001 * radius),
+                    direction,
+                    flux: *radiance * (4.0 * PI * disc),
+                    per_solid_angle: 0.0,
+                    per_area: 1.0 / disc,
+                    glow: Glow::Distant(*radiance * (4.0 * PI)),
+                })
+            }
+        }
+    }
+}
+
+fn start_of_light(light: &SceneLight, beam: &Beam, u: Vec2) -> Start {
+    let start = |direction: Vec3, flux: Vec3, solid_angle: f32| Start {
+        origin: light.position,
+        direction,
+        flux,
+        per_solid_angle: 1.0 / solid_angle,
+        per_area: 0.0,
+        glow: Glow::None,
+    };
+    match light.shape {
+        LightShape::Point => start(cone_direction(Vec3::Z, -1.0, u), light.intensity * (4.0 * PI), 4.0 * PI),
+        LightShape::Spot { inner, outer } => {
+            let solid_angle = 2.0 * PI * (1.0 - outer.cos());
+            let direction = cone_direction(light.direction, outer.cos(), u);
+            // KHR_lights_punctual, "Inner and outer cone angles".
+            let scale = 1.0 / (inner.cos() - outer.cos()).max(1e-6);
+            let smooth = ((light.direction.dot(direction) - outer.cos()) * scale).clamp(0.0, 1.0).powi(2);
+            start(direction, light.intensity * (smooth * solid_angle), solid_angle)
+        }
+        LightShape::Directional => Start {
+            origin: beam.corner + u.x * beam.right + u.y * beam.up,
+            flux: light.intensity * beam.area(),
+            per_solid_angle: 0.0,
+            per_area: 1.0 / beam.area(),
+            ..start(light.direction, Vec3::ZERO, 1.0)
+        },
+    }
+}

@@ -1,0 +1,167 @@
+//! Surfaces as particles find them.
+
+use crate::assets::{AlphaMode, Texture};
+use crate::bvh::{SceneBvh, vertex_indices, world_normal};
+use crate::scene::{Primitive, Scene, texel};
+use glam::{Vec3, Vec4};
+use std::sync::Arc;
+
+/// A point on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) position: Vec3,
+    /// How far rounding may have moved it \[m\].
+    pub(super) error: f32,
+}
+
+/// A surface that a particle met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Met {
+    pub(super) position: Vec3,
+    /// Unit, on the side that the particle came from.
+    pub(super) geometric_normal: Vec3,
+    /// Interpolated, unit. Normal maps are left out: they bend light by less than it spreads.
+    pub(super) normal: Vec3,
+    /// Diffuse reflectance.
+    pub(super) albedo: Vec3,
+    /// F0.
+    pub(super) normal_reflectance: Vec3,
+    /// F90.
+    pub(super) grazing_reflectance: f32,
+    pub(super) roughness: f32,
+    pub(super) error: f32,
+}
+
+/// The point of a triangle, with the second and third barycentric coordinate.
+pub(super) fn point(_scene: &Scene, bvh: &SceneBvh, triangle: u32, [u, v]: [f32; 2]) -> Point {
+    let [a, b, c] = bvh.triangles[triangle as usize].corners;
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    Point { position: (1.0 - u - v) * a + u * b + v * c, error: largest * 2.0_f32.powi(-20) }
+}
+
+fn texture(texture: &Option<Arc<Texture>>, uv: [f32; 2]) -> Vec4 {
+    texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, uv))
+}
+
+fn uv(primitive: &Primitive, vertices: [usize; 3], [u, v]: [f32; 2]) -> [f32; 2] {
+    let uvs = vertices.map(|vertex| primitive.mesh.vertices[vertex].uv);
+    [0, 1].map(|i| (1.0 - u - v) * uvs[0][i] + u * uvs[1][i] + v * uvs[2][i])
+}
+
+/// Emitted radiance [W/(m² sr)].
+pub(super) fn emitted(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentric: [f32; 2]) -> Vec3 {
+    let triangle = &bvh.triangles[triangle as usize];
+    let primitive = &scene.primitives[triangle.primitive as usize];
+    let uv = uv(primitive, vertex_indices(primitive, triangle.triangle), barycentric);
+    let radiance = primitive.material.emissive * texture(&primitive.material.emissive_texture, uv).truncate();
+    if radiance.is_finite() { radiance.clamp(Vec3::ZERO, Vec3::splat(1e30)) } else { Vec3::ZERO }
+}
+
+/// Whether the surface is cut out there by its alpha.
+pub(super) fn is_cut_out(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentric: [f32; 2]) -> bool {
+    let triangle = &bvh.triangles[triangle as usize];
+    let primitive = &scene.primitives[triangle.primitive as usize];
+    let cutoff = match primitive.material.alpha_mode {
+        AlphaMode::Opaque => return false,
+        AlphaMode::Mask(cutoff) => cutoff,
+        AlphaMode::Blend => 0.5,
+    };
+    let uv = uv(primitive, vertex_indices(primitive, triangle.triangle), barycentric);
+    primitive.material.base_color.w * texture(&primitive.material.base_color_texture, uv).w < cutoff
+}
+
+/// What a particle met that travelled along `direction`; none at the back of a single-sided surface, which stops light
+/// and returns none.
+pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, index: u32, barycentric: [f32; 2], direction: Vec3) -> Option<Met> {
+    let triangle = &bvh.triangles[index as usize];
+    let primitive = &scene.primitives[triangle.primitive as usize];
+    let outward = triangle.area_normal().normalize_or_zero();
+    let back = outward.dot(direction) > 0.0;
+    if back && !primitive.material.double_sided {
+        return None;
+    }
+    let turn = if back { -1.0 } else { 1.0 };
+    let [u, v] = barycentric;
+    let vertices = vertex_indices(primitive, triangle.triangle);
+    let normals = vertices
+        .map(|vertex| world_normal(&primitive.world_from_object, primitive.mesh.vertices[vertex].normal.into()));
+    let normal = turn * ((1.0 - u - v) * normals[0] + u * normals[1] + v * normals[2]).normalize_or_zero();
+    let at = point(scene, bvh, index, barycentric);
+    let geometric_normal = turn * outward;
+    let met = with_material(primitive, uv(primitive, vertices, barycentric));
+    Some(Met {
+        position: at.position,
+        error: at.error,
+        geometric_normal,
+        normal: if normal == Vec3::ZERO { geometric_normal } else { normal },
+        ..met
+    })
+}
+
+/// The material's part of a hit.
+pub(super) fn with_material(primitive: &Primitive, uv: [f32; 2]) -> Met {
+    let material = &primitive.material;
+    let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
+    let base = (material.base_color * texture(&material.base_color_texture, uv)).truncate();
+    let base = if base.is_finite() { base.clamp(Vec3::ZERO, Vec3::ONE) } else { Vec3::ZERO };
+    let rough = texture(&material.metallic_roughness_texture, uv);
+    let (metallic, specular) = (unit(material.metallic * rough.z), unit(material.specular));
+    let dielectric = (0.04 * material.specular_color).clamp(Vec3::ZERO, Vec3::ONE) * specular;
+    Met {
+        position: Vec3::ZERO,
+        geometric_normal: Vec3::Y,
+        normal: Vec3::Y,
+        albedo: base * (1.0 - metallic),
+        normal_reflectance: dielectric.lerp(base, metallic),
+        grazing_reflectance: specular + (1.0 - specular) * metallic,
+        roughness: unit(material.roughness * rough.y),
+        error: 0.0,
+    }
+}
+
+impl Met {
+    /// Share of the light from a direction (cosine to the normal) that is reflected at all. The specular part is sent
+    /// out diffusely with the rest: its energy is kept, its direction is not. Split-sum fit of Karis 2014 ("Physically
+    /// based shading on mobile"); diffuse light loses Schlick's term averaged over the hemisphere, F0 + (F90−F0)/21.
+    pub(super) fn reflectance(&self, cosine: f32) -> Vec3 {
+        if self.normal_reflectance == Vec3::ZERO && self.grazing_reflectance <= 0.0 {
+            return self.albedo;
+        }
+        let r = self.roughness * Vec4::new(-1.0, -0.0275, -0.572, 0.022) + Vec4::new(1.0, 0.0425, 1.04, -0.04);
+        let a004 = (r.x * r.x).min((-9.28 * cosine.clamp(0.0, 1.0)).exp2()) * r.x + r.y;
+        let specular = self.normal_reflectance * (-1.04 * a004 + r.z)
+            + Vec3::splat(self.grazing_reflectance * (1.04 * a004 + r.w));
+        let largest = self.normal_reflectance.max_element();
+        let lost = largest + (self.grazing_reflectance - largest) / 21.0;
+        (self.albedo * (1.0 - lost) + specular).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diffuse_surface_reflects_its_albedo_and_a_smooth_metal_its_color() {
+        let met = Met {
+            position: Vec3::ZERO,
+            geometric_normal: Vec3::Y,
+            normal: Vec3::Y,
+            albedo: Vec3::splat(0.6),
+            normal_reflectance: Vec3::ZERO,
+            grazing_reflectance: 0.0,
+            roughness: 0.5,
+            error: 0.0,
+        };
+        assert_eq!(met.reflectance(0.7), Vec3::splat(0.6));
+        let metal = Met {
+            albedo: Vec3::ZERO,
+            normal_reflectance: Vec3::new(0.9, 0.6, 0.3),
+            grazing_reflectance: 1.0,
+            roughness: 0.1,
+            ..met
+        };
+        // A smooth mirror returns F0 at normal incidence, within the fit's few per cent.
+        assert!((metal.reflectance(1.0) - metal.normal_reflectance).abs().max_element() < 0.06, "{metal:?}");
+    }
+}

@@ -1,0 +1,71 @@
+#define_import_path lightwell::vpl
+
+// Virtual point lights: surfaces that shine diffusely, and light from far away.
+
+#import lightwell::brdf::eval_brdf_cosine
+#import lightwell::gbuffer::Surface
+
+const DISTANT: u32 = 1u;
+const INVERSE_PI: f32 = 0.31830988618379;
+// Nothing brighter is added, so that sums over all lights stay finite.
+const MAX_RADIANCE: f32 = 1e26;
+
+struct VirtualLight {
+    place: vec3f,          // [m]; DISTANT: unit direction towards it
+    kind: u32,
+    normal: vec3f,
+    nearest: f32,          // d_min [m]
+    intensity: vec3f,      // along the normal [W/sr]; DISTANT: irradiance across it [W/m²]
+    offset: f32,           // how far a ray ends before the surface [m]
+}
+
+struct Connection {
+    radiance: vec3f,       // what the receiver reflects to the eye if nothing is between [W/(m² sr)]
+    to_light: vec3f,       // unit
+    end: vec3f,            // where a shadow ray ends [m]
+    distant: bool,
+}
+
+// f·I·cosθ·cosθ_i / max(d², d_min²), where I·cosθ_i is the intensity towards the receiver (Keller 1997).
+fn connect(light: VirtualLight, surface: Surface, to_eye: vec3f) -> Connection {
+    var c: Connection;
+    c.distant = light.kind == DISTANT;
+    let offset = light.place - surface.position;
+    let distance_squared = max(dot(offset, offset), 1e-36);
+    c.to_light = select(offset * inverseSqrt(distance_squared), light.place, c.distant);
+    c.end = light.place + light.normal * light.offset;
+    let emitted = max(0.0, -dot(light.normal, c.to_light));
+    let received = dot(surface.normal, c.to_light);
+    if received <= 0.0 || (emitted <= 0.0 && !c.distant) {
+        return c;
+    }
+    let nearest = light.nearest * light.nearest;
+    // In two steps, so that the square of a tiny distance cannot vanish.
+    let bounded = max(distance_squared, nearest);
+    let arriving = light.intensity * select(emitted / bounded, 1.0, c.distant);
+    // A light stands for a patch as wide as d_min: a lobe narrower than the patch's half angle is widened by it
+    // (as the widening of Karis 2013, "Real shading in Unreal Engine 4", for lights with an extent).
+    let alpha = max(surface.roughness * surface.roughness, 1e-3);
+    let widened = select(min(1.0, sqrt(alpha * alpha + 0.25 * nearest / bounded)), alpha, c.distant);
+    let response = eval_brdf_cosine(
+        surface.normal, to_eye, c.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, widened,
+    );
+    c.radiance = min(response * arriving, vec3f(MAX_RADIANCE));
+    return c;
+}
+
+// The report's: (ρ/π)·L·max(n·l, 0), where L holds the weight over N already.
+fn connect_as_published(light: VirtualLight, surface: Surface) -> Connection {
+    var c: Connection;
+    let offset = light.place - surface.position;
+    c.to_light = offset * inverseSqrt(max(dot(offset, offset), 1e-36));
+    c.end = light.place + light.normal * light.offset;
+    c.radiance = min(surface.albedo * INVERSE_PI * light.intensity * max(0.0, dot(surface.normal, c.to_light)), vec3f(MAX_RADIANCE));
+    return c;
+}
+
+// Where a shadow ray starts: off the surface by more than what the depth buffer's rounding may have moved the point.
+fn shadow_origin(surface: Surface, eye: vec3f) -> vec3f {
+    let p = max(abs(surface.position), abs(surface.position - eye));
+    return surface.position + surface.normal * (max(p.x, max(p.y, p.z)) * 0x1p-15f);
+}
