@@ -1,7 +1,7 @@
 // Reflective shadow maps (Dachsbacher and Stamminger 2005): what a light sees, as the sources of indirect light.
 // The position follows from the depth, the flux from the light and the texel's solid angle.
 
-#import lightwell::gbuffer::{encode_base_color, encode_normal}
+#import lightwell::gbuffer::{encode_base_color, encode_normal, encode_object}
 #import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped}
 
 struct RsmView {
@@ -16,6 +16,12 @@ struct RsmView {
 @group(1) @binding(2) var base_color_sampler: sampler;
 @group(1) @binding(3) var metallic_roughness_texture: texture_2d<f32>;
 @group(1) @binding(4) var metallic_roughness_sampler: sampler;
+#ifndef PLAIN
+@group(1) @binding(5) var specular_texture: texture_2d<f32>;
+@group(1) @binding(6) var specular_sampler: sampler;
+@group(1) @binding(7) var specular_color_texture: texture_2d<f32>;
+@group(1) @binding(8) var specular_color_sampler: sampler;
+#endif
 
 struct Varying {
     @builtin(position) clip: vec4f,
@@ -52,6 +58,7 @@ fn vertex(
 struct Targets {
     @location(0) base_color: vec4u,
     @location(1) normal: vec4u,
+    @location(2) specular: u32,
 }
 
 @fragment
@@ -61,11 +68,18 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let base_at = first;
     let rough_at = first;
     let color = vec4f(1.0);
+    let specular = material.specular;
+    let specular_color = material.specular_color;
 #else
     let second = texture_point(in.second_uv);
     let base_at = mapped(material.uv_rows[0], material.uv_rows[1], first, second);
     let rough_at = mapped(material.uv_rows[2], material.uv_rows[3], first, second);
     let color = in.color;
+    let s = mapped(material.uv_rows[8], material.uv_rows[9], first, second);
+    let c = mapped(material.uv_rows[10], material.uv_rows[11], first, second);
+    let specular = material.specular * textureSampleGrad(specular_texture, specular_sampler, s.uv, s.dx, s.dy).a;
+    let specular_color = material.specular_color
+        * textureSampleGrad(specular_color_texture, specular_color_sampler, c.uv, c.dx, c.dy).rgb;
 #endif
     let base = material.base_color * color
         * textureSampleGrad(base_color_texture, base_color_sampler, base_at.uv, base_at.dx, base_at.dy);
@@ -79,7 +93,11 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     // The back of a one-sided surface stops light and returns none.
     let reflects = front || material.double_sided != 0u;
     var out: Targets;
-    out.base_color = encode_base_color(select(vec3f(0.0), base.rgb, reflects), saturate(material.metallic * metallic_roughness.b));
-    out.normal = encode_normal(n, material.roughness * metallic_roughness.g, 0.0);
+    let metallic = saturate(material.metallic * metallic_roughness.b);
+    let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;
+    let share = select(0.0, 1.0, reflects);
+    out.base_color = encode_base_color(share * base.rgb, metallic);
+    out.normal = encode_normal(n, material.roughness * metallic_roughness.g, share * mix(specular, 1.0, metallic));
+    out.specular = encode_object(0u, share * mix(dielectric, base.rgb, metallic)).y;
     return out;
 }

@@ -120,8 +120,9 @@ pub struct LookArgs {
     /// Camera by name [default: the scene's primary camera]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE`, `vpl.FIELD=VALUE` or
-    /// `scene.FIELD=VALUE`, with the value as in scene files, or `preset=NAME` for a set of changes that the scene's
+    /// Change a value of the loaded scene: `ENTITY.COMPONENT.FIELD=VALUE`, `clpv.FIELD=VALUE`, `vpl.FIELD=VALUE`,
+    /// `slc.FIELD=VALUE` or `scene.FIELD=VALUE`, with the value as in scene files, or `preset=NAME` for a set of changes
+    /// that the scene's
     /// file lists; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
     pub sets: Vec<(String, String)>,
@@ -195,6 +196,8 @@ pub enum Gi {
     Clpv,
     /// Instant radiosity: virtual point lights, as the scene sets them or by default
     Vpl,
+    /// Stochastic light culling: one bounce from virtual lights, by the scene's `slc` component or by default
+    Slc,
     /// Path tracing, the reference: slow, and right but for noise
     Reference,
 }

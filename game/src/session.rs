@@ -10,6 +10,7 @@ use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
+use lightwell::render::slc::{ACCEPTED, TESTED};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
 use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
@@ -147,6 +148,7 @@ impl Session {
                 Gi::None => GiMethod::None,
                 Gi::Clpv => GiMethod::Clpv,
                 Gi::Vpl => GiMethod::Vpl,
+                Gi::Slc => GiMethod::Slc,
                 Gi::Reference => {
                     let samples = self.look.trace.spp;
                     let trace = self.trace_settings();
@@ -233,6 +235,23 @@ impl Session {
         let texture = self.renderer.radiance().context("no frame was drawn")?;
         let image = gpu::read_texture_f32(&self.gpu, texture)?;
         Image::from_rgba(image.width, image.height, &image.rgba).context("the frame came back incomplete")
+    }
+
+    /// Virtual lights that the last frame tested and accepted at a pixel with a surface, on average; none if it was
+    /// not drawn with stochastic light culling.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn light_counts(&self) -> Result<Option<[f64; 2]>> {
+        let textures = [TESTED, ACCEPTED].map(|name| self.renderer.target(name));
+        let (GiMethod::Slc, [Some(tested), Some(accepted)]) = (self.render_settings(false).gi, textures) else {
+            return Ok(None);
+        };
+        let tested = gpu::read_texture_f32(&self.gpu, tested)?;
+        let accepted = gpu::read_texture_f32(&self.gpu, accepted)?;
+        let surfaces = tested.rgba.iter().filter(|pixel| pixel[3] > 0.0).count().max(1) as f64;
+        let mean = |image: &gpu::ImageF32| image.rgba.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / surfaces;
+        Ok(Some([mean(&tested), mean(&accepted)]))
     }
 
     /// The last frame as a screen shows it: sRGB bytes, three a pixel.
@@ -330,6 +349,7 @@ fn gi_of_scene(world: &GameWorld) -> Gi {
     match world.ecs.get_resource::<SceneInfo>().map(|info| info.gi) {
         Some(files::Gi::None) => Gi::None,
         Some(files::Gi::Vpl) => Gi::Vpl,
+        Some(files::Gi::Slc) => Gi::Slc,
         Some(files::Gi::Clpv) | None => Gi::Clpv,
     }
 }

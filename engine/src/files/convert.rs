@@ -59,6 +59,7 @@ impl EntityFile {
             camera: self.camera.clone(),
             clpv: self.clpv.clone(),
             vpl: self.vpl.clone(),
+            slc: self.slc.clone(),
             animation: self.animation.clone(),
             ..Default::default()
         }
@@ -78,6 +79,7 @@ impl EntityFile {
             camera: c.camera,
             clpv: c.clpv,
             vpl: c.vpl,
+            slc: c.slc,
             animation: c.animation,
             ..Default::default()
         }
@@ -87,7 +89,7 @@ impl EntityFile {
 /// Calls the macro with the names of all component fields.
 macro_rules! for_components {
     ($each:ident) => {
-        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, animation)
+        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, slc, animation)
     };
 }
 
@@ -114,6 +116,7 @@ impl OverrideFile {
             (ComponentKind::Camera, base.camera.is_some() && self.camera.is_none()),
             (ComponentKind::Clpv, base.clpv.is_some() && self.clpv.is_none()),
             (ComponentKind::Vpl, base.vpl.is_some() && self.vpl.is_none()),
+            (ComponentKind::Slc, base.slc.is_some() && self.slc.is_none()),
             (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
         ];
         changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
@@ -145,6 +148,7 @@ impl OverrideFile {
             ComponentKind::Camera => self.camera = None,
             ComponentKind::Clpv => self.clpv = None,
             ComponentKind::Vpl => self.vpl = None,
+            ComponentKind::Slc => self.slc = None,
             ComponentKind::Animation => self.animation = None,
         }
     }

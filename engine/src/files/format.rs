@@ -4,7 +4,7 @@
 
 pub use super::parts::*;
 pub use crate::assets::Shape;
-use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings};
+use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -18,6 +18,8 @@ pub enum Gi {
     Clpv,
     /// Instant radiosity: virtual point lights.
     Vpl,
+    /// Stochastic light culling.
+    Slc,
 }
 
 /// A scene file: `Scene(entities: […])`.
@@ -91,6 +93,9 @@ pub struct EntityFile {
     /// Instant radiosity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vpl: Option<InstantRadiosity>,
+    /// Settings of stochastic light culling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slc: Option<StochasticLightCulling>,
     /// Animation of the transform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -142,6 +147,9 @@ pub struct OverrideFile {
     /// Instant radiosity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vpl: Option<InstantRadiosity>,
+    /// Settings of stochastic light culling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slc: Option<StochasticLightCulling>,
     /// Animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -166,6 +174,8 @@ pub enum ComponentKind {
     Clpv,
     /// Instant radiosity.
     Vpl,
+    /// The settings of stochastic light culling.
+    Slc,
     /// The animation.
     Animation,
 }

@@ -6,7 +6,9 @@ use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;
 use super::write::{to_text, write_atomically};
-use crate::world::{Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, SceneSettings, Transform};
+use crate::world::{
+    Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
+};
 use bevy_ecs::prelude::{Entity, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -168,6 +170,7 @@ impl Writer<'_> {
             camera: self.world.rest_camera(entity),
             clpv: self.ecs().get::<Clpv>(entity).cloned(),
             vpl: self.ecs().get::<InstantRadiosity>(entity).cloned(),
+            slc: self.ecs().get::<StochasticLightCulling>(entity).cloned(),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone(),
             ..Default::default()

@@ -7,7 +7,8 @@ use super::tree::Step;
 use crate::assets::AssetError;
 use crate::world::animation::AnimationError;
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, InstantRadiosity, Light, LightKind, SceneSettings,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, InstantRadiosity, Light, LightKind,
+    SceneSettings, StochasticLightCulling,
 };
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
@@ -249,6 +250,9 @@ impl Validator {
         if let Some(vpl) = &c.vpl {
             self.field("vpl", |v| v.vpl(vpl))?;
         }
+        if let Some(slc) = &c.slc {
+            self.field("slc", |v| v.slc(slc))?;
+        }
         if let Some(animation) = &c.animation {
             self.field("animation", |v| v.animation(animation))?;
         }
@@ -415,6 +419,29 @@ impl Validator {
         let samples = c.shadow_samples;
         let message = format!("`shadow_samples` is {samples}");
         self.require((1..=64).contains(&samples), "shadow_samples", message, "use 1 to 64")
+    }
+
+    fn slc(&mut self, c: &StochasticLightCulling) -> Checked {
+        let size = c.rsm_size;
+        self.require((8..=4096).contains(&size), "rsm_size", format!("`rsm_size` is {size}"), "use 8 to 4096 texels")?;
+        let (delta, help) = match c.delta {
+            Delta::Relative(x) => ((1e-12..=1e6).contains(&x), "use a share of the mean irradiance, 1e-12 to 1e6"),
+            Delta::Absolute(x) => (x.is_finite() && x > 0.0, "use an irradiance above zero [W/m²]"),
+        };
+        self.require(delta, "delta", format!("`delta` is {:?}", c.delta), help)?;
+        let n = c.interleave;
+        self.require(
+            n <= 16 && n.is_power_of_two(),
+            "interleave",
+            format!("`interleave` is {n}"),
+            "use 1, 2, 4, 8 or 16",
+        )?;
+        self.require(
+            c.filter_radius <= 64,
+            "filter_radius",
+            format!("`filter_radius` is {}", c.filter_radius),
+            "use 0 to 64 pixels",
+        )
     }
 }
 

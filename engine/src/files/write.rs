@@ -4,7 +4,7 @@ use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, SceneFile};
 use super::tree::Node;
-use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings};
+use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -37,6 +37,7 @@ impl Defaults {
             ("camera", node(&Camera::default())?),
             ("clpv", node(&Clpv::default())?),
             ("vpl", node(&InstantRadiosity::default())?),
+            ("slc", node(&StochasticLightCulling::default())?),
             ("animation", node(&Animation::default())?),
             ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),

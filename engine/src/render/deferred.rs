@@ -13,10 +13,11 @@ use super::frame::Frame;
 use super::gpu_scene::GpuScene;
 use super::lpv::sweep::GpuSurfels;
 use super::post::tone_map::{self, DISPLAY};
+use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
-use super::{direct, gbuffer, lpv};
+use super::{direct, gbuffer, lpv, slc};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
@@ -50,6 +51,12 @@ pub enum RenderError {
     /// Virtual lights that cannot be made.
     #[error("virtual lights: {0}")]
     Vpl(#[from] VplError),
+    /// Settings of stochastic light culling that do not fit the device.
+    #[error("stochastic light culling: {0}")]
+    LightCulling(String),
+    /// The scene does not fit the device as rays need it.
+    #[error(transparent)]
+    Rays(#[from] RayError),
     /// A pass failed, or the frame was put together wrongly.
     #[error(transparent)]
     Graph(#[from] GraphError),
@@ -70,6 +77,8 @@ pub struct Renderer {
     targets: TargetCache,
     /// Made when it is first asked for.
     tracer: Option<PathTracer>,
+    /// The scene for shadow rays, made when they are first asked for.
+    rays: Option<RayScene>,
 }
 
 impl Renderer {
@@ -81,6 +90,7 @@ impl Renderer {
             virtual_lights: None,
             targets: TargetCache::new(),
             tracer: None,
+            rays: None,
         }
     }
 
@@ -110,10 +120,13 @@ impl Renderer {
             self.virtual_lights.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?;
         }
         let virtual_lights = self.virtual_lights.as_ref();
-        let (gpu_scene, surfels) = (&self.gpu_scene, &self.surfels);
-        let frame = Frame { scene, gpu_scene, surfels, virtual_lights, view, settings, bounds };
+        if casts_rays(scene, settings) {
+            self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?;
+        }
+        let (gpu_scene, surfels, rays) = (&self.gpu_scene, &self.surfels, self.rays.as_ref());
+        let frame = Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds };
         let mut graph = Graph::new(seed(gpu));
-        declare(&mut graph, &frame)?;
+        declare(&mut graph, &frame, gpu)?;
         execute(gpu, graph, &mut self.targets, settings)
     }
 
@@ -195,7 +208,7 @@ fn seed(gpu: &Gpu) -> u64 {
     hasher.finish()
 }
 
-fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Result<(), RenderError> {
+fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<(), RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
     let only = frame.settings.only;
     let mut lights = Lights::default();
@@ -211,6 +224,9 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Result<(), RenderErr
     } else if frame.settings.gi == GiMethod::Vpl {
         graph.skip("clpv", "the indirect light comes from virtual lights");
         lights.indirect = vpl::declare(graph, frame, &gbuffer)?;
+    } else if frame.settings.gi == GiMethod::Slc {
+        graph.skip("clpv", "the indirect light comes from stochastic light culling");
+        lights.indirect = slc::declare(graph, frame, &gbuffer, gpu)?;
     } else {
         lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
     }
@@ -228,6 +244,12 @@ fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture
     } else {
         graph.skip("tone map", "no display image is wanted");
     }
+}
+
+/// Whether indirect light casts shadow rays.
+fn casts_rays(scene: &Scene, settings: &RenderSettings) -> bool {
+    let shows_indirect = matches!(settings.only, Layer::Total | Layer::Indirect);
+    shows_indirect && settings.gi == GiMethod::Slc && slc::casts_rays(&slc::settings(scene))
 }
 
 /// Edge of the finest cells that light is swept through, if it is \[m\].

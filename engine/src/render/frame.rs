@@ -2,6 +2,7 @@
 
 use super::gpu_scene::GpuScene;
 use super::lpv::sweep::GpuSurfels;
+use super::ray_scene::RayScene;
 use super::settings::RenderSettings;
 use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
@@ -29,6 +30,8 @@ pub struct Frame<'a> {
     pub surfels: &'a GpuSurfels,
     /// Virtual lights and the scene for their rays, where a method needs them.
     pub virtual_lights: Option<&'a VirtualLights>,
+    /// The scene as rays see it, where a method casts any.
+    pub rays: Option<&'a RayScene>,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.

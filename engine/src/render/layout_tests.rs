@@ -12,6 +12,7 @@ use super::ray_scene::{Emitter, RayLight, RayMaterial};
 use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
+use super::slc::{CullingUniform, PlaceUniform};
 use super::vpl::{ShadeUniform, VirtualLight};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
@@ -57,5 +58,13 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, size_of::<Surfel>() as u64, "lpv/sweep/emit.wgsl", "Surfel");
     check(&gpu, ShadeUniform::min_size().get(), "vpl/shade.wgsl", "Shade");
     check(&gpu, size_of::<VirtualLight>() as u64, "vpl/shade.wgsl", "VirtualLight");
+    check(&gpu, PlaceUniform::min_size().get(), "slc/lights.wgsl", "Place");
+    for shader in
+        ["slc/delta.wgsl", "slc/range.wgsl", "slc/cull.wgsl", "slc/shade.wgsl", "slc/splat.wgsl", "slc/filter.wgsl"]
+    {
+        check(&gpu, CullingUniform::min_size().get(), shader, "Culling");
+    }
+    check(&gpu, 96, "slc/lights.wgsl", "VirtualLight");
+    check(&gpu, 64, "slc/range.wgsl", "LightRange");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

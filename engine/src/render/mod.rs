@@ -17,6 +17,7 @@ pub mod reference;
 pub mod rsm;
 mod settings;
 mod shadow;
+pub mod slc;
 pub mod vpl;
 
 pub use deferred::{RenderError, Renderer};

@@ -42,8 +42,10 @@ pub struct Rsm<'a> {
     pub size: u32,
     /// Base colour and metallic, as in the G-buffer.
     pub base_color: Handle<Texture>,
-    /// Normal and roughness, as in the G-buffer.
+    /// Normal, roughness and F90, as in the G-buffer.
     pub normal: Handle<Texture>,
+    /// √F0, ten bits a channel, as in the G-buffer.
+    pub specular: Handle<Texture>,
     /// Reversed depth.
     pub depth: Handle<Texture>,
 }
@@ -149,12 +151,13 @@ pub fn declare_sized<'a>(
     };
     let base_color = target(graph, "base color", TextureFormat::Rgba16Uint);
     let normal = target(graph, "normal", TextureFormat::Rgba16Uint);
+    let specular = target(graph, "specular", TextureFormat::R32Uint);
     let depth = target(graph, "depth", DEPTH_FORMAT);
     let mut pass = graph.pass(name.as_str());
-    let (base_color, normal, depth) = (pass.write(base_color), pass.write(normal), pass.write(depth));
+    let [base_color, normal, specular, depth] = [base_color, normal, specular, depth].map(|handle| pass.write(handle));
     // Not the light itself: a map does not change with a flickering lamp.
     pass.key(&(frame.geometry_key(), view_bits(&views), size));
-    let rsm = Rsm { light, index, views, size, base_color, normal, depth };
+    let rsm = Rsm { light, index, views, size, base_color, normal, specular, depth };
     let (frame, drawn) = (frame.clone(), rsm.clone());
     pass.execute(move |cx| (0..drawn.views.len()).try_for_each(|layer| draw_layer(cx, &frame, &drawn, layer)));
     Some(rsm)
@@ -163,8 +166,8 @@ pub fn declare_sized<'a>(
 fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> Result<(), PassError> {
     let view = &rsm.views[layer];
     let layer_view = |cx: &PassContext, handle| layer_view(cx.texture(handle), layer as u32);
-    let (base_color, normal, depth) =
-        (layer_view(cx, rsm.base_color), layer_view(cx, rsm.normal), layer_view(cx, rsm.depth));
+    let [base_color, normal, specular, depth] =
+        [rsm.base_color, rsm.normal, rsm.specular, rsm.depth].map(|handle| layer_view(cx, handle));
     let uniform = view_uniform(cx.gpu, view);
     let attachment = |view| {
         Some(wgpu::RenderPassColorAttachment {
@@ -178,7 +181,7 @@ fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> R
         .encoder()
         .begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("rsm"),
-            color_attachments: &[attachment(&base_color), attachment(&normal)],
+            color_attachments: &[attachment(&base_color), attachment(&normal), attachment(&specular)],
             depth_stencil_attachment: Some(depth_attachment(&depth)),
             ..Default::default()
         })
@@ -213,6 +216,10 @@ fn raster_key(class: MaterialClass) -> RasterKey {
         // Backs of surfaces stop light too.
         primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
         depth: Some(depth_state()),
-        targets: vec![Some(TextureFormat::Rgba16Uint.into()), Some(TextureFormat::Rgba16Uint.into())],
+        targets: vec![
+            Some(TextureFormat::Rgba16Uint.into()),
+            Some(TextureFormat::Rgba16Uint.into()),
+            Some(TextureFormat::R32Uint.into()),
+        ],
     }
 }

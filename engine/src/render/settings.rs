@@ -12,6 +12,8 @@ pub enum GiMethod {
     Clpv,
     /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
     Vpl,
+    /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
+    Slc,
     /// Path tracing, the reference: all light, direct and indirect.
     Reference(ReferenceSettings),
 }

@@ -17,7 +17,7 @@ pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
 pub use view::{SceneCamera, SceneView, perspective};
 
 use crate::assets::{Material, Mesh};
-use crate::world::{Clpv, InstantRadiosity};
+use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
@@ -87,6 +87,9 @@ pub struct Scene {
     pub clpv: Option<SceneClpv>,
     /// Settings of instant radiosity, if the world holds them. The first by SceneId wins.
     pub vpl: Option<InstantRadiosity>,
+    /// Settings of stochastic light culling, if the world has any; without them the default is used. The first by
+    /// SceneId wins. They have no revision: passes take them into their keys as they are.
+    pub slc: Option<StochasticLightCulling>,
     /// Radiance of the sky behind everything [W/(m² sr)], linear RGB.
     pub sky: Vec3,
     /// Revisions.

@@ -2,8 +2,8 @@
 
 use super::identity::{Identities, Identity, identify};
 use super::{
-    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, Transform, WorldError, animate, deform,
-    hierarchy, transform,
+    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
+    WorldError, animate, deform, hierarchy, transform,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -60,6 +60,7 @@ impl GameWorld {
         ecs.register_component::<Light>();
         ecs.register_component::<Camera>();
         ecs.register_component::<Clpv>();
+        ecs.register_component::<StochasticLightCulling>();
         ecs.register_component::<Animation>();
         ecs.init_resource::<Identities>();
         ecs.init_resource::<DespawnQueue>();

@@ -14,6 +14,7 @@ mod game_world;
 mod hierarchy;
 mod identity;
 mod instant_radiosity;
+mod light_culling;
 mod rest;
 mod sample;
 #[cfg(test)]
@@ -29,6 +30,7 @@ pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
 pub use identity::Identity;
 pub use instant_radiosity::*;
+pub use light_culling::*;
 pub use rest::RestPose;
 pub use sample::{MaterialSample, Sample};
 pub(crate) use transform::forward;

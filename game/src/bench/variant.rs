@@ -38,6 +38,7 @@ const LOW: (&str, &str) = ("clpv.quality", "Low");
 const MEDIUM: (&str, &str) = ("clpv.quality", "Medium");
 const HIGH: (&str, &str) = ("clpv.quality", "High");
 const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
+const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
 const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
@@ -51,6 +52,14 @@ pub const METHODS: &[Method] = &[
     Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA], what: "sweep transport, ultra", runs: Runs::Thorough },
     Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
     Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
+    Method { name: "slc coarse", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling, shadow rays, error bound 3e-4 of the mean irradiance", runs: Runs::Always },
+    Method { name: "slc", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling, shadow rays, error bound 1e-4", runs: Runs::Always },
+    Method { name: "slc fine", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(3e-5)")], what: "stochastic light culling, shadow rays, error bound 3e-5", runs: Runs::Thorough },
+    Method { name: "slc no visibility", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling as published: light passes through walls", runs: Runs::Thorough },
+    Method { name: "slc clustered", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Clustered")], what: "stochastic light culling, 32 depth slices", runs: Runs::Asked },
+    Method { name: "slc splatting", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Splatting")], what: "stochastic light culling, every light drawn", runs: Runs::Asked },
+    Method { name: "slc spheres", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.bounds", "CentredSphere")], what: "stochastic light culling, spheres centred on the lights", runs: Runs::Asked },
+    Method { name: "slc unculled", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "None")], what: "all virtual lights with the same interleaving", runs: Runs::Asked },
     Method { name: "reference", gi: Gi::Reference, sets: &[], what: "path tracing on the device", runs: Runs::Always },
 ];
 

@@ -30,5 +30,9 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         let report = session.render(&view, &settings)?;
         say!("\n{title}\n{report}");
     }
+    if let Some([tested, accepted]) = session.light_counts()? {
+        let wrong = 100.0 * (tested - accepted) / tested.max(f64::MIN_POSITIVE);
+        say!("virtual lights a pixel: {tested:.1} tested, {accepted:.1} accepted, {wrong:.0} % in vain");
+    }
     Ok(())
 }

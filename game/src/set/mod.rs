@@ -7,12 +7,14 @@ use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
 use lightwell::files::SceneInfo;
 use lightwell::world::{
-    Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings, Transform,
+    Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling,
+    Transform,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `preset` or `ENTITY.COMPONENT.FIELD`, where an entity is its name,
+/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `slc.FIELD`, `preset` or
+/// `ENTITY.COMPONENT.FIELD`, where an entity is its name,
 /// or its path `PARENT/CHILD`, and a field may be one inside of another (`kind.outer`, `color.0`). `value` is
 /// written as in scene files.
 ///
@@ -45,6 +47,9 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         world.ecs.entity_mut(entity).insert(vpl);
         return Ok(());
     }
+    if let Some(field) = target.strip_prefix("slc.") {
+        return set_light_culling(world, field, value);
+    }
     let (entity, name, rest) = find_entity(world, target)?;
     let (component, field) = rest
         .split_once('.')
@@ -56,12 +61,24 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "camera" => edit::<Camera, Camera>(world, entity, field, value),
         "clpv" => edit::<Clpv, Clpv>(world, entity, field, value),
         "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
+        "slc" => edit::<StochasticLightCulling, StochasticLightCulling>(world, entity, field, value),
         _ => Ok(false),
     }
     .and_then(|found| match found {
         true => Ok(()),
         false => bail!("`{name}` has no `{component}`; it has {}", components(world, entity)),
     })
+}
+
+/// Changes the settings of stochastic light culling; a scene without them gets the default ones to change.
+fn set_light_culling(world: &mut GameWorld, field: &str, value: &str) -> Result<()> {
+    let mut query = world.ecs.query::<(Entity, &StochasticLightCulling)>();
+    let found = query.iter(&world.ecs).min_by_key(|(entity, _)| *entity);
+    let (entity, settings) = found.map_or_else(Default::default, |(entity, slc)| (Some(entity), slc.clone()));
+    let settings = changed(&settings, field, value)?;
+    let entity = entity.unwrap_or_else(|| world.spawn("Light culling", None));
+    world.ecs.entity_mut(entity).insert(settings);
+    Ok(())
 }
 
 /// Makes the changes that the scene's file lists under a name.
@@ -229,6 +246,7 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("camera", ecs.get::<Camera>(entity).is_some()),
         ("clpv", ecs.get::<Clpv>(entity).is_some()),
         ("vpl", ecs.get::<InstantRadiosity>(entity).is_some()),
+        ("slc", ecs.get::<StochasticLightCulling>(entity).is_some()),
     ];
     let names: Vec<String> = has.iter().filter(|(_, has)| *has).map(|(name, _)| format!("`{name}`")).collect();
     if names.is_empty() { "nothing that can be set".to_owned() } else { names.join(", ") }

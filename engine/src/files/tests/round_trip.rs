@@ -6,8 +6,8 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Light, LightKind, Quality, SceneSettings, Transform,
-    Transport,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Light, LightBounds, LightCulling, LightKind,
+    LightVisibility, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -195,6 +195,25 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     )
 }
 
+fn slc() -> impl Strategy<Value = StochasticLightCulling> {
+    let delta = prop_oneof![(1e-6f32..1.0).prop_map(Delta::Relative), (1e-6f32..1.0).prop_map(Delta::Absolute)];
+    let bounds = prop_oneof![Just(LightBounds::Ellipsoid), Just(LightBounds::CentredSphere)];
+    let culling = prop_oneof![Just(LightCulling::Tiled), Just(LightCulling::Clustered), Just(LightCulling::None)];
+    let visibility = prop_oneof![Just(LightVisibility::None), Just(LightVisibility::ShadowRays)];
+    (delta, bounds, culling, visibility, 8u32..=4096, 0u32..5, 0u32..=64).prop_map(
+        |(delta, bounds, culling, visibility, rsm_size, power, filter_radius)| StochasticLightCulling {
+            delta,
+            bounds,
+            culling,
+            visibility,
+            rsm_size,
+            interleave: 1 << power,
+            filter_radius,
+            ..Default::default()
+        },
+    )
+}
+
 fn animation() -> impl Strategy<Value = Animation> {
     let axis = vector().prop_filter("an axis has a direction", |a| a.length() > 0.1);
     let spin = (axis, -90.0f64..90.0).prop_map(|(axis, speed)| Track::Spin { axis, degrees_per_second: speed.round() });
@@ -235,11 +254,11 @@ fn entity() -> impl Strategy<Value = EntityFile> {
         of((mesh, of(material()), of(any::<bool>()))),
         of(light()),
         of(camera),
-        of(clpv()),
+        (of(clpv()), of(slc())),
         of(animation()),
     );
     let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(
-        |(name, transform, surface, light, camera, clpv, animation)| {
+        |(name, transform, surface, light, camera, (clpv, slc), animation)| {
             let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
             EntityFile {
                 name,
@@ -250,6 +269,7 @@ fn entity() -> impl Strategy<Value = EntityFile> {
                 light,
                 camera,
                 clpv,
+                slc,
                 animation,
                 ..Default::default()
             }

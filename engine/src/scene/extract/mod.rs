@@ -7,6 +7,7 @@ mod cameras;
 mod clpv;
 mod lights;
 mod primitives;
+mod slc;
 mod sorted;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ struct Source {
     cameras: cameras::Cameras,
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
+    slc: slc::LightCullings,
 }
 
 impl Source {
@@ -51,6 +53,7 @@ impl Source {
             cameras: cameras::Cameras::new(world),
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
+            slc: slc::LightCullings::new(world),
         }
     }
 }
@@ -136,6 +139,7 @@ impl Extractor {
         source.cameras.extract(world, scene, context);
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
+        source.slc.extract(world, scene, context);
         extract_sky(world, scene, context.revisions);
     }
 }

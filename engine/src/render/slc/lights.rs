@@ -1,0 +1,232 @@
+//! Virtual lights from reflective shadow maps, the error bound δ, and the lights' ranges.
+
+use super::{Method, Sources};
+use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::render::frame::Frame;
+use crate::render::light_uniform::LightUniform;
+use crate::render::light_view::light_views;
+use crate::render::rsm::{self, Rsm};
+use crate::scene::SceneLight;
+use crate::world::{Delta, LightBounds, LightShow, StochasticLightCulling};
+use encase::ShaderType;
+use glam::{UVec2, Vec3};
+use wgpu::BufferUsages;
+
+/// Bytes of `VirtualLight` of `lib/slc.wgsl`.
+pub(super) const LIGHT_BYTES: u64 = 96;
+/// Bytes of `LightRange` of `lib/slc.wgsl`.
+pub(super) const RANGE_BYTES: u64 = 64;
+
+/// `Place` of `slc/lights.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct PlaceUniform {
+    first: u32,
+    lights: u32,
+    interleave: u32,
+    pad: u32,
+}
+
+/// `Culling` of `lib/slc.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct CullingUniform {
+    lights: u32,
+    interleave: u32,
+    slices: u32,
+    words: u32,
+    tiles: UVec2,
+    bounds: u32,
+    seed: u32,
+    relative: f32,
+    absolute: f32,
+    root: u32,
+    filter_radius: u32,
+    show: u32,
+    first_subset: u32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+impl Method {
+    /// The settings for the shaders; `first_subset` is where a dispatch begins.
+    pub(super) fn uniform(&self, gpu: &Gpu, first_subset: u32) -> wgpu::Buffer {
+        let s = &self.settings;
+        let (relative, absolute) = match s.delta {
+            Delta::Relative(share) => (share, 0.0),
+            Delta::Absolute(delta) => (0.0, delta),
+        };
+        let bounds = match s.bounds {
+            LightBounds::Ellipsoid => 0,
+            LightBounds::CentredSphere => 1,
+            LightBounds::EnclosingSphere => 2,
+        };
+        let show = match s.show {
+            LightShow::Light => 0,
+            LightShow::Candidates => 1,
+            LightShow::FalsePositives => 2,
+        };
+        let uniform = CullingUniform {
+            lights: self.lights,
+            interleave: s.interleave,
+            slices: self.slices,
+            words: self.words(),
+            tiles: self.tiles.into(),
+            bounds,
+            seed: self.seed,
+            relative,
+            absolute,
+            root: self.root,
+            filter_radius: s.filter_radius,
+            show,
+            first_subset,
+            pad_a: 0,
+            pad_b: 0,
+        };
+        gpu.uniform("culling", &uniform)
+    }
+}
+
+/// The maps of all lights that feed indirect light. Each light has an equal share of the texels, and a point light
+/// spreads its share over its faces.
+pub(super) fn maps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, settings: &StochasticLightCulling) -> Vec<Rsm<'a>> {
+    let feeds = |light: &SceneLight| light.indirect && light.intensity != Vec3::ZERO;
+    let count = frame.scene.lights.iter().filter(|light| feeds(light)).count().max(1);
+    let n = settings.interleave;
+    let declare = |(light, index): (&'a SceneLight, u32)| {
+        let views = light_views(light, &frame.bounds).len().max(1) * count;
+        let edge = f64::from(settings.rsm_size) / (views as f64).sqrt();
+        // Whole subsets.
+        let size = ((edge / f64::from(n)).round() as u32).max(1) * n;
+        rsm::declare_sized(graph, frame, light, index, &frame.bounds, size)
+    };
+    frame.scene.lights.iter().zip(0..).filter_map(declare).collect()
+}
+
+/// Virtual lights of a map in one subset.
+pub(super) fn lights_of(map: &Rsm, interleave: u32) -> u64 {
+    let edge = u64::from(map.size / interleave);
+    map.views.len() as u64 * edge * edge
+}
+
+/// Declares the lights, the error bound and the ranges.
+pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Sources {
+    let lights = declare_lights(graph, frame, maps, method);
+    let bound = declare_bound(graph, method, lights);
+    let ranges = declare_ranges(graph, method, lights, bound);
+    Sources { lights, ranges, bound }
+}
+
+fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Handle<Buffer> {
+    let count = u64::from(method.lights) * u64::from(method.subsets());
+    let buffer = graph.retained_buffer("virtual lights", BufferDesc::new(LIGHT_BYTES * count, BufferUsages::STORAGE));
+    let mut pass = graph.pass("virtual lights");
+    for map in maps {
+        for handle in [map.base_color, map.normal, map.specular, map.depth] {
+            pass.read(handle);
+        }
+    }
+    let buffer = pass.write(buffer);
+    let n = method.settings.interleave;
+    let revisions: Vec<u64> = maps.iter().map(|map| map.light.revision).collect();
+    pass.key(&(frame.scene.identity, revisions, n));
+    let (maps, lights) = (maps.to_vec(), method.lights);
+    pass.execute(move |cx| {
+        let target = cx.buffer(buffer).clone();
+        let mut first = 0;
+        for map in &maps {
+            for layer in 0..map.views.len() {
+                let place = PlaceUniform { first, lights, interleave: n, pad: 0 };
+                take_layer(cx, map, layer, &place, &target)?;
+                first += (map.size / n) * (map.size / n);
+            }
+        }
+        Ok(())
+    });
+    buffer
+}
+
+fn take_layer(
+    cx: &mut PassContext,
+    map: &Rsm,
+    layer: usize,
+    place: &PlaceUniform,
+    target: &wgpu::Buffer,
+) -> Result<(), PassError> {
+    let gpu = cx.gpu;
+    let [base_color, normal, specular, depth] =
+        [map.base_color, map.normal, map.specular, map.depth].map(|handle| cx.view(handle));
+    cx.counts().lights += map.layer_texels();
+    let groups = map.size.div_ceil(8);
+    cx.dispatch(
+        &ComputeKey::new("slc/lights.wgsl", "main"),
+        &[
+            ("place", Binding::Buffer(&gpu.uniform("place", place))),
+            ("light", Binding::Buffer(&LightUniform::buffer(gpu, map.light, map.index))),
+            ("rsm", Binding::Buffer(&gpu.uniform("rsm", &map.layer_uniform(layer, 1.0)))),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("specular", Binding::Texture(&specular)),
+            ("depth", Binding::Texture(&depth)),
+            ("virtual_lights", Binding::Buffer(target)),
+        ],
+        [groups, groups, 1],
+    )
+}
+
+fn delta_key(delta: Delta) -> (bool, u32) {
+    match delta {
+        Delta::Relative(share) => (true, share.to_bits()),
+        Delta::Absolute(delta) => (false, delta.to_bits()),
+    }
+}
+
+fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> Handle<Buffer> {
+    let bound = graph.retained_buffer("slc error bound", BufferDesc::new(16, BufferUsages::STORAGE));
+    let mut pass = graph.pass("slc error bound");
+    pass.read(lights);
+    let bound = pass.write(bound);
+    pass.key(&delta_key(method.settings.delta));
+    let method = method.clone();
+    pass.execute(move |cx| {
+        let [lights, target] = [lights, bound].map(|handle| cx.buffer(handle).clone());
+        cx.dispatch(
+            &ComputeKey::new("slc/delta.wgsl", "main"),
+            &[
+                ("culling", Binding::Buffer(&method.uniform(cx.gpu, 0))),
+                ("virtual_lights", Binding::Buffer(&lights)),
+                ("bound", Binding::Buffer(&target)),
+            ],
+            [1, 1, 1],
+        )
+    });
+    bound
+}
+
+fn declare_ranges(graph: &mut Graph, method: &Method, lights: Handle<Buffer>, bound: Handle<Buffer>) -> Handle<Buffer> {
+    let count = method.lights.saturating_mul(method.subsets());
+    let desc = BufferDesc::new(RANGE_BYTES * u64::from(count), BufferUsages::STORAGE);
+    let ranges = graph.retained_buffer("slc ranges", desc);
+    let mut pass = graph.pass("slc ranges");
+    pass.read(lights);
+    pass.read(bound);
+    let ranges = pass.write(ranges);
+    pass.key(&(method.settings.bounds, method.seed, method.lights));
+    let method = method.clone();
+    pass.execute(move |cx| {
+        let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
+        cx.counts().lights += u64::from(count);
+        let groups = count.div_ceil(64);
+        let x = groups.min(32_768);
+        cx.dispatch(
+            &ComputeKey::new("slc/range.wgsl", "main"),
+            &[
+                ("culling", Binding::Buffer(&method.uniform(cx.gpu, 0))),
+                ("virtual_lights", Binding::Buffer(&lights)),
+                ("bound", Binding::Buffer(&bound)),
+                ("ranges", Binding::Buffer(&target)),
+            ],
+            [x, groups.div_ceil(x), 1],
+        )
+    });
+    ranges
+}

@@ -1,0 +1,33 @@
+//! The settings of stochastic light culling.
+
+use super::Context;
+use crate::scene::Scene;
+use crate::world::{Identity, Name, StochasticLightCulling};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
+
+type Row = (Entity, &'static Identity, Option<&'static Name>, &'static StochasticLightCulling);
+
+/// Looks for the settings in every frame: there are few.
+pub(super) struct LightCullings {
+    state: SystemState<Query<'static, 'static, Row>>,
+}
+
+impl LightCullings {
+    pub fn new(world: &mut World) -> Self {
+        Self { state: SystemState::new(world) }
+    }
+
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
+        let Ok(all) = self.state.get_mut(world) else { return };
+        let first = all.iter().min_by_key(|(_, identity, ..)| **identity);
+        scene.slc = first.map(|(entity, _, name, settings)| {
+            let sanitized = settings.sanitized();
+            if sanitized != *settings {
+                let message = "has light culling settings out of range; the nearest ones in range are used";
+                context.log.warn(entity, name, message);
+            }
+            sanitized
+        });
+    }
+}

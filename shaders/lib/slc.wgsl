@@ -1,0 +1,182 @@
+#define_import_path lightwell::slc
+
+// Stochastic light culling (Tokuyoshi and Harada 2016, 2017): virtual lights, how brightly they shine, and how far
+// they reach. The same functions on the host: engine/src/render/slc/lobe.rs.
+
+#import lightwell::brdf::{PI, distribution_ggx, visibility_smith, fresnel_schlick}
+
+// A texel of a reflective shadow map as a point light with the reflection of its surface.
+struct VirtualLight {
+    position: vec3f,       // world [m]
+    spread: f32,           // area of its surface over π [m²]
+    to_light: vec3f,       // ω_i, unit, towards the light that it reflects
+    alpha: f32,            // GGX α = roughness²
+    normal: vec3f,         // unit
+    grazing_reflectance: f32, // F90
+    flux: vec3f,           // received, Φ [W]; zero: there is no light
+    area: f32,             // of its surface [m²]
+    albedo: vec3f,         // diffuse reflectance ρ
+    pad_albedo: f32,
+    normal_reflectance: vec3f, // F0
+    pad_reflectance: f32,
+}
+
+// What holds all points that may accept a light. A radius below 0: there are none.
+struct LightRange {
+    diffuse_center: vec3f, // world [m]
+    diffuse_radius: f32,   // [m]
+    specular_center: vec3f,
+    specular_radius: f32,  // across the axis [m]
+    axis: vec3f,           // unit
+    squeeze: f32,          // semi-axis across over the one along the axis, at most 1
+    xi: f32,               // ξ in (0, 1)
+    pad_a: f32,
+    pad_b: f32,
+    pad_c: f32,
+}
+
+// All settings of the passes.
+struct Culling {
+    lights: u32,           // of a subset
+    interleave: u32,       // subsets along an edge
+    slices: u32,           // of depth in a tile
+    words: u32,            // of a mask: 32 lights each
+    tiles: vec2u,          // of 16 × 16 pixels in the image of a subset
+    bounds: u32,
+    seed: u32,
+    relative: f32,         // δ over the mean irradiance; 0: δ is absolute
+    absolute: f32,         // δ [W/m²]
+    root: u32,             // of the ray hierarchy
+    filter_radius: u32,    // [pixels]
+    show: u32,
+    first_subset: u32,     // of this dispatch
+    pad_a: u32,
+    pad_b: u32,
+}
+
+const ELLIPSOID: u32 = 0u;
+const CENTRED_SPHERE: u32 = 1u;
+const ENCLOSING_SPHERE: u32 = 2u;
+
+const DIFFUSE_LOBE: u32 = 0u;
+const SPECULAR_LOBE: u32 = 1u;
+
+// Rounding must not cull: ranges are larger by this share, and by that of the coordinates.
+const RANGE_MARGIN: f32 = 1.001;
+const COORDINATE_MARGIN: f32 = 1e-6;
+
+fn brightest(c: vec3f) -> f32 {
+    return max(c.r, max(c.g, c.b));
+}
+
+// Share of the light that the specular reflection leaves to the diffuse one: 1 − max F.
+fn diffuse_share(f: vec3f) -> f32 {
+    return 1.0 - brightest(f);
+}
+
+// Radiant intensity [W/sr] of a lobe in a unit direction: Φ·f(ω_i, ω)·max(0, n·ω).
+fn lobe_intensity(light: VirtualLight, lobe: u32, direction: vec3f) -> vec3f {
+    let cosine = dot(light.normal, direction);
+    let incident = dot(light.normal, light.to_light);
+    let half_sum = light.to_light + direction;
+    let length_squared = dot(half_sum, half_sum);
+    if cosine <= 0.0 || incident <= 0.0 || length_squared < 1e-12 {
+        return vec3f(0.0);
+    }
+    let h = half_sum * inverseSqrt(length_squared);
+    let f = fresnel_schlick(light.normal_reflectance, light.grazing_reflectance, dot(light.to_light, h));
+    if lobe == DIFFUSE_LOBE {
+        return light.flux * light.albedo * (diffuse_share(f) * cosine / PI);
+    }
+    let d = distribution_ggx(light.normal, h, light.alpha);
+    return light.flux * f * (d * visibility_smith(incident, cosine, light.alpha) * cosine);
+}
+
+// Chance that a light is accepted: p = min(I/(δ·l²), 1). l² counts the light as a small disc rather than a point,
+// l² + A/π (form factor of a disc), so that no light is brighter than the surface that it stands for.
+fn acceptance(intensity: vec3f, delta: f32, distance_squared: f32) -> f32 {
+    return min(brightest(intensity) / delta / distance_squared, 1.0);
+}
+
+// Radius of the sphere l² = I/(δ·ξ) [m].
+fn reach(intensity: f32, delta: f32, xi: f32) -> f32 {
+    return sqrt(clamp(intensity / delta / xi, 0.0, 1e30));
+}
+
+fn with_margin(radius: f32, center: vec3f) -> f32 {
+    let c = abs(center);
+    return radius * RANGE_MARGIN + COORDINATE_MARGIN * max(c.x, max(c.y, c.z));
+}
+
+// Sphere around all points with p > ξ of the diffuse lobe: l = R·√cosθ lies in the sphere of radius (4/27)^¼·R around
+// q + (1/3)^¾·R·n.
+fn diffuse_range(light: VirtualLight, delta: f32, xi: f32, bounds: u32) -> vec4f {
+    let least = min(brightest(light.normal_reflectance), light.grazing_reflectance);
+    let intensity = brightest(light.flux * light.albedo) * (1.0 - least) / PI;
+    if !(intensity > 0.0) {
+        return vec4f(light.position, -1.0);
+    }
+    let r = reach(intensity, delta, xi);
+    if bounds == CENTRED_SPHERE {
+        return vec4f(light.position, with_margin(r, light.position));
+    }
+    let center = light.position + light.normal * (0.438691338 * r);
+    return vec4f(center, with_margin(0.620403240 * r, light.position));
+}
+
+// Semi-axis r of the spheroid of the specular lobe: √(Φ·F_max·G₁/(4π·δ·ξ·|ω_i·n|)), with |ω_i·n| cancelled:
+// G₁/c = 2/(c + √((1 − α²)c² + α²)). F_max is Schlick's term where ω lies on the horizon opposite of ω_i.
+fn specular_semi_axis(light: VirtualLight, delta: f32, xi: f32) -> f32 {
+    let c = clamp(dot(light.normal, light.to_light), 0.0, 1.0);
+    let a_squared = light.alpha * light.alpha;
+    let masking = 2.0 / (c + sqrt((1.0 - a_squared) * c * c + a_squared));
+    let sine = sqrt(max(0.0, 1.0 - c * c));
+    let f = fresnel_schlick(light.normal_reflectance, light.grazing_reflectance, sqrt(max(0.0, 0.5 * (1.0 - sine))));
+    return reach(brightest(light.flux * f) * masking / (4.0 * PI), delta, xi);
+}
+
+// The spheroid with semi-axes r·((1 + α²)/(2α), 1, 1) whose focus is the light, along the mirror direction.
+fn light_range(light: VirtualLight, delta: f32, xi: f32, bounds: u32) -> LightRange {
+    var range: LightRange;
+    range.xi = xi;
+    range.axis = vec3f(0.0, 1.0, 0.0);
+    range.squeeze = 1.0;
+    range.diffuse_radius = -1.0;
+    range.specular_radius = -1.0;
+    if all(light.flux <= vec3f(0.0)) || dot(light.normal, light.to_light) <= 0.0 {
+        return range;
+    }
+    let diffuse = diffuse_range(light, delta, xi, bounds);
+    range.diffuse_center = diffuse.xyz;
+    range.diffuse_radius = diffuse.w;
+    let r = specular_semi_axis(light, delta, xi);
+    if !(r > 0.0) {
+        return range;
+    }
+    let mirror = normalize(reflect(-light.to_light, light.normal));
+    let a_squared = light.alpha * light.alpha;
+    let long = r * (1.0 + a_squared) / (2.0 * light.alpha);
+    let center = light.position + mirror * (r * (1.0 - a_squared) / (2.0 * light.alpha));
+    switch bounds {
+        case CENTRED_SPHERE: {
+            range.specular_center = light.position;
+            range.specular_radius = with_margin(r / light.alpha, light.position);
+        }
+        case ENCLOSING_SPHERE: {
+            range.specular_center = center;
+            range.specular_radius = with_margin(long, center);
+        }
+        default: {
+            range.specular_center = center;
+            range.specular_radius = with_margin(r, center);
+            range.axis = mirror;
+            range.squeeze = r / long;
+        }
+    }
+    return range;
+}
+
+// The matrix that turns the spheroid into a sphere of its radius across: squeezes along the axis.
+fn squeezed(v: vec3f, axis: vec3f, squeeze: f32) -> vec3f {
+    return v + axis * ((squeeze - 1.0) * dot(axis, v));
+}
