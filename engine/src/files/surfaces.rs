@@ -54,6 +54,9 @@ impl Loader<'_> {
         if let Some(clpv) = &c.clpv {
             target.insert(clpv.clone());
         }
+        if let Some(slc) = &c.slc {
+            target.insert(slc.clone());
+        }
         if let Some(vpl) = &c.vpl {
             target.insert(vpl.clone());
         }
