@@ -46,7 +46,9 @@ fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
 fn counts(gpu: &Gpu, stage: &Stage) -> [f64; 2] {
     let mut renderer = Renderer::new(gpu);
     let settings = RenderSettings { gi: GiMethod::Slc, only: Layer::Indirect, ..Default::default() };
-    stage.render_with(gpu, &mut renderer, &settings);
+    let (_, report) = stage.render_with(gpu, &mut renderer, &settings);
+    let passes = report.passes.iter().filter(|pass| ["slc cull", "slc shade"].contains(&pass.name.as_str()));
+    println!("cull and shade {:.0} ms", passes.filter_map(|pass| pass.gpu_ms).sum::<f64>());
     [TESTED, ACCEPTED].map(|name| {
         let image = read_texture_f32(gpu, renderer.target(name).expect("a target")).expect("readable");
         image.rgba.iter().map(|pixel| f64::from(pixel[3])).sum()
