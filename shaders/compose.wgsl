@@ -1,11 +1,14 @@
 // Sums what a pixel shows: direct and indirect light, emission and sky; or one layer of the frame for itself.
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
+#import lightwell::sky::sky_radiance
 #import lightwell::view::View
 
 struct Compose {
     sky: vec3f,            // radiance [W/(m² sr)]
     layer: u32,
+    sky_turn: f32,         // of the map [rad]
+    has_sky_map: u32,
 }
 
 const TOTAL: u32 = 0u;
@@ -23,15 +26,26 @@ const DEPTH: u32 = 5u;
 @group(0) @binding(5) var depth: texture_depth_2d;
 @group(0) @binding(6) var direct: texture_2d_array<f32>;
 @group(0) @binding(7) var indirect: texture_2d<f32>;
+@group(0) @binding(9) var sky: texture_2d<f32>;
 @group(0) @binding(8) var radiance: texture_storage_2d<rgba32float, write>;
 
 // Sums of what lights may bring stay finite for whatever number of lights.
 const MAX_RADIANCE: f32 = 1e32;
 
+fn sky_at(pixel: vec2u) -> vec3f {
+    if compose.has_sky_map == 0u {
+        return compose.sky;
+    }
+    // The point at infinity, or on the far plane, in homogeneous coordinates.
+    let at = (vec2f(pixel) + 0.5) / vec2f(view.size);
+    let far = view.world_from_clip * vec4f(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0);
+    return sky_radiance(sky, normalize(far.xyz - view.eye * far.w), compose.sky_turn);
+}
+
 fn shown(pixel: vec2u) -> vec3f {
     let z = textureLoad(depth, pixel, 0);
     if z <= 0.0 {
-        return select(vec3f(0.0), compose.sky, compose.layer == TOTAL || compose.layer == DIRECT);
+        return select(vec3f(0.0), sky_at(pixel), compose.layer == TOTAL || compose.layer == DIRECT);
     }
     let reflected = vec3f(
         textureLoad(direct, pixel, 0, 0).r, textureLoad(direct, pixel, 1, 0).r, textureLoad(direct, pixel, 2, 0).r,

@@ -108,6 +108,9 @@ pub struct LookArgs {
     /// Part of the picture to show
     #[arg(long, value_enum, default_value_t = Only::Total)]
     pub only: Only,
+    /// Leave the edges of display images as they are drawn (measured images always do: EXR, --aa, layers)
+    #[arg(long)]
+    pub no_mlaa: bool,
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,

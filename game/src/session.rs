@@ -168,7 +168,14 @@ impl Session {
             virtual_light: self.look.virtual_light,
             particle_paths: self.look.particle_paths,
             display,
+            mlaa: false,
         }
+    }
+
+    /// Settings of a frame that is looked at: with smooth edges, unless they are not wanted or a layer is shown.
+    pub fn display_settings(&self) -> RenderSettings {
+        let mlaa = !self.look.no_mlaa && self.look.only == Only::Total;
+        RenderSettings { mlaa, ..self.render_settings(true) }
     }
 
     /// What `--bounces` and `--seed` ask of the path tracer.

@@ -4,12 +4,13 @@
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
 // passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): UNLIT, no surface emits light;
-// DIFFUSE, all surfaces are purely so. Direct light is what comes straight from the lights to the surface that the camera sees, with that
+// DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions. Direct light is what comes straight from the lights to the surface that the camera sees, with that
 // surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #import lightwell::lights::{Incidence, light_incidence}
 #import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, trace_pair, surface_at, leave_surface, load_triangle, emitted_at, materials, emitters, lights}
+#import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
 struct Trace {
@@ -30,11 +31,13 @@ struct Trace {
     samples: u32,          // of this dispatch
     light_count: u32,
     emitter_count: u32,
+    sky_turn: f32,         // of the sky's map [rad]
 }
 
 @group(0) @binding(0) var<uniform> params: Trace;
 // Sums of each pixel: direct and indirect light of the even samples, then of the odd ones.
 @group(0) @binding(1) var<storage, read_write> sums: array<vec4f>;
+@group(0) @binding(2) var sky: texture_2d<f32>;
 
 // Nothing brighter is counted, so that no sum over samples leaves the range of floats.
 const MAX_RADIANCE: f32 = 1e30;
@@ -284,6 +287,42 @@ fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
     add(path, surface.emissive * weight, false);
 }
 
+// ---- The sky ----
+
+// What a path finds that leaves the scene, weighted against `choose_sky` of the vertex before.
+fn add_sky(path: ptr<function, Path>) {
+    let is_direct = (*path).vertices == 0u;
+#ifdef EVEN_SKY
+    add(path, params.sky, is_direct);
+#else
+    let d = normalize((*path).ray.direction);
+    var weight = 1.0;
+    if !is_direct {
+        weight = (*path).density / ((*path).density + sky_density(sky, d, params.sky_turn));
+    }
+    add(path, sky_radiance(sky, d, params.sky_turn) * weight, is_direct);
+#endif
+}
+
+#ifndef EVEN_SKY
+// Next-event estimation towards a direction that is chosen by the flux of the sky's texels.
+fn choose_sky(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
+    let choice = next_pair(random);
+    let chosen = sample_sky(sky, params.sky_turn, choice, next_pair(random));
+    let response = reflected(surface, to_eye, chosen.direction);
+    if !(chosen.density > 0.0) || all(response <= vec3f(0.0)) {
+        return;
+    }
+    let ray = Ray(leave_surface(surface, chosen.direction), chosen.direction);
+    if trace(params.root, ray, 3e38, SHADOW).triangle != NONE {
+        return;
+    }
+    let weight = chosen.density / (chosen.density + direction_density(surface, to_eye, chosen.direction, share));
+    let radiance = sky_radiance(sky, chosen.direction, params.sky_turn);
+    add(path, response * radiance * (weight / chosen.density), false);
+}
+#endif
+
 // ---- The path ----
 
 // Russian roulette (Arvo and Kirk 1990): the throughput of what goes on is divided by the chance to go on.
@@ -316,7 +355,7 @@ fn advance(path: ptr<function, Path>) -> Hit {
 // Goes on from the surface that the path has met; false where it ends.
 fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -> bool {
     if hit.triangle == NONE {
-        add(path, params.sky, (*path).vertices == 0u);
+        add_sky(path);
         return false;
     }
     (*path).vertices += 1u;
@@ -334,6 +373,9 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
     let share = specular_share(surface, to_eye);
 #ifndef UNLIT
     add_emitter(path, surface, to_eye, share, random);
+#endif
+#ifndef EVEN_SKY
+    choose_sky(path, surface, to_eye, share, random);
 #endif
     let choice = next_pair(random);
     let direction = sample_direction(surface, to_eye, share, choice.x, next_pair(random));

@@ -13,6 +13,7 @@ mod shape;
 mod shape_mesh;
 #[cfg(test)]
 mod shape_tests;
+mod sky_map;
 mod texture;
 
 pub use self::clip::{Between, Clip, Curve, NodeCurves};
@@ -27,6 +28,7 @@ pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
+pub use sky_map::SkyMap;
 pub use texture::{Sampling, Texture, Wrap};
 
 use std::path::Path;

@@ -8,8 +8,8 @@ use super::source::{Origin, SceneInfo, Source};
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::validate::{Fault, Validator};
-use crate::assets::{AssetLibrary, Material};
-use crate::world::GameWorld;
+use crate::assets::{AssetError, AssetLibrary, Material, SkyMap};
+use crate::world::{Environment, EnvironmentImage, GameWorld, SceneSettings};
 use bevy_ecs::prelude::Entity;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -21,6 +21,7 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     let (document, file) = Document::read::<SceneFile>(path)?;
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
     let info = SceneInfo::new(&document, &file);
+    let image = environment_image(&document, &file.settings)?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
     let mut loader = Loader {
         library,
@@ -38,10 +39,27 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     }
     let Loader { mut world, info, .. } = loader;
     world.ecs.insert_resource(file.settings);
+    if let Some(image) = image {
+        world.ecs.insert_resource(image);
+    }
     world.set_tick(0);
     world.ecs.insert_resource(info);
     world.update();
     Ok(world)
+}
+
+/// Loads the sky's image, if the settings ask for one.
+fn environment_image(document: &Document, settings: &SceneSettings) -> Result<Option<EnvironmentImage>, FileError> {
+    let Some(environment @ Environment::Image { file, rotation, intensity }) = &settings.environment else {
+        return Ok(None);
+    };
+    let map = SkyMap::load(&document.folder().join(file), *intensity, rotation.to_radians()).map_err(|fault| {
+        let at = [key("settings"), key("environment")];
+        let kind = if matches!(fault, AssetError::Io { .. }) { Kind::MissingFile } else { Kind::BadValue };
+        let help = "name an equirectangular .hdr or .exr file, its path relative to this scene's file";
+        document.error(&at, kind, fault.to_string()).with_help(help)
+    })?;
+    Ok(Some(EnvironmentImage { environment: environment.clone(), map: Arc::new(map) }))
 }
 
 pub(super) fn fault_error(document: &Document, fault: Fault) -> FileError {

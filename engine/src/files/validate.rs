@@ -7,7 +7,7 @@ use super::tree::Step;
 use crate::assets::AssetError;
 use crate::world::animation::AnimationError;
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, InstantRadiosity, Light, LightKind,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Environment, InstantRadiosity, Light, LightKind,
     SceneSettings, StochasticLightCulling,
 };
 use glam::Vec3;
@@ -92,6 +92,7 @@ impl Validator {
 
     fn settings(&mut self, s: &SceneSettings) -> Checked {
         self.color("sky", s.sky, f32::MAX)?;
+        self.environment(s.environment.as_ref())?;
         self.number("exposure", s.exposure, -100.0, 100.0)?;
         self.number("move_speed", s.move_speed, 0.0, f32::MAX)?;
         if let Some(duration) = s.duration {
@@ -108,6 +109,20 @@ impl Validator {
             format!("`frame_rate` is {}", s.frame_rate),
             "use 1 to 1000 frames a second",
         )
+    }
+
+    fn environment(&self, environment: Option<&Environment>) -> Checked {
+        let field = "environment";
+        match environment {
+            None => Ok(()),
+            Some(Environment::Gradient { zenith, horizon, ground }) => {
+                [zenith, horizon, ground].into_iter().try_for_each(|color| self.color(field, *color, 1e30))
+            }
+            Some(Environment::Image { rotation, intensity, .. }) => {
+                self.number(field, *rotation, -1e6, 1e6)?;
+                self.number(field, *intensity, 0.0, 1e12)
+            }
+        }
     }
 
     fn presets(&mut self, presets: &BTreeMap<String, Vec<String>>) -> Checked {

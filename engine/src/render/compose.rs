@@ -16,6 +16,8 @@ pub const RADIANCE: &str = "radiance";
 pub(crate) struct ComposeUniform {
     sky: Vec3,
     layer: u32,
+    sky_turn: f32,
+    has_sky_map: u32,
 }
 
 /// Light that the layer is made of; what is missing counts as zero.
@@ -40,9 +42,12 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     }
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
+    let map = frame.scene.sky_map.as_deref();
+    let (sky_turn, has_sky_map) = (map.map_or(0.0, |map| map.turn), u32::from(map.is_some()));
     let layer = layer_index(frame.settings.only);
     pass.key(&(
         sky.to_array().map(f32::to_bits),
+        map.map(|map| map.id),
         layer,
         frame.view_key(),
         lights.direct.is_some(),
@@ -60,13 +65,17 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
             &ComputeKey::new("compose.wgsl", "main"),
             &[
                 ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("compose", Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, layer }))),
+                (
+                    "compose",
+                    Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, layer, sky_turn, has_sky_map })),
+                ),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("emissive", Binding::Texture(&emissive)),
                 ("depth", Binding::Texture(&depth)),
                 ("direct", Binding::Texture(&direct)),
                 ("indirect", Binding::Texture(&indirect)),
+                ("sky", Binding::Texture(frame.gpu_scene.sky())),
                 ("radiance", Binding::Texture(&target)),
             ],
             [width.div_ceil(8), height.div_ceil(8), 1],

@@ -12,6 +12,7 @@ use super::compose::{self, Lights, RADIANCE};
 use super::frame::Frame;
 use super::gpu_scene::GpuScene;
 use super::lpv::sweep::GpuSurfels;
+use super::post::mlaa;
 use super::post::tone_map::{self, DISPLAY};
 use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
@@ -239,7 +240,12 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<()
 fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture>, size: [u32; 2]) {
     graph.output(radiance);
     if settings.display {
-        let display = tone_map::declare(graph, settings, radiance, size);
+        let mut display = tone_map::declare(graph, settings, radiance, size);
+        if settings.mlaa {
+            display = mlaa::declare(graph, display, size);
+        } else {
+            graph.skip("mlaa", "anti-aliasing is off");
+        }
         graph.output(display);
     } else {
         graph.skip("tone map", "no display image is wanted");

@@ -17,6 +17,7 @@ pub mod reference;
 pub mod rsm;
 mod settings;
 mod shadow;
+mod sky;
 pub mod slc;
 pub mod vpl;
 

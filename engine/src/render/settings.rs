@@ -78,6 +78,8 @@ pub struct RenderSettings {
     pub particle_paths: u32,
     /// Make the display image too: exposure, tone map, sRGB.
     pub display: bool,
+    /// Smooth the edges of the display image (morphological anti-aliasing). Never touches the radiance image.
+    pub mlaa: bool,
 }
 
 impl Default for RenderSettings {
@@ -90,6 +92,7 @@ impl Default for RenderSettings {
             virtual_light: None,
             particle_paths: 0,
             display: true,
+            mlaa: false,
         }
     }
 }

@@ -16,7 +16,7 @@ pub(crate) use surfels::texel;
 pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
 pub use view::{SceneCamera, SceneView, perspective};
 
-use crate::assets::{Material, Mesh};
+use crate::assets::{Material, Mesh, SkyMap};
 use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
@@ -90,8 +90,11 @@ pub struct Scene {
     /// Settings of stochastic light culling, if the world has any; without them the default is used. The first by
     /// SceneId wins. They have no revision: passes take them into their keys as they are.
     pub slc: Option<StochasticLightCulling>,
-    /// Radiance of the sky behind everything [W/(m² sr)], linear RGB.
+    /// Radiance of the sky behind everything [W/(m² sr)], linear RGB; the mean over all directions where there is
+    /// a map.
     pub sky: Vec3,
+    /// Radiance of the sky by direction, if it is not the same everywhere.
+    pub sky_map: Option<Arc<SkyMap>>,
     /// Revisions.
     pub revisions: Revisions,
 }

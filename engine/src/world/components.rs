@@ -281,8 +281,11 @@ impl Default for Clpv {
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneSettings {
-    /// Radiance of the sky [W/(m² sr)], linear RGB.
+    /// Radiance of the sky [W/(m² sr)], linear RGB, alike in all directions.
     pub sky: Vec3,
+    /// A sky that differs by direction, in place of the constant one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment: Option<super::Environment>,
     /// Display exposure as a power of two. Never touches a measured image.
     pub exposure: f32,
     /// Speed of the fly camera [m/s].
@@ -295,6 +298,6 @@ pub struct SceneSettings {
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { sky: Vec3::ZERO, exposure: 0.0, move_speed: 3.0, duration: None, frame_rate: 30 }
+        Self { sky: Vec3::ZERO, environment: None, exposure: 0.0, move_speed: 3.0, duration: None, frame_rate: 30 }
     }
 }

@@ -146,6 +146,7 @@ impl Variant {
         LookArgs {
             gi: Some(self.gi),
             only: cli::Only::Total,
+            no_mlaa: true,
             virtual_light: None,
             particle_paths: 0,
             trace: TraceArgs { spp: self.spp, bounces: self.bounces, seed: 0 },

@@ -104,7 +104,7 @@ impl Shot {
         let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
         if aa == 1 && !self.linear {
             let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
-            session.render(&view, &settings)?;
+            session.render(&view, &session.display_settings())?;
             let (size, rgb) = session.display_bytes()?;
             bar.inc(u64::from(self.aa));
             return Ok(measure::write_png_rgb8(path, size, &rgb)?);

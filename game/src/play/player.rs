@@ -225,7 +225,7 @@ impl Player {
             let limit = self.session.gpu.limits.max_texture_dimension_2d;
             let size = size.map(|edge| edge.min(limit));
             let view = SceneView { camera: self.camera.apply(&camera), size, jitter: [0.0; 2] };
-            let mut settings = self.session.render_settings(true);
+            let mut settings = self.session.display_settings();
             if let GiMethod::Reference(reference) = &mut settings.gi {
                 // One sample a frame: the image gets better while it is looked at.
                 reference.samples_a_frame = 1;

@@ -108,7 +108,7 @@ fn attempt(
     session.set_seconds(args.time);
     let view = SceneView { camera: session.camera()?, size: args.size, jitter: [0.0; 2] };
     let start = Instant::now();
-    session.render(&view, &session.render_settings(true))?;
+    session.render(&view, &session.display_settings())?;
     cell.rgb = Some(session.display_bytes()?.1);
     cell.drawing = start.elapsed();
     *device = Some(gpu);

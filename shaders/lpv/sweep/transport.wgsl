@@ -15,7 +15,6 @@ struct Slice {
     backward: i32,         // and from the upper border
     quarter: u32,          // directions of one quadrant: a group has four quadrants
     padding: u32,
-    border: vec3f,         // radiance that enters from outside [W/(m² sr)]
 }
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -33,6 +32,8 @@ struct Slice {
 // from behind, its own included, which can be ten times all that it receives.
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
 @group(0) @binding(8) var<storage, read_write> facing: array<f32>;
+// Radiance that enters from outside along each direction [W/(m² sr)].
+@group(0) @binding(9) var<storage, read> border: array<vec4f>;
 
 #ifdef AXIS
 const A: u32 = #{AXIS}u;
@@ -189,11 +190,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let s = vec2f(abs(d[U]), abs(d[V])) * inverse;
             let straight = (1.0 - s.x) * (1.0 - s.y);
             let base = front + i * stride;
-            var arriving = slice.border;
+            let outside = border[group + i].rgb;
+            var arriving = outside;
             if has_past {
-                var left = slice.border;
-                var low = slice.border;
-                var corner = slice.border;
+                var left = outside;
+                var low = outside;
+                var corner = outside;
                 if has_um { left = before[base + u32(v * size[U] + um)].rgb; }
                 if has_vm { low = before[base + u32(vm * size[U] + u)].rgb; }
                 if has_um && has_vm { corner = before[base + u32(vm * size[U] + um)].rgb; }

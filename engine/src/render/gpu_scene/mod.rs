@@ -7,6 +7,7 @@
 mod material;
 mod texture;
 
+use super::sky::GpuSky;
 use crate::assets::{AssetId, Mesh, Vertex, VertexExtra};
 use crate::gpu::{Binding, Gpu, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
@@ -152,6 +153,7 @@ pub struct GpuScene {
     materials: MaterialStore,
     instances: wgpu::Buffer,
     batches: Vec<Batch>,
+    sky: GpuSky,
     synced: Option<(u64, u64, u64)>,
 }
 
@@ -163,12 +165,14 @@ impl GpuScene {
             materials: MaterialStore::new(gpu),
             instances: gpu.storage("instances", &[Instance::zeroed()], wgpu::BufferUsages::empty()),
             batches: Vec::new(),
+            sky: GpuSky::new(gpu),
             synced: None,
         }
     }
 
     /// Brings the device up to date with the scene; costs nothing if no primitive changed.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) {
+        self.sky.update(gpu, scene);
         let state = (scene.identity, scene.revisions.geometry, scene.revisions.materials);
         if self.synced == Some(state) {
             return;
@@ -281,6 +285,11 @@ impl GpuScene {
             }
         }
         Ok(())
+    }
+
+    /// The sky by direction; one black texel if it is the same everywhere.
+    pub fn sky(&self) -> &wgpu::TextureView {
+        self.sky.view()
     }
 
     /// Bytes of textures on the device.

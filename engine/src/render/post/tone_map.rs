@@ -7,6 +7,8 @@ use encase::ShaderType;
 
 /// Name of the retained display image.
 pub const DISPLAY: &str = "display";
+/// Name of the image before its edges are smoothed.
+const TONE_MAPPED: &str = "tone mapped";
 
 /// `ToneMap` of `post/tone_map.wgsl`.
 #[derive(ShaderType)]
@@ -23,8 +25,8 @@ pub fn declare(
     [width, height]: [u32; 2],
 ) -> Handle<Texture> {
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-    let display =
-        graph.retained_texture(DISPLAY, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
+    let name = if settings.mlaa { TONE_MAPPED } else { DISPLAY };
+    let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
     let display = pass.write(display);

@@ -17,7 +17,14 @@ pub fn content_key(scene: &Scene, view: &SceneView, settings: &TraceSettings) ->
     let mut hasher = Content { hash: Xxh3::new(), assets: HashMap::new() };
     hasher.u32s([VERSION, settings.bounces.unwrap_or(u32::MAX), settings.seed]);
     hasher.view(view);
-    hasher.f32s(scene.sky.to_array());
+    match &scene.sky_map {
+        None => hasher.f32s(scene.sky.to_array()),
+        Some(map) => {
+            hasher.u32s([map.width, map.height]);
+            hasher.f32s([map.turn]);
+            map.texels.iter().for_each(|texel| hasher.f32s(texel.to_array()));
+        }
+    }
     for primitive in &scene.primitives {
         hasher.f32s(primitive.world_from_object.to_cols_array());
         hasher.u32s([u32::from(primitive.casts_shadow)]);

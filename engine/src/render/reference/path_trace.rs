@@ -1,12 +1,13 @@
 //! The path tracer on the device: progressive, seeded, and the same bits whatever the pieces it is traced in.
 
 use super::{Estimate, TraceSettings};
-use crate::gpu::{self, Binding, ComputeKey, Gpu};
+use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::measure::Image;
 use crate::render::compose::RADIANCE;
 use crate::render::ray_scene::{RayError, RayScene};
 use crate::render::settings::Layer;
+use crate::render::sky::GpuSky;
 use crate::scene::{Scene, SceneView};
 use encase::ShaderType;
 use glam::{UVec2, Vec2, Vec3};
@@ -66,6 +67,7 @@ pub(crate) struct TraceUniform {
     samples: u32,
     light_count: u32,
     emitter_count: u32,
+    sky_turn: f32,
 }
 
 /// `Resolve` of `reference/resolve.wgsl`.
@@ -97,6 +99,7 @@ pub(super) struct Progress {
 /// Traces one image at a time, progressively. See the [module](super).
 pub struct PathTracer {
     scene: RayScene,
+    sky: GpuSky,
     pub(super) progress: Option<Progress>,
     /// Measured so far, for the size of the pieces.
     paths_a_second: f64,
@@ -114,7 +117,7 @@ struct Piece {
 impl PathTracer {
     /// A tracer with nothing traced yet.
     pub fn new(gpu: &Gpu) -> Self {
-        Self { scene: RayScene::new(gpu), progress: None, paths_a_second: 2e5 }
+        Self { scene: RayScene::new(gpu), sky: GpuSky::new(gpu), progress: None, paths_a_second: 2e5 }
     }
 
     /// Takes up an image of the scene. If it is the one that is being traced, its samples are kept.
@@ -140,6 +143,7 @@ impl PathTracer {
         }
         let old = self.progress.take();
         self.scene.update(gpu, scene)?;
+        self.sky.update(gpu, scene);
         let [width, height] = view.size;
         let bytes = 64 * u64::from(width) * u64::from(height);
         let limit = gpu.limits.max_storage_buffer_binding_size;
@@ -246,6 +250,7 @@ impl PathTracer {
             samples: 0,
             light_count: self.scene.light_count,
             emitter_count: self.scene.emitter_count,
+            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
         }
     }
 
@@ -257,8 +262,13 @@ impl PathTracer {
         let Piece { first_row, rows, first_sample, samples } = piece;
         let uniform =
             gpu.uniform("trace", &TraceUniform { first_row, first_sample, samples, ..progress.uniform.clone() });
-        let group = [("params", Binding::Buffer(&uniform)), ("sums", Binding::Buffer(&progress.sums))];
-        let key = self.scene.shader("reference/path_trace.wgsl", "main");
+        let mut group = vec![("params", Binding::Buffer(&uniform)), ("sums", Binding::Buffer(&progress.sums))];
+        let mut key = self.scene.shader("reference/path_trace.wgsl", "main");
+        if self.sky.is_map() {
+            group.push(("sky", Binding::Texture(self.sky.view())));
+        } else {
+            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
+        }
         let groups = [progress.uniform.size.x.div_ceil(8), rows.div_ceil(8), 1];
         dispatch_rays(gpu, encoder, &key, &group, &self.scene, groups)?;
         Ok(())

@@ -14,11 +14,13 @@ mod tests;
 mod vpl;
 
 use super::Scene;
-use crate::world::{GameWorld, Name, SceneSettings, UpdateCount};
+use crate::assets::SkyMap;
+use crate::world::{Environment, EnvironmentImage, GameWorld, Name, SceneSettings, UpdateCount};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
 use glam::Vec3;
 use std::collections::HashSet;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it starts anew.
@@ -41,6 +43,7 @@ struct Source {
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
     slc: slc::LightCullings,
+    environment: Option<Environment>,
 }
 
 impl Source {
@@ -54,6 +57,7 @@ impl Source {
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
             slc: slc::LightCullings::new(world),
+            environment: None,
         }
     }
 }
@@ -140,7 +144,7 @@ impl Extractor {
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
         source.slc.extract(world, scene, context);
-        extract_sky(world, scene, context.revisions);
+        extract_sky(world, scene, &mut source.environment, context.revisions);
     }
 }
 
@@ -149,8 +153,34 @@ fn fresh_identity() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-fn extract_sky(world: &World, scene: &mut Scene, revisions: &mut Counter) {
-    let wanted = world.get_resource::<SceneSettings>().map_or(Vec3::ZERO, |s| s.sky);
+/// Keeps the sky current; a map is made anew only if the environment changed.
+fn extract_sky(world: &World, scene: &mut Scene, known: &mut Option<Environment>, revisions: &mut Counter) {
+    let settings = world.get_resource::<SceneSettings>();
+    let environment = settings.and_then(|s| s.environment.clone());
+    let loaded =
+        world.get_resource::<EnvironmentImage>().filter(|image| Some(&image.environment) == environment.as_ref());
+    let is_stale = loaded.is_some_and(|image| scene.sky_map.as_ref().is_none_or(|map| !Arc::ptr_eq(map, &image.map)));
+    if *known != environment || is_stale {
+        scene.sky_map = match &environment {
+            Some(Environment::Gradient { zenith, horizon, ground }) => {
+                Some(Arc::new(SkyMap::gradient(*zenith, *horizon, *ground)))
+            }
+            Some(Environment::Image { file, .. }) => {
+                if loaded.is_none() {
+                    log::warn!("the sky's image {file} is not loaded: load the scene again from its file");
+                }
+                loaded.map(|image| image.map.clone())
+            }
+            None => None,
+        };
+        *known = environment;
+        scene.sky = scene.sky_map.as_ref().map_or(Vec3::ZERO, |map| map.mean());
+        scene.revisions.settings = revisions.next();
+    }
+    if scene.sky_map.is_some() {
+        return;
+    }
+    let wanted = settings.map_or(Vec3::ZERO, |s| s.sky);
     let sky = if wanted.is_finite() && wanted.cmpge(Vec3::ZERO).all() { wanted } else { Vec3::ZERO };
     if sky != scene.sky || scene.revisions.settings == 0 {
         if sky != wanted {

@@ -1,6 +1,7 @@
 //! The directions that light is swept along: full octahedral orbits, so that mirrored and turned scenes give mirrored
 //! and turned light.
 
+use crate::assets::SkyMap;
 use crate::world::Quality;
 use glam::{DVec3, Vec3};
 
@@ -67,6 +68,13 @@ impl Directions {
             }
         }
         Self { values, quarter: 2 * orbits.len() as u32 }
+    }
+
+    /// Radiance that enters along each direction from a sky: the mean of the part that lies nearest to where the light
+    /// comes from [W/(m² sr)].
+    pub fn sky(&self, map: &SkyMap) -> Vec<[f32; 4]> {
+        let origins: Vec<Vec3> = self.values.iter().map(|&[x, y, z, _]| -Vec3::new(x, y, z)).collect();
+        map.around(&origins).into_iter().map(|radiance| radiance.extend(0.0).to_array()).collect()
     }
 
     /// Directions of one sense of one axis.

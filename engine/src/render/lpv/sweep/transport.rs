@@ -18,7 +18,6 @@ pub(crate) struct SliceUniform {
     backward: i32,
     quarter: u32,
     padding: u32,
-    border: Vec3,
 }
 
 /// `Sum` of `lpv/sweep/sum.wgsl`.
@@ -93,7 +92,10 @@ pub(super) fn declare<'a>(
         fronts: fronts.map(|mut front| written(&mut front)),
     };
     let border = if step.bounce == 0 { frame.scene.sky } else { Vec3::ZERO };
-    pass.key(&(volume.key(), directions.values.len(), border.to_array().map(f32::to_bits), step.bounce, step.bounces));
+    let map = frame.scene.sky_map.as_deref().filter(|_| step.bounce == 0);
+    let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
+    pass.key(&(volume.key(), directions.values.len(), sky, step.bounce, step.bounces));
+    let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {
         if step.bounce == 0 {
@@ -102,7 +104,11 @@ pub(super) fn declare<'a>(
                 cx.encoder().clear_buffer(&buffer, 0, None);
             }
         }
-        sweep(cx, &volume, &directions, &buffers, border)?;
+        let border = match &map {
+            Some(map) => directions.sky(map),
+            None => vec![border.extend(0.0).to_array(); directions.values.len()],
+        };
+        sweep(cx, &volume, &directions, &buffers, &border)?;
         add(cx, &buffers, step)
     });
 }
@@ -126,7 +132,7 @@ fn sweep(
     volume: &Volume,
     directions: &Directions,
     buffers: &Buffers,
-    border: Vec3,
+    border: &[[f32; 4]],
 ) -> Result<(), PassError> {
     let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.facing];
     let [opacity, emission, axes, facing] = handles.map(|handle| cx.buffer(handle).clone());
@@ -136,6 +142,7 @@ fn sweep(
     }
     let uniform = cx.gpu.uniform("volume", &volume.uniform());
     let set = cx.gpu.storage("directions", &directions.values, BufferUsages::empty());
+    let border = cx.gpu.storage("border", border, BufferUsages::empty());
     for axis in 0..3 {
         let along = volume.cells[axis];
         let across = [volume.cells[(axis + 1) % 3], volume.cells[(axis + 2) % 3]];
@@ -149,7 +156,6 @@ fn sweep(
                 backward: step as i32 - late as i32,
                 quarter: directions.quarter,
                 padding: 0,
-                border,
             };
             let slice = cx.gpu.uniform("slice", &slice);
             let turn = step as usize % 2;
@@ -159,6 +165,7 @@ fn sweep(
                     ("volume", Binding::Buffer(&uniform)),
                     ("slice", Binding::Buffer(&slice)),
                     ("directions", Binding::Buffer(&set)),
+                    ("border", Binding::Buffer(&border)),
                     ("opacity", Binding::Buffer(&opacity)),
                     ("emission", Binding::Buffer(&emission)),
                     ("before", Binding::Buffer(&fronts[turn])),

@@ -1,0 +1,47 @@
+//! The sky around the scene.
+
+use crate::assets::SkyMap;
+use bevy_ecs::prelude::Resource;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A sky that is not the same in all directions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Environment {
+    /// Changes with height alone; radiances [W/(m² sr)], linear RGB. See [`SkyMap::gradient`].
+    Gradient {
+        /// Straight up.
+        zenith: Vec3,
+        /// At the horizon.
+        horizon: Vec3,
+        /// Straight down.
+        #[serde(default)]
+        ground: Vec3,
+    },
+    /// An equirectangular `.hdr` or `.exr` image, twice as wide as high; its middle lies towards −Z.
+    Image {
+        /// Path, relative to the scene's file.
+        file: String,
+        /// Turn about the vertical, counter-clockwise seen from above \[degrees\].
+        #[serde(default)]
+        rotation: f32,
+        /// Radiance [W/(m² sr)] of the image's value 1.
+        #[serde(default = "one")]
+        intensity: f32,
+    },
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// The sky's image that was loaded, with the environment that asked for it.
+#[derive(Clone, Debug, Resource)]
+pub struct EnvironmentImage {
+    /// What was asked for.
+    pub environment: Environment,
+    /// The image.
+    pub map: Arc<SkyMap>,
+}
