@@ -20,6 +20,8 @@ pub use self::clip::{Between, Clip, Curve, NodeCurves};
 pub(crate) use self::deform::pose_all;
 pub use self::deform::{Deform, Influences, MorphTarget, Pose};
 pub use self::error::AssetError;
+#[cfg(test)]
+pub(crate) use self::gltf::rig_tests;
 pub use self::gltf::{
     Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, Normals, Parts, UpAxis,
 };

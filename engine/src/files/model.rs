@@ -207,10 +207,7 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
 
 /// Adds what a scene needs and the model lacks.
 fn complete(world: &mut GameWorld, path: &Path) {
-    let mut bounds = Aabb::EMPTY;
-    for (place, renderer) in world.ecs.query::<(&GlobalTransform, &MeshRenderer)>().iter(&world.ecs) {
-        bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.0));
-    }
+    let bounds = bounds_over_time(world);
     if world.ecs.query::<&Camera>().iter(&world.ecs).next().is_none() {
         log::warn!("{}: the file has no camera; one that frames the whole model is added", path.display());
         let (transform, camera) = framing_camera(&bounds);
@@ -238,6 +235,26 @@ fn complete(world: &mut GameWorld, path: &Path) {
     let components = OverrideFile { transform: Some(transform), clpv: Some(Clpv::default()), ..Default::default() };
     let source = Source { components, origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(entity).insert((Transform::from(transform), Clpv::default(), source));
+}
+
+/// Bounds of all that is drawn, at a few times if it moves.
+fn bounds_over_time(world: &mut GameWorld) -> Aabb {
+    const TIMES: u64 = 8;
+    let ticks = world.loop_ticks().unwrap_or(0);
+    let mut bounds = Aabb::EMPTY;
+    for tick in (0..TIMES).map(|i| ticks * i / TIMES).rev() {
+        if ticks > 0 {
+            world.set_tick(tick);
+            world.update();
+        }
+        for (place, renderer) in world.ecs.query::<(&GlobalTransform, &MeshRenderer)>().iter(&world.ecs) {
+            bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.0));
+        }
+        if ticks == 0 {
+            break;
+        }
+    }
+    bounds
 }
 
 /// A camera before the box, a little above and aside, that sees all of it.

@@ -3,7 +3,7 @@
 use super::model::{Names, Take, model_source};
 use super::surfaces::renderer;
 use crate::assets::{Gltf, GltfNode, Mesh};
-use crate::world::{ClipTarget, Clips, GameWorld, MorphWeights, Posed};
+use crate::world::{ClipTarget, Clips, GameWorld, MeshRenderer, MorphWeights, Posed};
 use bevy_ecs::prelude::Entity;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -77,6 +77,10 @@ impl<'a> Model<'a> {
         for (i, (mesh, material)) in node.primitives.iter().enumerate() {
             let material = self.take.material.unwrap_or(material).clone();
             let renderer = renderer(self.take.components, mesh.clone(), material);
+            if !node.instances.is_empty() && !is_skinned(mesh) {
+                self.copies(node, entity, &renderer);
+                continue;
+            }
             let part = if is_skinned(mesh) {
                 self.part(self.root, &format!("{} skin", node.name))
             } else if node.primitives.len() == 1 {
@@ -89,6 +93,17 @@ impl<'a> Model<'a> {
                 self.skinned.push((index, part, mesh.clone()));
             } else if mesh.deform.is_some() {
                 self.world.ecs.entity_mut(part).insert(Posed::new(mesh.clone(), Some(entity)));
+            }
+        }
+    }
+
+    /// One entity for each instance of the node.
+    fn copies(&mut self, node: &GltfNode, entity: Entity, renderer: &MeshRenderer) {
+        for place in &node.instances {
+            let part = self.part(entity, "instance");
+            self.world.ecs.entity_mut(part).insert((*place, renderer.clone()));
+            if renderer.mesh.deform.is_some() {
+                self.world.ecs.entity_mut(part).insert(Posed::new(renderer.mesh.clone(), Some(entity)));
             }
         }
     }

@@ -4,3 +4,4 @@
 mod animation;
 mod hierarchy;
 mod keys;
+mod rig;

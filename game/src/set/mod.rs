@@ -1,5 +1,6 @@
 //! `--set PATH=VALUE`: changes a value of a loaded scene.
 
+mod clip;
 mod text;
 
 use anyhow::{Result, anyhow, bail};
@@ -7,13 +8,13 @@ use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
 use lightwell::files::SceneInfo;
 use lightwell::world::{
-    Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling,
-    Transform,
+    Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings,
+    StochasticLightCulling, Transform,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `slc.FIELD`, `preset` or
+/// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `slc.FIELD`, `preset`, `clip` or
 /// `ENTITY.COMPONENT.FIELD`, where an entity is its name,
 /// or its path `PARENT/CHILD`, and a field may be one inside of another (`kind.outer`, `color.0`). `value` is
 /// written as in scene files.
@@ -23,6 +24,9 @@ use serde::{Deserialize, Serialize};
 pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
     if target == "preset" {
         return apply_preset(world, value);
+    }
+    if target == "clip" {
+        return clip::apply(world, value);
     }
     if let Some(field) = target.strip_prefix("scene.") {
         let settings = world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default();
@@ -62,6 +66,7 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "clpv" => edit::<Clpv, Clpv>(world, entity, field, value),
         "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
         "slc" => edit::<StochasticLightCulling, StochasticLightCulling>(world, entity, field, value),
+        "animation" => edit::<Animation, Animation>(world, entity, field, value),
         _ => Ok(false),
     }
     .and_then(|found| match found {
@@ -247,6 +252,7 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("clpv", ecs.get::<Clpv>(entity).is_some()),
         ("vpl", ecs.get::<InstantRadiosity>(entity).is_some()),
         ("slc", ecs.get::<StochasticLightCulling>(entity).is_some()),
+        ("animation", ecs.get::<Animation>(entity).is_some()),
     ];
     let names: Vec<String> = has.iter().filter(|(_, has)| *has).map(|(name, _)| format!("`{name}`")).collect();
     if names.is_empty() { "nothing that can be set".to_owned() } else { names.join(", ") }

@@ -4,6 +4,7 @@ use crate::assets::AssetError;
 use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::buffer::View;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Most elements of an accessor that is not backed by a buffer view (all of its values are zero but the sparse ones).
@@ -13,6 +14,8 @@ const MAX_UNBACKED: usize = 1 << 24;
 pub(super) struct Buffers<'a> {
     pub path: &'a Path,
     pub data: Vec<Cow<'a, [u8]>>,
+    /// Buffer views that were compressed, by index.
+    pub decoded: HashMap<usize, Vec<u8>>,
 }
 
 /// A checked range of elements.
@@ -44,6 +47,9 @@ impl Buffers<'_> {
 
     /// Bytes of a buffer view.
     pub fn view(&self, view: &View) -> Result<&[u8], AssetError> {
+        if let Some(bytes) = self.decoded.get(&view.index()) {
+            return Ok(bytes);
+        }
         let (buffer, offset, length) = (view.buffer().index(), view.offset(), view.length());
         let data = self.data.get(buffer).map_or(&[] as &[u8], |d| d.as_ref());
         match offset.checked_add(length).and_then(|end| data.get(offset..end)) {

@@ -1,14 +1,16 @@
 //! The JSON document: parsing, validation, extensions, and loading of its buffers.
 
 use super::accessor::Buffers;
-use super::{BufferData, source};
+use super::{BufferData, meshopt, source};
 use crate::assets::AssetError;
 use gltf::Document;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 9] = [
+const SUPPORTED: [&str; 12] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -16,6 +18,7 @@ const SUPPORTED: [&str; 9] = [
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
     "KHR_materials_variants",
 ];
@@ -28,6 +31,7 @@ pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Res
     check_version(path, &root.asset)?;
     check_extensions(path, &root, warnings)?;
     check_attributes(path, &root)?;
+    check_channels(path, &root)?;
     let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     // They were checked above, against what is supported here rather than by the parser.
     root.extensions_required.clear();
@@ -62,6 +66,31 @@ fn check_attributes(path: &Path, root: &gltf::json::Root) -> Result<(), AssetErr
             if let Some(index) = primitive.attributes.values().find(|a| a.value() >= count) {
                 let problem = format!("refers to accessor {}, but there are {count}", index.value());
                 return Err(AssetError::format(path, format!("mesh {m}, primitive {p}"), problem));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The parser looks up what channels refer to without a check.
+fn check_channels(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
+    for (a, animation) in root.animations.iter().enumerate() {
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let (node, sampler) = (channel.target.node.value(), channel.sampler.value());
+            let problem = if node >= root.nodes.len() {
+                format!("moves node {node}, but there are {}", root.nodes.len())
+            } else if sampler >= animation.samplers.len() {
+                format!("refers to sampler {sampler}, but there are {}", animation.samplers.len())
+            } else {
+                continue;
+            };
+            return Err(AssetError::format(path, format!("animation {a}, channel {c}"), problem));
+        }
+        for (s, sampler) in animation.samplers.iter().enumerate() {
+            let most = sampler.input.value().max(sampler.output.value());
+            if most >= root.accessors.len() {
+                let problem = format!("refers to accessor {most}, but there are {}", root.accessors.len());
+                return Err(AssetError::format(path, format!("animation {a}, sampler {s}"), problem));
             }
         }
     }
@@ -121,6 +150,11 @@ pub(super) fn load_buffers<'a>(
     for (i, buffer) in document.as_json().buffers.iter().enumerate() {
         let place = format!("buffer {i}");
         let wanted = buffer.byte_length.0;
+        if meshopt::is_fallback(buffer) {
+            // What refers to it is decoded from other buffers.
+            data.push(Cow::Borrowed(&[][..]));
+            continue;
+        }
         let bytes = match (&buffer.uri, bin) {
             (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, files)?),
             (None, Some(bin)) if i == 0 => Cow::Borrowed(bin),

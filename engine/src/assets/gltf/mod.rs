@@ -7,12 +7,18 @@
 mod accessor;
 mod animation;
 mod document;
+#[cfg(test)]
+mod fuzz_tests;
 mod import;
+mod instances;
 mod material;
+mod meshopt;
 #[cfg(test)]
 mod model_tests;
 mod nodes;
 mod primitive;
+#[cfg(test)]
+pub(crate) mod rig_tests;
 mod skin;
 mod source;
 mod tangents;
@@ -108,6 +114,9 @@ pub struct GltfNode {
     pub primitives: Vec<GltfPrimitive>,
     /// Index of the skin that poses the primitives; their place is then that of the joints alone.
     pub skin: Option<usize>,
+    /// Where copies of the primitives stand, in the node's own space, in place of the one at its origin
+    /// (`EXT_mesh_gpu_instancing`); none: there is just that one.
+    pub instances: Vec<Transform>,
     /// Weights of the morph targets of the primitives, as many as these have.
     pub weights: Vec<f32>,
     /// Camera that stands there.
@@ -158,7 +167,8 @@ impl Gltf {
         warnings.extend(container.warning.clone());
         let (document, quantized) = document::parse(path, container.json, &mut warnings)?;
         let data = document::load_buffers(path, &document, container.bin, &mut files, &mut warnings)?;
-        let reader = Reader { buffers: Buffers { path, data }, quantized };
+        let mut reader = Reader { buffers: Buffers { path, data, decoded: HashMap::new() }, quantized };
+        reader.buffers.decoded = meshopt::decode(&document, &reader.buffers)?;
         document::check_data(&document, &reader.buffers)?;
         let (mut nodes, roots) = nodes::read(path, &document, &mut warnings)?;
         let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
@@ -168,6 +178,10 @@ impl Gltf {
             let mesh = json.mesh.map(|m| m.value());
             node.primitives = mesh.and_then(|m| meshes.get(m)).cloned().unwrap_or_default();
             node.skin = json.skin.map(|s| s.value());
+            node.instances = instances::read(&document, &reader.buffers, json, &format!("node \"{}\"", node.name))?;
+            if instances::has_more(json) {
+                warnings.push(format!("node \"{}\": its instances have attributes that are not used", node.name));
+            }
             node.weights = weights(path, node, json, mesh.map(|m| &document.as_json().meshes[m]))?;
         }
         let skins = skin::read(&document, &reader.buffers, &mut warnings)?;
@@ -188,7 +202,8 @@ impl Gltf {
         let mut count = 0;
         while let Some(node) = open.pop() {
             let node = &self.nodes[node];
-            count += node.primitives.iter().map(|(mesh, _)| mesh.triangle_count()).sum::<usize>();
+            let triangles: usize = node.primitives.iter().map(|(mesh, _)| mesh.triangle_count()).sum();
+            count += triangles * node.instances.len().max(1);
             open.extend(&node.children);
         }
         count

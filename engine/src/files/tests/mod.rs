@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bad;
+mod clips;
 mod instances;
 mod models;
 mod round_trip;

@@ -31,7 +31,12 @@ pub(super) fn merge(model: &mut Gltf) {
                 order.push(material.clone());
                 Merged::default()
             });
-            target.add(&mesh, &place);
+            if node.instances.is_empty() {
+                target.add(&mesh, &place);
+            }
+            for instance in &node.instances {
+                target.add(&mesh, &(place * instance.matrix()));
+            }
         }
         open.extend(node.children.iter().rev().map(|child| (*child, place)));
     }

@@ -1,0 +1,125 @@
+//! A posed mesh is the same for all who look at it: drawing, shadows, rays, surfels and bounds.
+
+mod support;
+
+use glam::{Affine3A, Vec3};
+use lightwell::assets::{Deform, Influences, Material, Mesh, MorphTarget, Shape};
+use lightwell::bvh::{Ray, RayKind, SceneBvh, Updated};
+use lightwell::render::reference::{PathTracer, TraceSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::{Extractor, LightShape, Scene, SurfelCloud};
+use lightwell::world::{GameWorld, MeshRenderer, MorphWeights, Posed, Transform};
+use std::sync::Arc;
+use support::{Stage, gpu, rgb};
+
+/// A world with a cube whose upper half follows a joint and leans over.
+struct Leaning {
+    world: GameWorld,
+    joint: bevy_ecs::prelude::Entity,
+    extractor: Extractor,
+    scene: Scene,
+}
+
+impl Leaning {
+    fn new() -> Self {
+        let mut mesh = Shape::Box { size: [1.0, 2.0, 1.0] }.mesh().expect("a box");
+        let mut skin = Influences::default();
+        mesh.vertices.iter().for_each(|v| skin.push([(u16::from(v.position[1] > 0.0), 1.0)].into_iter()));
+        let positions = mesh.vertices.iter().map(|v| [0.0, 0.0, 0.2 * v.position[2]]).collect();
+        let targets = vec![MorphTarget { positions, ..Default::default() }];
+        mesh.deform = Some(Arc::new(Deform { skin: Some(skin), targets, flat: true }));
+        // Flat normals belong to triangles that share no vertices.
+        let mesh = Arc::new(unshared(mesh));
+        let mut world = GameWorld::new();
+        let model = world.spawn("model", None);
+        let [low, joint] = ["low", "joint"].map(|name| world.spawn(name, Some(model)));
+        let inverse_bind = Arc::new(vec![Affine3A::IDENTITY; 2]);
+        let posed = Posed::new(mesh.clone(), Some(model)).with_skin(model, vec![low, joint], inverse_bind);
+        let material = Arc::new(Material::diffuse("skin", Vec3::new(0.8, 0.4, 0.2)));
+        let renderer = MeshRenderer { mesh, material, casts_shadow: true, visible: true };
+        world.ecs.entity_mut(low).insert((posed, renderer));
+        world.ecs.entity_mut(model).insert(MorphWeights(vec![0.5]));
+        Self { world, joint, extractor: Extractor::new(), scene: Scene::default() }
+    }
+
+    fn lean(&mut self, by: f32) {
+        let transform = Transform { translation: Vec3::X * by, ..Default::default() };
+        self.world.ecs.entity_mut(self.joint).insert(transform);
+        self.world.update();
+        self.extractor.extract(&mut self.world, &mut self.scene);
+    }
+
+    fn mesh(&self) -> Arc<Mesh> {
+        self.scene.primitives[0].mesh.clone()
+    }
+}
+
+fn unshared(mesh: Mesh) -> Mesh {
+    let deform = mesh.deform.as_ref().expect("a deformation").reordered(&mesh.indices);
+    let vertices: Vec<_> = mesh.indices.iter().map(|i| mesh.vertices[*i as usize]).collect();
+    let indices = (0..vertices.len() as u32).collect();
+    let mut mesh = Mesh::new("box", vertices, indices);
+    mesh.deform = Some(Arc::new(deform));
+    mesh
+}
+
+#[test]
+fn drawing_and_rays_see_the_same_pose() {
+    let gpu = gpu();
+    let mut leaning = Leaning::new();
+    let mut stage = Stage::new(Vec3::new(0.3, 0.5, 3.0), Vec3::ZERO, 64);
+    stage.light(LightShape::Directional, Vec3::splat(3.0), Vec3::ZERO, Vec3::new(-0.4, -1.0, -0.8));
+    let mut renderer = Renderer::new(&gpu);
+    let mut tracer = PathTracer::new(&gpu);
+    let mut before: Option<Vec<[f32; 4]>> = None;
+    for by in [0.0, 0.6, 1.0] {
+        leaning.lean(by);
+        stage.scene.primitives = leaning.scene.primitives.clone();
+        stage.scene.revisions.geometry = 100 + leaning.scene.revisions.geometry;
+        let settings = RenderSettings { gi: GiMethod::None, only: Layer::Direct, ..Default::default() };
+        let drawn = stage.render_with(&gpu, &mut renderer, &settings).0;
+        tracer.begin(&gpu, &stage.scene, &stage.view, &TraceSettings { bounces: Some(0), seed: 1 }).expect("begun");
+        tracer.advance(&gpu, 32).expect("traced");
+        let traced = tracer.estimate(&gpu).expect("read").total();
+        let (mut far, mut lit) = (0, 0);
+        for y in 0..64 {
+            for x in 0..64 {
+                let [r, g, b] = traced.pixels()[(x + 64 * y) as usize];
+                lit += usize::from(r > 0.0);
+                far += usize::from((rgb(&drawn, x, y) - Vec3::new(r, g, b)).abs().max_element() > 0.05);
+            }
+        }
+        // All but the pixels on edges, which the tracer averages over.
+        assert!(lit > 300 && far < 160, "leaning by {by}: {far} of {lit} pixels differ");
+        assert!(before.is_none_or(|before| before != drawn.rgba), "the picture follows the pose");
+        before = Some(drawn.rgba);
+    }
+}
+
+#[test]
+fn the_hierarchy_is_fitted_and_surfels_move_along() {
+    let mut leaning = Leaning::new();
+    leaning.lean(0.0);
+    let mut bvh = SceneBvh::new(&leaning.scene);
+    let mut cloud = SurfelCloud::default();
+    cloud.update(&leaning.scene, 40.0);
+    let before = cloud.surfels.clone();
+    let down = Ray::new(Vec3::new(1.2, 5.0, 0.0), Vec3::NEG_Y);
+    assert!(bvh.closest_hit(&down, 1e9, RayKind::Light).is_none());
+    leaning.lean(1.0);
+    assert_eq!(bvh.update(&leaning.scene), Updated::Refitted);
+    assert_eq!(bvh.update(&leaning.scene), Updated::Nothing);
+    let hit = bvh.closest_hit(&down, 1e9, RayKind::Light).expect("the lid is there now");
+    assert!((hit.t - 4.0).abs() < 1e-5, "{hit:?}");
+    assert_eq!(leaning.scene.primitives[0].bounds.max.x, 1.5);
+    cloud.update(&leaning.scene, 40.0);
+    assert_eq!(cloud.surfels.len(), before.len());
+    let moved = |(a, b): (&lightwell::scene::Surfel, &lightwell::scene::Surfel)| {
+        let lid = a.position[1] > 0.999 && a.normal[1] > 0.5;
+        let expected = if lid { a.position[0] + 1.0 } else { a.position[0] };
+        let on_side = !lid && a.position[1] > -0.999;
+        on_side || ((b.position[0] - expected).abs() < 1e-5 && b.position[1] == a.position[1])
+    };
+    assert!(before.iter().zip(&cloud.surfels).all(moved), "surfels of lid and floor move with them");
+    assert!(leaning.mesh().rest.is_some());
+}
