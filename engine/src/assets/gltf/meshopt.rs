@@ -109,7 +109,9 @@ impl Packed<'_> {
             ("OCTAHEDRAL", 4) => filtered::<[i8; 4]>(bytes, meshopt::decode_filter_oct),
             ("OCTAHEDRAL", 8) => filtered::<[i16; 4]>(bytes, meshopt::decode_filter_oct),
             ("QUATERNION", 8) => filtered::<[i16; 4]>(bytes, meshopt::decode_filter_quat),
-            ("EXPONENTIAL", stride) if stride.is_multiple_of(4) => filtered::<[u32; 1]>(bytes, meshopt::decode_filter_exp),
+            ("EXPONENTIAL", stride) if stride.is_multiple_of(4) => {
+                filtered::<[u32; 1]>(bytes, meshopt::decode_filter_exp)
+            }
             ("COLOR", 4) => filtered::<[u8; 4]>(bytes, meshopt::decode_filter_color),
             ("COLOR", 8) => filtered::<[u16; 4]>(bytes, meshopt::decode_filter_color),
             (filter, stride) => return Err(format!("filter \"{filter}\" with {stride} bytes an element is not there")),

@@ -46,15 +46,27 @@ fn conformance_models_load() {
     let mut files = Vec::new();
     files_below(&models.join("khronos"), &mut files);
     files_below(&models.join("asset-generator"), &mut files);
-    let mut refused = Vec::new();
+    let (mut refused, mut remarks, mut clips) = (Vec::new(), Vec::new(), 0);
     for path in &files {
         match Gltf::load(path) {
-            Ok(model) => assert_sound(path, &model),
+            Ok(model) => {
+                assert_sound(path, &model);
+                clips += model.clips.len();
+                let name = path.file_name().unwrap().to_string_lossy();
+                remarks.extend(model.warnings.iter().map(|warning| format!("{name}: {warning}")));
+            }
             Err(e) => refused.push(e.to_string()),
         }
     }
-    eprintln!("{} models, {} refused: {refused:#?}", files.len(), refused.len());
+    eprintln!(
+        "{} models, {} good with {clips} clips, {} refused: {refused:#?}, {} warnings: {remarks:#?}",
+        files.len(),
+        files.len() - refused.len(),
+        refused.len(),
+        remarks.len()
+    );
     assert!(files.len() > 100);
+    assert!(refused.len() <= 4, "{refused:#?}");
     // Only those that need an extension or version that is not supported may be refused, and it must be named.
     let told = |e: &String| e.contains("needs the extension") || e.contains("minVersion");
     assert!(refused.iter().all(told), "{refused:#?}");
