@@ -25,7 +25,7 @@ pub const DISTANT: u32 = 1;
 pub struct VirtualLight {
     /// World position \[m\]; for distant light the unit direction towards it.
     pub place: [f32; 3],
-    /// [`SURFACE`] or [`DISTANT`].
+    /// `SURFACE` or `DISTANT`.
     pub kind: u32,
     /// Unit normal of the surface.
     pub normal: [f32; 3],
