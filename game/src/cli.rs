@@ -75,14 +75,17 @@ pub enum Command {
 }
 
 const PLAY_HELP: &str = "\
-Controls:
-  drag left, W A S D, Q E    look around and fly (drag right: orbit); wheel: speed of flight
-  C                          back to the scene's camera
-  Space  .  + -              pause, one step, faster or slower
-  F1  F12  Esc               help, screenshot, quit
+The window has panels around the picture to look at the scene and to change it; F1 lists all keys:
+  click, drag a handle            select; move, rotate, scale (1 2 3 choose the handle)
+  drag left, W A S D, Q E         look around and fly (drag right: orbit); wheel: speed of flight
+  Ctrl+Z  Ctrl+Y  Ctrl+S          undo, redo, save
+  C  F                            back to the scene's camera, focus on the selection
+  Space  .  + -                   pause, one step, faster or slower
+  H  F1  F12  Ctrl+Q              hide the panels, help, screenshot, quit
 
 The scene file and the shaders are watched: a change shows at once, and a mistake shows its error while
-the last good version keeps running. Without a display the animation is rendered into out/NAME/.";
+the last good version keeps running. Edits that are not saved are asked for before they would be lost.
+Without a display the animation is rendered into out/NAME/.";
 
 /// Arguments of `play`.
 #[derive(Args, Debug)]
@@ -91,7 +94,7 @@ pub struct PlayArgs {
     /// Scene file, or name of a scene in `scenes`
     #[arg(default_value = "cornell")]
     pub scene: String,
-    /// Size of the window, or of the images without a display [default: 960x600 or 512x512]
+    /// Size of the window, or of the images without a display [default: as it was last, or 1280x800; 512x512]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Choices that change the picture.

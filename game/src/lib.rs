@@ -8,6 +8,7 @@ pub mod bench;
 mod capture;
 pub mod cli;
 mod commands;
+pub mod editor;
 mod jitter;
 mod logging;
 mod play;

@@ -17,7 +17,8 @@ pub fn start(verbose: u8) {
     };
     let env = env_logger::Env::default().default_filter_or(filter);
     let logger = env_logger::Builder::from_env(env).format_target(false).build();
-    log::set_max_level(logger.filter());
+    // The window's console shows our own notes too.
+    log::set_max_level(logger.filter().max(log::LevelFilter::Info));
     // Fails where a log is running already, which is then as good.
     let _ = log::set_boxed_logger(Box::new(Listener(logger)));
 }
@@ -31,14 +32,22 @@ pub fn catching<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
 
 struct Listener(env_logger::Logger);
 
+impl Listener {
+    fn print(&self, record: &Record, printed: bool) {
+        crate::editor::console::hear(record, printed);
+        self.0.log(record);
+    }
+}
+
 impl Log for Listener {
     fn enabled(&self, metadata: &Metadata) -> bool {
-        self.0.enabled(metadata)
+        self.0.enabled(metadata) || metadata.target().starts_with("lightwell")
     }
 
     fn log(&self, record: &Record) {
-        if record.level() != Level::Warn || !self.0.matches(record) {
-            return self.0.log(record);
+        let printed = self.0.matches(record);
+        if record.level() != Level::Warn || !printed {
+            return self.print(record, printed);
         }
         let is_caught = CAUGHT.with_borrow_mut(|caught| {
             let Some(caught) = caught else { return false };
@@ -46,7 +55,7 @@ impl Log for Listener {
             true
         });
         if !is_caught {
-            self.0.log(record);
+            self.print(record, printed);
         }
     }
 

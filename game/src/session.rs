@@ -1,6 +1,7 @@
 //! A loaded scene with the device that draws it: load, set the time, draw, read back.
 
 use crate::cli::{Common, Gi, LookArgs, Only};
+use crate::editor::Files;
 use crate::scene_path;
 use crate::set;
 use anyhow::{Context, Result, anyhow, bail};
@@ -11,8 +12,8 @@ use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
 use lightwell::render::slc::{ACCEPTED, TESTED};
-use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
-use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
+use lightwell::render::{DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
+use lightwell::scene::{Extractor, Scene, SceneCamera, SceneId, SceneView};
 use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,6 +51,21 @@ pub struct Session {
     library: AssetLibrary,
     loaded: Loaded,
     renderer: Renderer,
+    display: DisplaySettings,
+}
+
+/// What an editor works on.
+pub struct Parts<'a> {
+    /// The world.
+    pub world: &'a mut GameWorld,
+    /// The scene's file and where its assets come from.
+    pub files: Files<'a>,
+    /// Choices that change the picture.
+    pub look: &'a mut LookArgs,
+    /// How light becomes what the screen shows.
+    pub display: &'a mut DisplaySettings,
+    /// What the renderer sees.
+    pub scene: &'a Scene,
 }
 
 impl Session {
@@ -64,7 +80,16 @@ impl Session {
         let mut library = AssetLibrary::new();
         let loaded = load(&path, &mut library, &options, look)?;
         let renderer = Renderer::new(&gpu);
-        Ok(Self { gpu, path, options, look: look.clone(), library, loaded, renderer })
+        Ok(Self {
+            gpu,
+            path,
+            options,
+            look: look.clone(),
+            library,
+            loaded,
+            renderer,
+            display: DisplaySettings::default(),
+        })
     }
 
     /// Opens a device without a window, and loads a scene as [`Session::open`] does.
@@ -86,7 +111,16 @@ impl Session {
         let mut library = self.library.clone();
         let loaded = load(&path, &mut library, &options, look)?;
         let renderer = Renderer::new(&gpu);
-        Ok(Self { gpu, path, options, look: look.clone(), library, loaded, renderer })
+        Ok(Self {
+            gpu,
+            path,
+            options,
+            look: look.clone(),
+            library,
+            loaded,
+            renderer,
+            display: DisplaySettings::default(),
+        })
     }
 
     /// Loads the scene anew from its file. If that fails, the running one stays as it is.
@@ -99,6 +133,89 @@ impl Session {
         self.loaded = load(&self.path, &mut library, &self.options, &self.look)?;
         self.library = library;
         Ok(())
+    }
+
+    /// Loads another scene on the same device. If that fails, the running one stays as it is.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_other(&mut self, path: &Path) -> Result<()> {
+        let mut library = AssetLibrary::new();
+        // What was asked of the scene before need not exist in this one.
+        let look = LookArgs { camera: None, sets: Vec::new(), ..self.look.clone() };
+        self.loaded = load(path, &mut library, &self.options, &look)?;
+        (self.library, self.look, self.path) = (library, look, path.to_owned());
+        Ok(())
+    }
+
+    /// Saves the scene.
+    ///
+    /// # Errors
+    /// If something has no form in a file, or the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        Ok(files::save_scene(&self.loaded.world, path)?)
+    }
+
+    /// Saves the scene under another name, and goes on with that file. Paths in scene files are relative: in another
+    /// folder the new file is tried first.
+    ///
+    /// # Errors
+    /// As [`Session::save`], and if the file could not be loaded from there.
+    pub fn save_as(&mut self, path: &Path) -> Result<()> {
+        let folder = |path: &Path| path.canonicalize().ok().and_then(|p| p.parent().map(Path::to_owned));
+        let new_folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if folder(&self.path) != new_folder.canonicalize().ok() {
+            let trial = new_folder.join(format!(".{}.trial.scene.ron", std::process::id()));
+            let saved = self.save(&trial);
+            let loaded =
+                saved.and_then(|()| Ok(load_scene(&trial, &mut self.library.clone(), &self.options).map(drop)?));
+            let _ = std::fs::remove_file(&trial);
+            loaded.context("paths in the scene are relative to its folder; save it beside the original")?;
+        }
+        self.save(path)?;
+        self.path = path.to_owned();
+        Ok(())
+    }
+
+    /// What an editor works on.
+    pub fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            world: &mut self.loaded.world,
+            files: Files { library: &mut self.library, options: &self.options, path: &self.path },
+            look: &mut self.look,
+            display: &mut self.display,
+            scene: &self.loaded.scene,
+        }
+    }
+
+    /// The world.
+    pub fn world(&self) -> &GameWorld {
+        &self.loaded.world
+    }
+
+    /// What is seen at a pixel of the last drawn frame.
+    ///
+    /// # Errors
+    /// If the last frame was traced and not drawn, or the device fails.
+    pub fn seen_at(&self, [x, y]: [u32; 2]) -> Result<Option<SceneId>> {
+        let texture = self.renderer.target("gbuffer object");
+        let texture = texture.context("a path-traced image does not tell what it shows; pick in the drawn one")?;
+        if x >= texture.width() || y >= texture.height() {
+            return Ok(None);
+        }
+        let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+        // Two 32-bit words a texel; the first is the identity, zero where there is nothing.
+        let at = 8 * (y as usize * texture.width() as usize + x as usize);
+        let word = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes);
+        Ok(self.loaded.scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
+    }
+
+    /// Samples a pixel of the path-traced image that is shown, so far and when it is finished.
+    pub fn tracing(&self) -> Option<(u32, u32)> {
+        match (self.render_settings(true).gi, self.renderer.tracer()) {
+            (GiMethod::Reference(settings), Some(tracer)) => Some((tracer.samples(), settings.samples)),
+            _ => None,
+        }
     }
 
     /// File of the scene.
@@ -169,6 +286,7 @@ impl Session {
             particle_paths: self.look.particle_paths,
             display,
             mlaa: false,
+            show: self.display,
         }
     }
 

@@ -2,16 +2,19 @@
 
 struct ToneMap {
     scale: f32,            // 2^exposure
-    mode: u32,             // LIGHT, or a layer that is shown without tone map
+    mode: u32,             // LIGHT, FILMIC, or a layer that is shown without tone map
+    is_auto: u32,          // whether `automatic` counts
 }
 
 const LIGHT: u32 = 0u;
 const COLOR: u32 = 1u;      // albedo, normal: as they are
 const DISTANCE: u32 = 2u;   // [m], shown as d/(1 + d): all of it fits
+const FILMIC: u32 = 3u;
 
 @group(0) @binding(0) var<uniform> tone_map: ToneMap;
 @group(0) @binding(1) var radiance: texture_2d<f32>;
 @group(0) @binding(2) var display: texture_storage_2d<rgba8unorm, write>;
+@group(0) @binding(3) var<storage, read> automatic: array<f32>;   // factor of the automatic exposure
 
 // Khronos PBR Neutral tone mapper (specification 1.0): base colours below 0.8 keep their hue and saturation,
 // brighter light is compressed and desaturated.
@@ -31,6 +34,12 @@ fn pbr_neutral(color: vec3f) -> vec3f {
     return mix(shifted * (new_peak / peak), vec3f(new_peak), g);
 }
 
+// Narkowicz 2016, "ACES filmic tone mapping curve": a rational fit of the ACES reference transform.
+fn filmic(color: vec3f) -> vec3f {
+    let x = min(color * 0.6, vec3f(1e4));
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
 // IEC 61966-2-1.
 fn encode_srgb(c: vec3f) -> vec3f {
     return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
@@ -42,10 +51,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     // Above 1e6 everything is white; the bound keeps the squares below finite.
-    let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * tone_map.scale, vec3f(1e6));
+    let scale = tone_map.scale * select(1.0, automatic[0], tone_map.is_auto == 1u);
+    let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * scale, vec3f(1e6));
     var mapped = exposed;
     if tone_map.mode == LIGHT {
         mapped = pbr_neutral(exposed);
+    } else if tone_map.mode == FILMIC {
+        mapped = filmic(exposed);
     } else if tone_map.mode == DISTANCE {
         mapped = exposed / (1.0 + exposed);
     }

@@ -46,8 +46,16 @@ impl Document {
         Ok((Self { path: path.to_owned(), text, tree }, value))
     }
 
+    /// Stands for a file whose values were made in memory: errors name the file and no place.
+    pub fn in_memory(path: &Path) -> Self {
+        Self { path: path.to_owned(), text: String::new(), tree: Node::parse("") }
+    }
+
     /// An error about the value at the path.
     pub fn error(&self, at: &[Step], kind: FileErrorKind, message: impl Into<String>) -> FileError {
+        if self.text.is_empty() {
+            return FileError::new(&self.path, kind, message);
+        }
         let place = Place::of(&self.text, self.tree.find(at).span.start);
         FileError::new(&self.path, kind, message).at(&self.text, place)
     }

@@ -23,17 +23,7 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     let info = SceneInfo::new(&document, &file);
     let image = environment_image(&document, &file.settings)?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
-    let mut loader = Loader {
-        library,
-        options,
-        world: GameWorld::new(),
-        info,
-        prefabs: HashMap::new(),
-        chain: vec![canonical(path)],
-        levels: Vec::new(),
-        named: HashMap::new(),
-        count: 0,
-    };
+    let mut loader = Loader::new(library, options, GameWorld::new(), info, path);
     for (i, entity) in file.entities.iter().enumerate() {
         loader.entity(entity, &context, None, &[Step::Key("entities".into()), Step::Index(i)])?;
     }
@@ -138,8 +128,41 @@ pub(super) fn key(name: &str) -> Step {
     Step::Key(name.to_owned())
 }
 
+impl<'a> Loader<'a> {
+    /// A loader that adds to a world what the scene file at the path says.
+    pub fn new(
+        library: &'a mut AssetLibrary,
+        options: &'a LoadOptions,
+        world: GameWorld,
+        info: SceneInfo,
+        path: &Path,
+    ) -> Self {
+        Self {
+            library,
+            options,
+            world,
+            info,
+            prefabs: HashMap::new(),
+            chain: vec![canonical(path)],
+            levels: Vec::new(),
+            named: HashMap::new(),
+            count: 0,
+        }
+    }
+}
+
+impl Resolved {
+    /// Components that one file gives.
+    pub fn of(components: OverrideFile, context: &Rc<Context>) -> Self {
+        let here = (context.clone(), Vec::new());
+        let (material, surface) = (here.clone(), here);
+        Self { components, material, surface, origin: Origin::File, added: Vec::new(), removed: false }
+    }
+}
+
 impl Loader<'_> {
-    fn entity(
+    /// Spawns an entity of a file with all that belongs to it.
+    pub fn entity(
         &mut self,
         file: &EntityFile,
         context: &Rc<Context>,

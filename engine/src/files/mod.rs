@@ -34,7 +34,9 @@
 //! backup of the first save.
 
 mod convert;
+mod described;
 mod document;
+mod edit;
 mod error;
 mod format;
 mod load;
@@ -53,7 +55,9 @@ mod write;
 mod tests;
 
 pub use convert::look_rotation;
-pub use document::Document;
+pub use described::DESCRIBED;
+pub use document::{Document, ron_options};
+pub use edit::*;
 pub use error::{FileError, FileErrorKind, Place};
 pub use format::*;
 pub use save::save_scene;

@@ -29,23 +29,34 @@ pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
     let writer = Writer { world, info, path };
-    let file = SceneFile {
+    let file = SceneFile { entities: writer.entities(&world.roots())?, ..scene_without_entities(world) };
+    checked_text(&file, info, path)
+}
+
+/// Everything of the scene file but its entities.
+pub(super) fn scene_without_entities(world: &GameWorld) -> SceneFile {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    SceneFile {
         description: info.description.clone(),
         gi: info.gi,
         presets: info.presets.clone(),
         settings: world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default(),
         materials: info.materials.clone(),
-        entities: writer.entities(&world.roots())?,
-    };
-    Validator::scene(&file).map_err(|fault| {
-        let place = readable(&file, &fault.path);
+        entities: Vec::new(),
+    }
+}
+
+fn checked_text(file: &SceneFile, info: &SceneInfo, path: &Path) -> Result<String, FileError> {
+    Validator::scene(file).map_err(|fault| {
+        let place = readable(file, &fault.path);
         let error = FileError::new(path, Kind::Unsavable, format!("cannot save {place}: {}", fault.message));
         match fault.help {
             Some(help) => error.with_help(help),
             None => error,
         }
     })?;
-    let body = to_text(&file).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    let body = to_text(file).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
     let header = if info.header.is_empty() { String::new() } else { format!("{}\n", info.header) };
     Ok(format!("{header}{body}\n"))
 }
@@ -70,10 +81,11 @@ fn readable(file: &SceneFile, path: &[Step]) -> String {
     words.join(", ")
 }
 
-struct Writer<'a> {
-    world: &'a GameWorld,
-    info: &'a SceneInfo,
-    path: &'a Path,
+/// Reads files' entities out of a world.
+pub(super) struct Writer<'a> {
+    pub world: &'a GameWorld,
+    pub info: &'a SceneInfo,
+    pub path: &'a Path,
 }
 
 impl Writer<'_> {
@@ -90,16 +102,18 @@ impl Writer<'_> {
     }
 
     /// All that are to be written of these siblings.
-    fn entities(&self, siblings: &[Entity]) -> Result<Vec<EntityFile>, FileError> {
+    pub fn entities(&self, siblings: &[Entity]) -> Result<Vec<EntityFile>, FileError> {
         let written = siblings.iter().filter(|e| !self.is_from_model(**e));
         written.map(|entity| self.entity(*entity)).collect()
     }
 
-    fn is_from_model(&self, entity: Entity) -> bool {
+    /// Whether the entity was made from a model's node, and is not written.
+    pub fn is_from_model(&self, entity: Entity) -> bool {
         self.source(entity).is_some_and(|s| matches!(s.origin, Origin::Model))
     }
 
-    fn entity(&self, entity: Entity) -> Result<EntityFile, FileError> {
+    /// The entity with all below it.
+    pub fn entity(&self, entity: Entity) -> Result<EntityFile, FileError> {
         let mut file = EntityFile::with_components(self.name(entity), self.components(entity)?);
         let mut children = self.world.children(entity);
         // An instance that was taken out of another prefab is written out in full.
@@ -162,7 +176,7 @@ impl Writer<'_> {
     }
 
     /// The entity's components: as described where nothing has changed.
-    fn components(&self, entity: Entity) -> Result<OverrideFile, FileError> {
+    pub fn components(&self, entity: Entity) -> Result<OverrideFile, FileError> {
         let described = self.source(entity).map(|s| s.components.clone()).unwrap_or_default();
         let mut now = OverrideFile {
             transform: self.transform(entity, described.transform),

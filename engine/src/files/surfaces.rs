@@ -66,7 +66,8 @@ impl Loader<'_> {
         Ok(material)
     }
 
-    fn material_of(&mut self, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
+    /// The material that the components name.
+    pub(super) fn material_of(&mut self, r: &Resolved) -> Result<Option<Arc<Material>>, FileError> {
         let (context, at) = &r.material;
         let at = extended(at, &[key("material")]);
         match &r.components.material {
@@ -89,7 +90,8 @@ impl Loader<'_> {
         }
     }
 
-    fn material(
+    /// The material that a file describes.
+    pub(super) fn material(
         &mut self,
         name: &str,
         file: &MaterialFile,

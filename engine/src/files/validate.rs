@@ -52,6 +52,18 @@ impl Validator {
         v.field("entities", |v| v.siblings(&file.entities))
     }
 
+    /// Checks an entity with all below it, as part of a file with materials of those names.
+    pub fn lone_entity(file: &EntityFile, materials: Vec<String>) -> Checked {
+        let mut v = Self { path: Vec::new(), materials };
+        v.name(&file.name)?;
+        v.entity(file)
+    }
+
+    /// Checks components, as part of a file with materials of those names.
+    pub fn lone_components(components: &OverrideFile, materials: Vec<String>) -> Checked {
+        Self { path: Vec::new(), materials }.components(components)
+    }
+
     fn field(&mut self, name: &str, check: impl FnOnce(&mut Self) -> Checked) -> Checked {
         self.step(Step::Key(name.to_owned()), check)
     }

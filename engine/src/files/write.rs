@@ -2,7 +2,7 @@
 
 use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
-use super::format::{ImportSettings, MaterialFile, SceneFile};
+use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::tree::Node;
 use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
@@ -18,6 +18,14 @@ pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
     tree.drop_defaults(&defaults.scene, &["entities", "gi"]);
     let body = tree.pretty();
     Ok(format!("Scene{body}"))
+}
+
+/// The text of a prefab file, likewise.
+pub fn prefab_text(file: &PrefabFile) -> Result<String, ron::Error> {
+    let mut tree = Node::parse(&ron_options().to_string(file)?);
+    let defaults = Defaults::new()?;
+    tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
+    Ok(format!("Prefab{}\n", tree.pretty()))
 }
 
 /// How the defaults of components look in a file.

@@ -184,6 +184,24 @@ impl ShaderLibrary {
     }
 }
 
+impl ShaderLibrary {
+    /// Reads and compiles all shaders anew, changed or not; all that depends on them is made again.
+    pub fn reload_all(&self) -> Vec<ShaderEvent> {
+        match watch::read_shaders(&self.dir) {
+            Ok(found) => {
+                let all = found.keys().cloned().collect();
+                let mut state = self.state();
+                state.sources.extend(found);
+                state.recompile(&all)
+            }
+            Err(error) => {
+                log::warn!("cannot read shader folder {}: {error}", self.dir.display());
+                Vec::new()
+            }
+        }
+    }
+}
+
 impl Variant {
     fn take(&mut self, result: Result<CompiledShader, ShaderError>) {
         self.error = match result {

@@ -174,6 +174,39 @@ impl Profiler {
     }
 }
 
+/// The frames as a trace that Chrome's and Perfetto's viewers read: CPU spans on one track, GPU times on another, one
+/// after the other as they are recorded (the device's own clock is not known here).
+pub fn chrome_trace(frames: &[Frame]) -> String {
+    let mut events = vec![
+        r#"{"name":"thread_name","ph":"M","pid":1,"tid":1,"args":{"name":"CPU"}}"#.to_owned(),
+        r#"{"name":"thread_name","ph":"M","pid":1,"tid":2,"args":{"name":"GPU"}}"#.to_owned(),
+    ];
+    let mut event = |name: &str, thread: u32, start: f64, duration: f64| {
+        let name = name.replace('\\', "/").replace('"', "'");
+        // Chrome counts in microseconds.
+        let (start, duration) = (start * 1e3, duration * 1e3);
+        events.push(format!(
+            r#"{{"name":"{name}","ph":"X","pid":1,"tid":{thread},"ts":{start:.3},"dur":{duration:.3}}}"#
+        ));
+    };
+    let mut begin = 0.0;
+    for (number, frame) in frames.iter().enumerate() {
+        event(&format!("frame {number}"), 1, begin, frame.duration);
+        let mut device = begin;
+        for span in &frame.spans {
+            let name = span.path.rsplit('/').next().unwrap_or(&span.path);
+            if span.path.starts_with("gpu/") {
+                event(name, 2, device, span.duration);
+                device += span.duration;
+            } else {
+                event(name, 1, begin + span.start, span.duration);
+            }
+        }
+        begin = (begin + frame.duration).max(device);
+    }
+    format!("{{\"traceEvents\":[{}]}}\n", events.join(",\n"))
+}
+
 fn total(frame: &Frame, path: &str) -> Option<f64> {
     let mut durations = frame.spans.iter().filter(|s| s.path == path).map(|s| s.duration).peekable();
     durations.peek()?;
@@ -195,6 +228,19 @@ mod tests {
         assert_eq!(Statistics::of(vec![]), None);
         let of = Statistics::of(vec![4.0, 1.0, 3.0, 2.0]).unwrap();
         assert_eq!(of, Statistics { frames: 4, min: 1.0, median: 2.0, max: 4.0 });
+    }
+
+    #[test]
+    fn traces_name_every_span() {
+        let mut first = frame(&[("update", 1.0), ("gpu/gbuffer", 2.5)]);
+        first.duration = 2.0;
+        let trace = chrome_trace(&[first, frame(&[("a \"b\"", 1.0)])]);
+        for part in
+            [r#""name":"update","ph":"X","pid":1,"tid":1,"ts":0.000,"dur":1000.000"#, r#""name":"gbuffer""#, "a 'b'"]
+        {
+            assert!(trace.contains(part), "{trace}");
+        }
+        assert!(trace.contains(r#""name":"frame 1","ph":"X","pid":1,"tid":1,"ts":2500.000"#), "{trace}");
     }
 
     #[test]

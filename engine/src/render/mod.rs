@@ -1,6 +1,7 @@
 //! The passes of a frame, one Rust file beside one WGSL file of the same name.
 
 mod compose;
+pub mod debug;
 mod deferred;
 mod direct;
 pub mod frame;
@@ -25,4 +26,4 @@ pub use deferred::{RenderError, Renderer};
 pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};
 pub use ray_scene::{RayError, RayScene};
-pub use settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
+pub use settings::{DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, ToneMap};

@@ -60,6 +60,29 @@ impl Layer {
     }
 }
 
+/// How light becomes what a screen shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ToneMap {
+    /// Khronos PBR Neutral: base colours stay as they are, brighter light is compressed.
+    #[default]
+    Neutral,
+    /// A filmic curve with soft shadows and highlights: the fit of the ACES reference by Narkowicz (2016).
+    Filmic,
+    /// None: what is brighter than white is cut off.
+    Linear,
+}
+
+/// Choices of the display step. They never touch a measured image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisplaySettings {
+    /// Tone map.
+    pub tone_map: ToneMap,
+    /// Exposure on top of the scene's own, as a power of two.
+    pub exposure: f32,
+    /// Brings the mean of the logarithm of the luminance to middle grey (0.18), as Reinhard et al. (2002) do.
+    pub auto_exposure: bool,
+}
+
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -80,6 +103,8 @@ pub struct RenderSettings {
     pub display: bool,
     /// Smooth the edges of the display image (morphological anti-aliasing). Never touches the radiance image.
     pub mlaa: bool,
+    /// How the display image is made.
+    pub show: DisplaySettings,
 }
 
 impl Default for RenderSettings {
@@ -93,6 +118,7 @@ impl Default for RenderSettings {
             particle_paths: 0,
             display: true,
             mlaa: false,
+            show: DisplaySettings::default(),
         }
     }
 }

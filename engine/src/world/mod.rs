@@ -18,6 +18,7 @@ mod instant_radiosity;
 mod light_culling;
 mod rest;
 mod sample;
+mod stash;
 #[cfg(test)]
 mod tests;
 mod transform;
@@ -35,4 +36,5 @@ pub use instant_radiosity::*;
 pub use light_culling::*;
 pub use rest::RestPose;
 pub use sample::{MaterialSample, Sample};
+pub use stash::Stash;
 pub(crate) use transform::forward;

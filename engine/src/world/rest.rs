@@ -69,6 +69,29 @@ impl GameWorld {
         Some(Light { intensity, color, range, kind, ..light })
     }
 
+    /// Sets the light without animation: the way to change one that may be animated.
+    pub fn set_rest_light(&mut self, entity: Entity, light: Light) {
+        let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
+        let mut now = light;
+        if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Light>()) {
+            now.intensity = hold(&mut rest.intensity, now.intensity, current.intensity);
+            now.color = hold(&mut rest.color, now.color, current.color);
+            entity.insert(rest);
+        }
+        entity.insert(now);
+    }
+
+    /// Sets the camera without animation.
+    pub fn set_rest_camera(&mut self, entity: Entity, camera: Camera) {
+        let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
+        let mut now = camera;
+        if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Camera>()) {
+            now.fov = hold(&mut rest.fov, now.fov, current.fov);
+            entity.insert(rest);
+        }
+        entity.insert(now);
+    }
+
     /// The camera without animation, as files hold it.
     pub fn rest_camera(&self, entity: Entity) -> Option<Camera> {
         let camera = self.ecs.get::<Camera>(entity)?.clone();

@@ -1,12 +1,11 @@
 //! `lightwell play`: a scene in a window, or, without a display, its animation in files.
 
-mod camera;
-mod clock;
+mod export;
 mod headless;
-mod input;
-mod overlay;
+mod memory;
 mod player;
 mod screen;
+mod ui;
 mod watch;
 mod window;
 

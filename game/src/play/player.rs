@@ -1,50 +1,53 @@
 //! A scene that is playing in a window.
 
-use super::camera::FlyCamera;
-use super::clock::PlayClock;
-use super::input::{Action, Input};
-use super::overlay::{Overlay, Shown};
+use super::export::Job;
+use super::memory::{self, Memory};
 use super::screen::Screen;
+use super::ui::{Painted, UiSurface};
 use super::watch::SceneWatcher;
 use crate::cli::{Common, PlayArgs};
+use crate::editor::camera::FlyCamera;
+use crate::editor::clock::PlayClock;
+use crate::editor::{Editor, Facts, Request, Stage, Tracing, console};
 use crate::session::{self, Session};
 use anyhow::{Context, Result, bail};
-use glam::Vec3;
 use lightwell::graph::FrameReport;
 use lightwell::measure;
 use lightwell::profile::{FrameRecorder, Profiler};
 use lightwell::render::GiMethod;
-use lightwell::scene::SceneView;
+use lightwell::scene::{SceneCamera, SceneView};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
 /// A scene that is playing in a window.
 pub struct Player {
-    window: Arc<Window>,
-    session: Session,
-    screen: Screen,
-    overlay: Overlay,
+    pub(super) window: Arc<Window>,
+    pub(super) session: Session,
+    pub(super) screen: Screen,
+    ui: UiSurface,
     watcher: SceneWatcher,
-    input: Input,
-    clock: PlayClock,
-    camera: FlyCamera,
-    /// Speed of flight relative to the scene's setting.
-    flight_speed: f32,
+    pub(super) editor: Editor,
+    pub(super) clock: PlayClock,
+    pub(super) camera: FlyCamera,
+    memory: Memory,
+    memory_file: Option<PathBuf>,
     last_frame: Instant,
     profiler: Profiler,
-    report: FrameReport,
-    help: bool,
-    notice: Option<String>,
+    pub(super) report: FrameReport,
     /// Why the scene's file cannot be loaded anew.
     scene_error: Option<String>,
     /// Why the last frame was not drawn.
     frame_error: Option<String>,
     /// Something changed that no frame shows yet.
     stale: bool,
+    /// When the interface wants to run again.
+    repaint_at: Option<Instant>,
+    ended: bool,
+    pub(super) job: Option<Job>,
 }
 
 impl Player {
@@ -52,31 +55,86 @@ impl Player {
     ///
     /// # Errors
     /// If the scene cannot be loaded or nothing can draw on the window.
-    pub fn open(event_loop: &ActiveEventLoop, window: Window, args: &PlayArgs, common: &Common) -> Result<Self> {
+    pub fn open(
+        event_loop: &ActiveEventLoop,
+        window: Window,
+        args: &PlayArgs,
+        common: &Common,
+        memory: Memory,
+    ) -> Result<Self> {
         let window = Arc::new(window);
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
-        let overlay = Overlay::new(&gpu, &window, screen.format());
+        let ui = UiSurface::new(&gpu, &window, screen.format());
         let session = Session::open(gpu, &args.scene, &args.look, common)?;
-        window.set_title(&format!("{} - Lightwell", session.name()));
-        Ok(Self {
+        let mut player = Self {
             watcher: SceneWatcher::new(session.path()),
             clock: PlayClock::new(&session.settings()),
             window,
             session,
             screen,
-            overlay,
-            input: Input::default(),
+            ui,
+            editor: Editor::default(),
             camera: FlyCamera::default(),
-            flight_speed: 1.0,
+            memory,
+            memory_file: Memory::file(),
             last_frame: Instant::now(),
             profiler: Profiler::new(),
             report: FrameReport::default(),
-            help: false,
-            notice: None,
             scene_error: None,
             frame_error: None,
             stale: true,
-        })
+            repaint_at: None,
+            ended: false,
+            job: None,
+        };
+        player.recall();
+        player.opened();
+        Ok(player)
+    }
+
+    /// Takes over what an earlier run remembered.
+    fn recall(&mut self) {
+        if let Some(layout) = &self.memory.layout {
+            self.editor.restore_layout(layout);
+        }
+        self.editor.hidden = self.memory.hidden;
+        self.ui.context.set_zoom_factor(self.memory.zoom);
+    }
+
+    /// A scene was opened: what is remembered of it comes back.
+    fn opened(&mut self) {
+        let key = memory::key(self.session.path());
+        self.camera.go(self.memory.cameras.get(&key).copied());
+        self.editor.view.bookmarks = self.memory.bookmarks.get(&key).copied().unwrap_or_default();
+        self.memory.played(&key);
+        self.editor.recent.clone_from(&self.memory.recent);
+        self.set_title();
+    }
+
+    /// Notes what is to be remembered of the scene.
+    fn note(&mut self) {
+        let key = memory::key(self.session.path());
+        match self.camera.place() {
+            Some(place) => drop(self.memory.cameras.insert(key.clone(), place)),
+            None => drop(self.memory.cameras.remove(&key)),
+        }
+        if self.editor.view.bookmarks.iter().any(Option::is_some) {
+            self.memory.bookmarks.insert(key, self.editor.view.bookmarks);
+        }
+    }
+
+    /// Writes what is to be remembered.
+    pub fn remember(&mut self) {
+        self.note();
+        self.memory.layout = self.editor.layout_text();
+        self.memory.hidden = self.editor.hidden;
+        self.memory.zoom = self.ui.context.zoom_factor();
+        self.memory.window = self.screen.size();
+        if let Some(file) = &self.memory_file
+            && let Err(error) = self.memory.write(file)
+        {
+            log::warn!("{}: {error}; layout and recent files are not remembered", file.display());
+        }
     }
 
     /// Takes an event of the window; false if play shall end.
@@ -84,37 +142,207 @@ impl Player {
     /// # Errors
     /// If the device is lost.
     pub fn event(&mut self, event: &WindowEvent) -> Result<bool> {
-        if *event == WindowEvent::RedrawRequested {
-            self.draw()?;
-            return Ok(true);
+        match event {
+            WindowEvent::RedrawRequested => self.draw()?,
+            WindowEvent::CloseRequested => {
+                self.editor.ask(Request::Quit);
+                self.stale = true;
+            }
+            event => {
+                self.stale |= self.ui.event(&self.window, event);
+                self.stale |= matches!(event, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
+            }
         }
-        let (over_ui, repaint) = self.overlay.event(&self.window, event);
-        self.stale |= repaint || matches!(event, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
-        match self.input.take(event, over_ui) {
-            Some(Action::Quit) => return Ok(false),
-            Some(action) => self.act(action),
-            None => {}
-        }
-        Ok(*event != WindowEvent::CloseRequested)
+        Ok(!self.ended)
     }
 
-    fn act(&mut self, action: Action) {
-        self.stale = true;
-        match action {
-            Action::Pause => self.clock.playing = !self.clock.playing,
-            Action::Step => self.clock.step(),
-            Action::Speed(by) => self.clock.change_speed(by),
-            Action::SceneCamera => self.camera.reset(),
-            Action::Help => self.help = !self.help,
-            Action::Screenshot => {
-                let saved = self.save_screenshot();
-                self.notice = Some(match saved {
-                    Ok(path) => format!("saved {}", path.display()),
-                    Err(error) => format!("no screenshot: {error:#}"),
-                });
+    /// Takes up changed files, and asks for a frame if there is something new to show; says whether there is.
+    pub fn poll(&mut self) -> bool {
+        // The library logs what it reloads and what is broken; the panels show the latter.
+        self.stale |= !self.session.gpu.shaders.poll().is_empty();
+        if self.watcher.changed() {
+            self.stale = true;
+            if let Some(request) = self.editor.file_changed() {
+                self.answer(request);
             }
-            Action::Quit => {}
         }
+        if self.repaint_at.is_some_and(|at| at <= Instant::now()) {
+            self.repaint_at = None;
+            self.stale = true;
+        }
+        let busy = self.stale || self.clock.playing || self.job.is_some();
+        let visible = self.screen.size().is_some();
+        if busy && visible {
+            self.window.request_redraw();
+        }
+        busy && visible
+    }
+
+    /// Draws and presents a frame.
+    fn draw(&mut self) -> Result<()> {
+        let elapsed = self.last_frame.elapsed().as_secs_f64();
+        self.last_frame = Instant::now();
+        if self.screen.size().is_none() {
+            return Ok(());
+        }
+        self.stale = false;
+        self.clock.advance(elapsed);
+        let mut frame = FrameRecorder::begin();
+        let (painted, requests) = frame.span("interface", |_| self.interface());
+        requests.into_iter().for_each(|request| self.answer(request));
+        self.continue_export();
+        frame.span("update", |_| self.session.set_ticks(self.clock.ticks()));
+        let wanted = if self.editor.view.is_shown { self.editor.view.size } else { [0; 2] };
+        if wanted[0] > 0 {
+            frame.span("render", |_| self.render(wanted));
+        }
+        for pass in &self.report.passes {
+            if let Some(time) = pass.gpu_ms {
+                frame.gpu(&pass.name, time);
+            }
+        }
+        if let Some(reason) = self.session.gpu.device_lost() {
+            bail!("the graphics device was lost: {reason}");
+        }
+        frame.span("present", |_| self.present(painted))?;
+        self.profiler.push(frame.finish());
+        Ok(())
+    }
+
+    /// Runs the panels.
+    fn interface(&mut self) -> (Painted, Vec<Request>) {
+        let (errors, log, name) = (self.errors(), console::records(), self.session.name());
+        let adapter = self.session.gpu.info.name.clone();
+        let scene_camera = self.session.camera().ok();
+        let image_size = self.session.display_texture().map_or([1; 2], |t| [t.width(), t.height()]);
+        let tracing = self.session.tracing().map(|(samples, target)| Tracing { samples, target });
+        let image = self.ui.image();
+        let parts = self.session.parts();
+        let mut stage = Stage {
+            world: parts.world,
+            files: parts.files,
+            look: parts.look,
+            display: parts.display,
+            clock: &mut self.clock,
+            camera: &mut self.camera,
+            facts: Facts {
+                name: &name,
+                scene: parts.scene,
+                report: &self.report,
+                profiler: &self.profiler,
+                errors: &errors,
+                log: &log,
+                scene_camera,
+                image,
+                image_size,
+                tracing,
+                adapter: &adapter,
+            },
+        };
+        let mut requests = Vec::new();
+        let size_before = self.editor.view.size;
+        let painted = self.ui.run(&self.window, |ui| requests.extend(self.editor.show(ui, &mut stage)));
+        match painted.repaint {
+            Duration::ZERO => self.stale = true,
+            Duration::MAX => {}
+            later => self.repaint_at = Instant::now().checked_add(later),
+        }
+        // The picture of the new size comes with the next frame.
+        self.stale |= self.editor.view.size != size_before;
+        (painted, requests)
+    }
+
+    /// Does what the panels ask for.
+    fn answer(&mut self, request: Request) {
+        self.stale = true;
+        match request {
+            Request::Save => self.save(),
+            Request::SaveAs(path) => self.save_as(&path),
+            Request::Reload => self.reload(),
+            Request::Open(path) => self.open_scene(&path),
+            Request::Quit => self.ended = true,
+            Request::Screenshot => match self.save_screenshot() {
+                Ok(path) => self.editor.tell(format!("saved {}", path.display()), false),
+                Err(error) => self.editor.tell(format!("no screenshot: {error:#}"), true),
+            },
+            Request::Pick { pixel, add } => match self.session.seen_at(pixel) {
+                Ok(id) => {
+                    let exact = self.ui.context.input(|i| i.modifiers.alt);
+                    self.editor.picked(self.session.world(), id, add, exact);
+                }
+                Err(error) => self.editor.tell(format!("{error:#}"), true),
+            },
+            Request::RebuildShaders => {
+                let count = self.session.gpu.shaders.reload_all().len();
+                self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
+            }
+            Request::Export(export) => self.job = Some(Job::new(export)),
+        }
+    }
+
+    fn save(&mut self) {
+        let path = self.session.path().to_owned();
+        if !path.to_string_lossy().ends_with(".scene.ron") {
+            return self.editor.ask_save_as(&path);
+        }
+        match self.session.save(&path) {
+            Ok(()) => {
+                self.watcher.saved();
+                self.editor.history.mark_saved();
+                self.editor.tell(format!("saved {}", path.display()), false);
+            }
+            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
+        }
+        self.set_title();
+    }
+
+    fn save_as(&mut self, path: &Path) {
+        match self.session.save_as(path) {
+            Ok(()) => {
+                self.note();
+                self.watcher = SceneWatcher::new(path);
+                self.editor.history.mark_saved();
+                self.memory.played(path);
+                self.editor.recent.clone_from(&self.memory.recent);
+                self.editor.tell(format!("saved {}", path.display()), false);
+            }
+            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
+        }
+        self.set_title();
+    }
+
+    fn reload(&mut self) {
+        self.scene_error = match self.session.reload() {
+            Ok(()) => {
+                self.clock.follow(&self.session.settings());
+                self.editor.loaded();
+                self.watcher.saved();
+                self.editor.tell("the scene was loaded anew", false);
+                None
+            }
+            Err(error) => {
+                log::error!("{error:#}");
+                Some(format!("{error:#}"))
+            }
+        };
+    }
+
+    fn open_scene(&mut self, path: &Path) {
+        self.note();
+        match self.session.open_other(path) {
+            Ok(()) => {
+                self.watcher = SceneWatcher::new(path);
+                self.clock = PlayClock::new(&self.session.settings());
+                self.editor.loaded();
+                self.scene_error = None;
+                self.opened();
+            }
+            Err(error) => self.editor.tell(format!("{error:#}"), true),
+        }
+    }
+
+    fn set_title(&self) {
+        self.window.set_title(&format!("{} - Lightwell", self.session.name()));
     }
 
     fn save_screenshot(&self) -> Result<PathBuf> {
@@ -129,102 +357,15 @@ impl Player {
         Ok(path)
     }
 
-    /// Takes up changed files, and asks for a frame if there is something new to show; says whether there is.
-    pub fn poll(&mut self) -> bool {
-        // The library logs what it reloads and what is broken; the overlay shows the latter.
-        self.stale |= !self.session.gpu.shaders.poll().is_empty();
-        if self.watcher.changed() {
-            self.reload();
-        }
-        let busy = self.stale || self.clock.playing || self.input.flight() != Vec3::ZERO;
-        let visible = self.screen.size().is_some();
-        if busy && visible {
-            self.window.request_redraw();
-        }
-        busy && visible
-    }
-
-    fn reload(&mut self) {
-        self.stale = true;
-        self.scene_error = match self.session.reload() {
-            Ok(()) => {
-                self.clock.follow(&self.session.settings());
-                self.notice = Some("the scene was loaded anew".to_owned());
-                None
-            }
-            Err(error) => {
-                log::error!("{error:#}");
-                Some(format!("{error:#}"))
-            }
-        };
-    }
-
-    /// Draws and presents a frame.
-    fn draw(&mut self) -> Result<()> {
-        let elapsed = self.last_frame.elapsed().as_secs_f64();
-        self.last_frame = Instant::now();
-        self.clock.advance(elapsed);
-        let mut frame = FrameRecorder::begin();
-        self.draw_frame(&mut frame, elapsed as f32)?;
-        self.profiler.push(frame.finish());
-        Ok(())
-    }
-
-    fn draw_frame(&mut self, frame: &mut FrameRecorder, elapsed: f32) -> Result<()> {
-        let Some(size) = self.screen.size() else { return Ok(()) };
-        self.stale = false;
-        frame.span("update", |_| {
-            self.session.set_ticks(self.clock.ticks());
-            self.move_camera(elapsed);
-        });
-        frame.span("render", |_| self.render(size));
-        for pass in &self.report.passes {
-            if let Some(time) = pass.gpu_ms {
-                frame.gpu(&pass.name, time);
-            }
-        }
-        if let Some(reason) = self.session.gpu.device_lost() {
-            bail!("the graphics device was lost: {reason}");
-        }
-        frame.span("present", |_| self.present())
-    }
-
-    /// Moves the camera by what was done since the last frame.
-    fn move_camera(&mut self, elapsed: f32) {
-        self.flight_speed = (self.flight_speed * 1.2f32.powf(self.input.take_wheel())).clamp(0.01, 100.0);
-        let (look, orbit) = (self.input.take_look(), self.input.take_orbit());
-        let direction = self.input.flight();
-        let Ok(camera) = self.session.camera() else { return };
-        if look != [0.0; 2] {
-            self.camera.look(&camera, look);
-        }
-        if orbit != [0.0; 2] {
-            let distance = self.orbit_distance();
-            self.camera.orbit(&camera, orbit, distance);
-        }
-        if direction != Vec3::ZERO {
-            let speed = self.session.settings().move_speed * self.flight_speed;
-            self.camera.fly(&camera, direction.normalize() * speed * elapsed.min(0.1));
-        }
-    }
-
-    /// Distance of the point that is orbited: where the scene's middle lies along the view direction [m].
-    fn orbit_distance(&self) -> f32 {
-        let Ok(camera) = self.session.camera() else { return 1.0 };
-        let view = self.camera.apply(&camera).world_from_view;
-        let bounds = self.session.scene().bounds();
-        if bounds.is_empty() {
-            return 1.0;
-        }
-        let ahead = (bounds.center() - Vec3::from(view.translation)).dot(-Vec3::from(view.matrix3.z_axis));
-        ahead.max(0.05 * (bounds.max - bounds.min).length()).max(0.01)
+    /// The camera that is drawn with.
+    pub(super) fn eye(&self) -> Result<SceneCamera> {
+        Ok(self.camera.apply(&self.session.camera()?))
     }
 
     fn render(&mut self, size: [u32; 2]) {
-        let result = self.session.camera().and_then(|camera| {
+        let result = self.eye().and_then(|camera| {
             let limit = self.session.gpu.limits.max_texture_dimension_2d;
-            let size = size.map(|edge| edge.min(limit));
-            let view = SceneView { camera: self.camera.apply(&camera), size, jitter: [0.0; 2] };
+            let view = SceneView { camera, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
             let mut settings = self.session.display_settings();
             if let GiMethod::Reference(reference) = &mut settings.gi {
                 // One sample a frame: the image gets better while it is looked at.
@@ -246,9 +387,11 @@ impl Player {
                 self.frame_error = Some(text);
             }
         }
+        self.stale |= self.ui.image().is_none();
+        self.ui.set_image(&self.session.gpu, self.session.display_texture());
     }
 
-    fn present(&mut self) -> Result<()> {
+    fn present(&mut self, painted: Painted) -> Result<()> {
         let gpu = &self.session.gpu;
         let Some(frame) = self.screen.acquire(gpu)? else {
             self.stale = true;
@@ -257,30 +400,11 @@ impl Player {
         let target = self.screen.view(&frame);
         let size = [frame.texture.width(), frame.texture.height()];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("present") });
-        self.screen.blit(gpu, &mut encoder, self.session.display_texture(), &target)?;
-        let errors = self.errors();
-        let shown = Shown {
-            scene: &self.session.name(),
-            state: self.state(),
-            profiler: &self.profiler,
-            report: &self.report,
-            notice: self.notice.as_deref(),
-            errors: &errors,
-            help: self.help,
-        };
-        self.stale |= self.overlay.draw(gpu, &self.window, &mut encoder, (&target, size), &shown);
+        self.ui.paint(gpu, &mut encoder, (&target, size), painted);
         gpu.queue.submit([encoder.finish()]);
         self.window.pre_present_notify();
         gpu.queue.present(frame);
         Ok(())
-    }
-
-    fn state(&self) -> String {
-        let time = format!("{:.2} s", self.clock.seconds());
-        let speed = if self.clock.speed() == 1.0 { String::new() } else { format!("  x{}", self.clock.speed()) };
-        let paused = if self.clock.playing { "" } else { "  paused" };
-        let camera = if self.camera.is_free() { "  free camera" } else { "" };
-        format!("{time}{speed}{paused}{camera}")
     }
 
     fn errors(&self) -> Vec<String> {

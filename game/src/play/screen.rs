@@ -1,7 +1,7 @@
 //! The window's surface: sizes, loss, and putting images on it.
 
 use anyhow::{Context, Result, bail};
-use lightwell::gpu::{Binding, Gpu, GpuOptions, RasterKey};
+use lightwell::gpu::{Gpu, GpuOptions};
 use std::sync::Arc;
 use wgpu::CurrentSurfaceTexture;
 use winit::event_loop::ActiveEventLoop;
@@ -100,49 +100,5 @@ impl Screen {
     pub fn view(&self, texture: &wgpu::SurfaceTexture) -> wgpu::TextureView {
         let format = Some(self.view_format);
         texture.texture.create_view(&wgpu::TextureViewDescriptor { format, ..Default::default() })
-    }
-
-    /// Draws an image over the whole target, or black if there is none.
-    ///
-    /// # Errors
-    /// If the shader never compiled.
-    pub fn blit(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        image: Option<&wgpu::Texture>,
-        target: &wgpu::TextureView,
-    ) -> Result<()> {
-        let pipeline = gpu.pipelines.raster(
-            gpu,
-            &RasterKey {
-                shader: "present.wgsl",
-                vertex: "vertex_main",
-                fragment: Some("fragment_main"),
-                defs: Vec::new(),
-                vertex_buffers: Vec::new(),
-                primitive: wgpu::PrimitiveState::default(),
-                depth: None,
-                targets: vec![Some(self.view_format.into())],
-            },
-        )?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("present"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
-        if let (Some(image), Some(raster)) = (image, pipeline.raster()) {
-            let view = image.create_view(&wgpu::TextureViewDescriptor::default());
-            let group = pipeline.bind(gpu, 0, &[("image", Binding::Texture(&view))])?;
-            pass.set_pipeline(raster);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        Ok(())
     }
 }

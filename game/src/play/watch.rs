@@ -38,6 +38,11 @@ impl SceneWatcher {
         Self { _debouncer: debouncer, events, scene, seen }
     }
 
+    /// The scene's file was written or read by ourselves: that is no change.
+    pub fn saved(&mut self) {
+        self.seen.extend(std::fs::read(&self.scene).map(|bytes| (self.scene.clone(), bytes)));
+    }
+
     /// Whether the scene's file or a prefab changed since the last call. Empty files are passed over: editors
     /// truncate before they write.
     pub fn changed(&mut self) -> bool {

@@ -32,11 +32,12 @@ struct App<'a> {
 
 impl App<'_> {
     fn open(&self, event_loop: &ActiveEventLoop) -> Result<Player> {
-        let [width, height] = self.args.size.unwrap_or([960, 600]);
+        let memory = super::memory::Memory::file().map(|file| super::memory::Memory::read(&file)).unwrap_or_default();
+        let [width, height] = self.args.size.or(memory.window).unwrap_or([1280, 800]);
         let attributes =
             Window::default_attributes().with_title("Lightwell").with_inner_size(PhysicalSize::new(width, height));
         let window = event_loop.create_window(attributes).context("no window can be opened")?;
-        Player::open(event_loop, window, self.args, self.common)
+        Player::open(event_loop, window, self.args, self.common, memory)
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: anyhow::Error) {
@@ -59,7 +60,10 @@ impl ApplicationHandler for App<'_> {
         let Some(player) = &mut self.player else { return };
         match player.event(&event) {
             Ok(true) => {}
-            Ok(false) => event_loop.exit(),
+            Ok(false) => {
+                player.remember();
+                event_loop.exit();
+            }
             Err(error) => self.fail(event_loop, error),
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::settings::{Layer, RenderSettings};
+use crate::render::settings::{Layer, RenderSettings, ToneMap};
 use encase::ShaderType;
 
 /// Name of the retained display image.
@@ -15,6 +15,7 @@ const TONE_MAPPED: &str = "tone mapped";
 pub(crate) struct ToneMapUniform {
     scale: f32,
     mode: u32,
+    is_auto: u32,
 }
 
 /// Declares the pass; the result is rgba8unorm, sRGB-encoded.
@@ -27,25 +28,40 @@ pub fn declare(
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let name = if settings.mlaa { TONE_MAPPED } else { DISPLAY };
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
+    let automatic = (settings.show.auto_exposure && settings.only.is_light())
+        .then(|| super::auto_exposure::declare(graph, radiance));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
+    if let Some(automatic) = automatic {
+        pass.read(automatic);
+    }
     let display = pass.write(display);
     // 2^±60 shows anything that a float can hold; beyond, the factor itself would leave the range.
-    let exposure = if settings.exposure.is_finite() { settings.exposure.clamp(-60.0, 60.0) } else { 0.0 };
+    let wanted = settings.show.exposure + if automatic.is_some() { 0.0 } else { settings.exposure };
+    let exposure = if wanted.is_finite() { wanted.clamp(-60.0, 60.0) } else { 0.0 };
     // The constants of `post/tone_map.wgsl`.
     let (mode, scale) = match settings.only {
-        Layer::Total | Layer::Direct | Layer::Indirect => (0, exposure.exp2()),
+        Layer::Total | Layer::Direct | Layer::Indirect => match settings.show.tone_map {
+            ToneMap::Neutral => (0, exposure.exp2()),
+            ToneMap::Filmic => (3, exposure.exp2()),
+            ToneMap::Linear => (1, exposure.exp2()),
+        },
         Layer::Albedo | Layer::Normal => (1, 1.0),
         Layer::Depth => (2, 1.0),
     };
-    let uniform = ToneMapUniform { scale, mode };
-    pass.key(&(uniform.scale.to_bits(), uniform.mode));
+    let uniform = ToneMapUniform { scale, mode, is_auto: automatic.is_some().into() };
+    pass.key(&(uniform.scale.to_bits(), uniform.mode, uniform.is_auto));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
         let uniform = cx.gpu.uniform("tone map", &uniform);
+        let automatic = match automatic {
+            Some(automatic) => cx.buffer(automatic).clone(),
+            None => cx.gpu.storage("no exposure", &[1.0f32], wgpu::BufferUsages::empty()),
+        };
         cx.dispatch(
             &ComputeKey::new("post/tone_map.wgsl", "main"),
             &[
+                ("automatic", Binding::Buffer(&automatic)),
                 ("tone_map", Binding::Buffer(&uniform)),
                 ("radiance", Binding::Texture(&source)),
                 ("display", Binding::Texture(&target)),

@@ -54,6 +54,20 @@ impl PlayClock {
         self.wrap();
     }
 
+    /// Goes to a time [s].
+    pub fn seek(&mut self, seconds: f64) {
+        // Up to rounding, times are those of whole ticks.
+        self.position = (seconds.max(0.0) * self.rate + 1e-6).floor();
+        if self.length.is_none_or(|length| self.position > length) {
+            self.wrap();
+        }
+    }
+
+    /// Length of the loop [s]; none if there is no loop.
+    pub fn length_seconds(&self) -> Option<f64> {
+        self.length.map(|length| length / self.rate)
+    }
+
     /// Doubles (1) or halves (−1) the speed.
     pub fn change_speed(&mut self, by: i32) {
         self.speed = (self.speed + by).clamp(*SPEEDS.start(), *SPEEDS.end());
@@ -112,6 +126,15 @@ mod tests {
         assert_eq!(clock.ticks(), 31);
         (0..20).for_each(|_| clock.change_speed(-1));
         assert_eq!(clock.speed(), 1.0 / 16.0);
+    }
+
+    #[test]
+    fn any_time_can_be_gone_to() {
+        let mut clock = clock(Some(2.0));
+        clock.seek(0.1);
+        assert_eq!((clock.ticks(), clock.length_seconds()), (3, Some(2.0)));
+        clock.seek(-1.0);
+        assert_eq!(clock.ticks(), 0);
     }
 
     #[test]

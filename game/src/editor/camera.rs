@@ -2,6 +2,7 @@
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use lightwell::scene::SceneCamera;
+use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_PI_2;
 
 /// Turn for a drag over one pixel [rad].
@@ -10,8 +11,8 @@ const TURN: f32 = 0.004;
 const STEEPEST: f32 = FRAC_PI_2 - 0.01;
 
 /// Place and direction of a camera without roll.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Pose {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
     position: Vec3,
     heading: f32,
     pitch: f32,
@@ -53,6 +54,22 @@ impl FlyCamera {
     /// Back to the scene's camera.
     pub fn reset(&mut self) {
         self.free = None;
+    }
+
+    /// Where it was flown to.
+    pub fn place(&self) -> Option<Pose> {
+        self.free
+    }
+
+    /// Goes to a place, or back to the scene's camera.
+    pub fn go(&mut self, place: Option<Pose>) {
+        self.free = place;
+    }
+
+    /// Keeps the direction and stands so far away from a point [m] that it is in the middle.
+    pub fn look_from(&mut self, camera: &SceneCamera, point: Vec3, distance: f32) {
+        let pose = self.pose(camera);
+        pose.position = point - pose.rotation() * Vec3::NEG_Z * distance;
     }
 
     /// The camera to draw with: the scene's lens at the place flown to.

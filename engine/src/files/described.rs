@@ -1,0 +1,12 @@
+//! The sources of the types that scene files hold, for tools that show their documentation.
+
+/// Texts of the source files whose documentation comments describe components and their fields: one place for help,
+/// units and ranges, whether they are read in the documentation or in an inspector.
+pub const DESCRIBED: [&str; 6] = [
+    include_str!("format.rs"),
+    include_str!("parts.rs"),
+    include_str!("../assets/shape.rs"),
+    include_str!("../assets/gltf/import/mod.rs"),
+    include_str!("../world/components.rs"),
+    include_str!("../world/animation.rs"),
+];

@@ -1,0 +1,432 @@
+//! Changes to a loaded world in terms of scene files: what an entity is, and making it something else.
+//!
+//! A component that scene files can hold needs no code here: an edit describes the entity as the file would, and puts
+//! back what differs the way that loading does.
+
+use super::LoadOptions;
+use super::document::Document;
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::*;
+use super::load::{Context, Loader, Resolved};
+use super::save::{Writer, scene_without_entities};
+use super::source::{Origin, SceneInfo, Source};
+use super::surfaces::renderer;
+use super::tree::Step;
+use super::validate::{Fault, Validator};
+use crate::assets::{AssetLibrary, Material};
+use crate::world::{Animation, Camera, Clpv, GameWorld, Light, MeshRenderer, SceneSettings, Transform};
+use bevy_ecs::prelude::Entity;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Where edits take their assets from, and the scene file that paths in them are relative to.
+pub struct EditContext<'a> {
+    /// Loaded assets.
+    pub library: &'a mut AssetLibrary,
+    /// Folder of models.
+    pub options: &'a LoadOptions,
+    /// The scene's file.
+    pub path: &'a Path,
+}
+
+/// What the entity is without its animation, as a scene file would say it.
+///
+/// # Errors
+/// If it has something that has no form in a file, as a mesh of a glTF model.
+pub fn describe_entity(world: &GameWorld, entity: Entity, path: &Path) -> Result<OverrideFile, FileError> {
+    with_writer(world, path, |writer| writer.components(entity))
+}
+
+/// The entity with all below it, as a scene file would say it.
+///
+/// # Errors
+/// As [`describe_entity`].
+pub fn describe_subtree(world: &GameWorld, entity: Entity, path: &Path) -> Result<EntityFile, FileError> {
+    with_writer(world, path, |writer| writer.entity(entity))
+}
+
+/// The scene without its entities: description, method, settings, presets, materials.
+pub fn describe_scene(world: &GameWorld) -> SceneFile {
+    scene_without_entities(world)
+}
+
+/// Whether the entity was made from a node of a glTF model: changes of it are not written.
+pub fn is_from_model(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| matches!(source.origin, Origin::Model))
+}
+
+/// The prefab that the entity is an instance of, as the file names it.
+pub fn prefab_of(world: &GameWorld, entity: Entity) -> Option<&str> {
+    world.ecs.get::<Source>(entity)?.prefab.as_deref()
+}
+
+/// Whether the entity belongs to an instance of a prefab further up.
+pub fn is_in_prefab(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| matches!(source.origin, Origin::Prefab { .. }))
+}
+
+/// Makes the entity, without its animation, what the description says. What is the same stays untouched.
+///
+/// # Errors
+/// If a value is out of its range, or an asset is missing or faulty; the entity stays as it was.
+pub fn edit_entity(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    entity: Entity,
+    now: &OverrideFile,
+) -> Result<(), FileError> {
+    let before = describe_entity(world, entity, context.path)?;
+    if *now == before {
+        return Ok(());
+    }
+    let names = material_names(world);
+    Validator::lone_components(now, names).map_err(|fault| fault_error(context.path, *fault))?;
+    let described = world.ecs.get::<Source>(entity).and_then(|source| source.material.clone());
+    let shared = shared_material(world, now);
+    let surface_differs =
+        differs(&before, now, |c| (c.mesh.clone(), c.model.clone(), c.material.clone(), c.casts_shadow, c.visible));
+    let material = with_loader(world, context, |loader, file| {
+        let kept = if now.material == before.material { described } else { shared };
+        match surface_differs {
+            true => surface(loader, file, entity, now, &before, kept),
+            false => Ok(kept),
+        }
+    })?;
+    let changes = now.changes_from(&before);
+    for kind in &changes.without {
+        take_away(world, entity, *kind);
+    }
+    put(world, context, entity, &changes, now)?;
+    remember(world, entity, now, material);
+    Ok(())
+}
+
+/// Puts the changed components on the entity, except those of its surface.
+fn put(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    entity: Entity,
+    changes: &OverrideFile,
+    now: &OverrideFile,
+) -> Result<(), FileError> {
+    let place = world.ecs.get::<Transform>(entity).copied();
+    let rest = world.rest_transform(entity);
+    let (light, camera) = (world.ecs.get::<Light>(entity).cloned(), world.ecs.get::<Camera>(entity).cloned());
+    let plain = OverrideFile {
+        transform: None,
+        mesh: None,
+        model: None,
+        material: None,
+        light: changes.light.clone().filter(|_| light.is_none()),
+        camera: changes.camera.clone().filter(|_| camera.is_none()),
+        animation: None,
+        ..changes.clone()
+    };
+    with_loader(world, context, |loader, file| loader.insert_components(entity, &Resolved::of(plain, file)))?;
+    if let Some(animation) = &changes.animation {
+        world.ecs.entity_mut(entity).insert(animation.clone());
+    }
+    // Loading sets the transform to the default where none is given.
+    world.ecs.entity_mut(entity).insert(place.unwrap_or_default());
+    if changes.transform.is_some() {
+        let wanted = Transform::from(now.transform.unwrap_or_default());
+        if wanted != rest {
+            world.set_rest_transform(entity, wanted);
+        }
+    }
+    if let (Some(wanted), Some(_)) = (&changes.light, light) {
+        world.set_rest_light(entity, wanted.clone());
+    }
+    if let (Some(wanted), Some(_)) = (&changes.camera, camera) {
+        world.set_rest_camera(entity, wanted.clone());
+    }
+    Ok(())
+}
+
+/// Spawns an entity that a file describes, with all below it, prefabs and models included.
+///
+/// # Errors
+/// If a value is out of its range, the name is taken, or an asset or prefab is missing or faulty; nothing is spawned
+/// then.
+pub fn spawn_entity(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    parent: Option<Entity>,
+    file: &EntityFile,
+) -> Result<Entity, FileError> {
+    Validator::lone_entity(file, material_names(world)).map_err(|fault| fault_error(context.path, *fault))?;
+    let before: Vec<Entity> = siblings(world, parent);
+    if before.iter().any(|sibling| world.name(*sibling) == file.name) {
+        let message = format!("there is a sibling named `{}` already", file.name);
+        return Err(FileError::new(context.path, Kind::DuplicateName, message).with_help("use another name"));
+    }
+    let result = with_loader(world, context, |loader, context| loader.entity(file, context, parent, &[]));
+    let new = siblings(world, parent).into_iter().find(|sibling| !before.contains(sibling));
+    if let (Err(_), Some(half)) = (&result, new) {
+        let _ = world.ecs.try_despawn(half);
+    }
+    result?;
+    new.ok_or_else(|| FileError::new(context.path, Kind::BadValue, "the entity leaves nothing"))
+}
+
+/// Changes what belongs to the scene as a whole. Entities of the description are passed over.
+///
+/// # Errors
+/// If a value is out of its range, or a material's image is missing; the scene stays as it was.
+pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneFile) -> Result<(), FileError> {
+    let before = describe_scene(world);
+    let now = SceneFile { entities: Vec::new(), ..now.clone() };
+    Validator::scene(&now).map_err(|fault| fault_error(context.path, *fault))?;
+    let changed = now.materials.iter().filter(|(name, file)| before.materials.get(*name) != Some(*file));
+    for (name, file) in changed {
+        let material = with_loader(world, context, |loader, context| loader.material(name, file, context, &[]))?;
+        replace_material(world, name, &material);
+    }
+    if now.settings != before.settings {
+        let clock = world.clock();
+        let rate = now.settings.frame_rate;
+        world.ecs.insert_resource::<SceneSettings>(now.settings);
+        world.ecs.insert_resource(clock.with_rate(rate));
+    }
+    let mut info = world.ecs.get_resource_or_init::<SceneInfo>();
+    info.description = now.description;
+    info.gi = now.gi;
+    info.presets = now.presets;
+    info.materials = now.materials;
+    Ok(())
+}
+
+/// Makes an instance of a prefab plain entities of the scene file.
+pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
+    for entity in world.subtree(instance) {
+        let material = world.ecs.get::<Source>(entity).and_then(|s| s.material.clone());
+        let info = world.ecs.get_resource::<SceneInfo>();
+        let described = info.zip(material).and_then(|(info, m)| info.materials_by_id.get(&m.id).cloned());
+        let Some(mut source) = world.ecs.get_mut::<Source>(entity) else { continue };
+        if matches!(source.origin, Origin::Prefab { .. }) {
+            if source.components.material.is_some() {
+                source.components.material = described.or(source.components.material.take());
+            }
+            source.origin = Origin::File;
+        }
+        if entity == instance {
+            source.prefab = None;
+            source.members.clear();
+        }
+    }
+}
+
+/// Writes a prefab file of the entity with all below it: its children, or the entity itself if it has components
+/// besides its place. Entities of inner prefabs are written in full.
+///
+/// # Errors
+/// If something has no form in a file, or the file cannot be written.
+pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path) -> Result<(), FileError> {
+    let tree = describe_subtree(world, entity, scene)?;
+    let bare = EntityFile { name: tree.name.clone(), transform: tree.transform, ..Default::default() };
+    let only_children = EntityFile { children: Vec::new(), ..tree.clone() } == bare;
+    let entities = match only_children {
+        true => tree.children,
+        false => vec![EntityFile { transform: None, ..tree }],
+    };
+    write_prefab(world, entities, path)
+}
+
+/// Writes a prefab file of some entities with all below them.
+///
+/// # Errors
+/// As [`save_prefab`].
+pub fn save_prefab_children(
+    world: &GameWorld,
+    entities: &[Entity],
+    scene: &Path,
+    path: &Path,
+) -> Result<(), FileError> {
+    let entities = with_writer(world, scene, |writer| writer.entities(entities))?;
+    write_prefab(world, entities, path)
+}
+
+fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
+    let info = world.ecs.get_resource::<SceneInfo>();
+    let mut names = std::collections::BTreeSet::new();
+    entities.iter().for_each(|entity| material_names_of(entity, &mut names));
+    let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
+    let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
+    let prefab = PrefabFile { description: String::new(), materials, entities };
+    Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
+    let text = super::write::prefab_text(&prefab).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    super::write::write_atomically(path, &text)
+}
+
+fn material_names_of(entity: &EntityFile, names: &mut std::collections::BTreeSet<String>) {
+    let overridden = entity.overrides.values().filter_map(|o| o.material.as_ref());
+    for material in entity.material.iter().chain(overridden) {
+        if let MaterialRef::Named(name) = material {
+            names.insert(name.clone());
+        }
+    }
+    let added = entity.overrides.values().flat_map(|o| &o.children);
+    entity.children.iter().chain(added).for_each(|child| material_names_of(child, names));
+}
+
+/// Shape, model and material of the entity; gives the material.
+fn surface(
+    loader: &mut Loader,
+    file: &Rc<Context>,
+    entity: Entity,
+    now: &OverrideFile,
+    before: &OverrideFile,
+    kept: Option<Arc<Material>>,
+) -> Result<Option<Arc<Material>>, FileError> {
+    let resolved = Resolved::of(now.clone(), file);
+    let mut material = match kept {
+        Some(material) => Some(material),
+        None => loader.material_of(&resolved)?,
+    };
+    let mesh = match &now.mesh {
+        Some(shape) => {
+            let mesh = loader
+                .library
+                .shape(shape)
+                .map_err(|e| FileError::new(&file.document.path, Kind::BadValue, format!("mesh: {e}")))?;
+            loader.info.shapes.insert(mesh.id, shape.clone());
+            Some(mesh)
+        }
+        None => None,
+    };
+    let children = match before.model.is_some() {
+        true => loader.world.children(entity),
+        false => Vec::new(),
+    };
+    if let Some(model) = &now.model {
+        let old: Vec<Entity> = children.iter().copied().filter(|c| is_from_model(&loader.world, *c)).collect();
+        loader.model(entity, model, material.as_ref(), now, file, &[Step::Key("model".into())])?;
+        old.into_iter().for_each(|child| despawn(&mut loader.world, child));
+    } else {
+        let old = children.into_iter().filter(|c| is_from_model(&loader.world, *c)).collect::<Vec<_>>();
+        old.into_iter().for_each(|child| despawn(&mut loader.world, child));
+    }
+    match mesh {
+        Some(mesh) => {
+            let material = material.get_or_insert_with(|| loader.info.default_material.clone()).clone();
+            loader.world.ecs.entity_mut(entity).insert(renderer(now, mesh, material));
+        }
+        None => drop(loader.world.ecs.entity_mut(entity).remove::<MeshRenderer>()),
+    }
+    Ok(material)
+}
+
+fn despawn(world: &mut GameWorld, entity: Entity) {
+    // Gone already if it stood below another one.
+    let _ = world.ecs.try_despawn(entity);
+}
+
+fn take_away(world: &mut GameWorld, entity: Entity, kind: ComponentKind) {
+    let mut entity = world.ecs.entity_mut(entity);
+    match kind {
+        ComponentKind::Mesh => entity.remove::<MeshRenderer>(),
+        ComponentKind::Light => entity.remove::<Light>(),
+        ComponentKind::Camera => entity.remove::<Camera>(),
+        ComponentKind::Clpv => entity.remove::<Clpv>(),
+        ComponentKind::Animation => entity.remove::<Animation>(),
+    };
+}
+
+/// Keeps how the entity was described, so that a save says the same.
+fn remember(world: &mut GameWorld, entity: Entity, now: &OverrideFile, material: Option<Arc<Material>>) {
+    let components = OverrideFile { without: Vec::new(), children: Vec::new(), remove: false, ..now.clone() };
+    if let Some(mut source) = world.ecs.get_mut::<Source>(entity) {
+        source.material = material;
+        source.components = components;
+        if let Origin::Prefab { material_overridden, base, .. } = &mut source.origin {
+            *material_overridden |= base.material != now.material;
+        }
+        return;
+    }
+    let source = Source { components, material, prefab: None, members: Vec::new(), origin: Origin::File };
+    world.ecs.entity_mut(entity).insert(source);
+}
+
+/// A named material of the scene that some entity bears already.
+fn shared_material(world: &mut GameWorld, now: &OverrideFile) -> Option<Arc<Material>> {
+    let wanted = now.material.clone().filter(|m| matches!(m, MaterialRef::Named(_)))?;
+    let known = world.ecs.get_resource::<SceneInfo>()?.materials_by_id.clone();
+    let mut query = world.ecs.query::<&MeshRenderer>();
+    query.iter(&world.ecs).map(|r| &r.material).find(|m| known.get(&m.id) == Some(&wanted)).cloned()
+}
+
+/// Gives all that bear a named material of the scene a new one.
+fn replace_material(world: &mut GameWorld, name: &str, new: &Arc<Material>) {
+    let named = MaterialRef::Named(name.to_owned());
+    let Some(info) = world.ecs.get_resource::<SceneInfo>() else { return };
+    let old: Vec<_> = info.materials_by_id.iter().filter(|(_, m)| **m == named).map(|(id, _)| *id).collect();
+    let is_old = |material: &Material| material.id != new.id && old.contains(&material.id);
+    let entities: Vec<Entity> = world.ecs.query::<(Entity, &Source)>().iter(&world.ecs).map(|(e, _)| e).collect();
+    for entity in entities {
+        let rest = world.rest_material(entity);
+        if rest.is_some_and(|m| is_old(&m))
+            && let Some(mut renderer) = world.ecs.get_mut::<MeshRenderer>(entity)
+        {
+            renderer.material = new.clone();
+        }
+        if world.ecs.get::<Source>(entity).is_some_and(|s| s.material.as_deref().is_some_and(is_old))
+            && let Some(mut source) = world.ecs.get_mut::<Source>(entity)
+        {
+            source.material = Some(new.clone());
+        }
+    }
+}
+
+fn differs<T: PartialEq>(a: &OverrideFile, b: &OverrideFile, part: impl Fn(&OverrideFile) -> T) -> bool {
+    part(a) != part(b)
+}
+
+fn siblings(world: &GameWorld, parent: Option<Entity>) -> Vec<Entity> {
+    parent.map_or_else(|| world.roots(), |parent| world.children(parent))
+}
+
+fn material_names(world: &GameWorld) -> Vec<String> {
+    world.ecs.get_resource::<SceneInfo>().map(|info| info.materials.keys().cloned().collect()).unwrap_or_default()
+}
+
+fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> T) -> T {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    read(&Writer { world, info, path })
+}
+
+/// Lends the world to a loader.
+fn with_loader<T>(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    work: impl FnOnce(&mut Loader, &Rc<Context>) -> T,
+) -> T {
+    let info = world.ecs.remove_resource::<SceneInfo>().unwrap_or_default();
+    let document = Document::in_memory(context.path);
+    let file = Rc::new(Context { document, materials: info.materials.clone(), is_root: true });
+    let lent = std::mem::take(world);
+    let mut loader = Loader::new(context.library, context.options, lent, info, context.path);
+    let result = work(&mut loader, &file);
+    let Loader { world: lent, info, .. } = loader;
+    *world = lent;
+    world.ecs.insert_resource(info);
+    result
+}
+
+fn fault_error(path: &Path, fault: Fault) -> FileError {
+    let words: Vec<String> = fault.path.iter().map(step_word).filter(|word| !word.is_empty()).collect();
+    let place = if words.is_empty() { String::new() } else { format!("{}: ", words.join(".")) };
+    let error = FileError::new(path, fault.kind, format!("{place}{}", fault.message));
+    match fault.help.filter(|help| !help.is_empty()) {
+        Some(help) => error.with_help(help),
+        None => error,
+    }
+}
+
+fn step_word(step: &Step) -> String {
+    match step {
+        Step::Key(key) => key.clone(),
+        Step::Index(index) => index.to_string(),
+    }
+}

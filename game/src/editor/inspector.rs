@@ -1,0 +1,230 @@
+//! The inspector: what the selected entity is made of.
+
+use super::Editor;
+use super::schema::Shape;
+use super::stage::Stage;
+use super::value::Value;
+use super::widgets::{edited_text, title};
+use egui::Ui;
+use lightwell::files::{self, OverrideFile, SceneFile, describe_entity, describe_scene, ron_options};
+use lightwell::scene::SceneId;
+use std::sync::LazyLock;
+
+/// Fields of an override that are no components.
+const NO_COMPONENTS: [&str; 4] = ["remove", "without", "children", "overrides"];
+
+/// The components that scene files know, with their shapes.
+static COMPONENTS: LazyLock<Vec<(&'static str, Shape)>> =
+    LazyLock::new(|| Shape::fields_of::<OverrideFile>(&NO_COMPONENTS));
+
+/// What belongs to a scene as a whole.
+static SCENE: LazyLock<Vec<(&'static str, Shape)>> = LazyLock::new(|| Shape::fields_of::<SceneFile>(&["entities"]));
+
+/// Shows the selection.
+pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let selected = editor.selected(stage.world);
+    let Some(&(id, entity)) = selected.last() else {
+        ui.weak("Nothing is selected. Click on something in the view or in the hierarchy.");
+        return;
+    };
+    ui.push_id(id.0, |ui| {
+        ui.horizontal(|ui| {
+            let mut name = stage.world.name(entity).to_owned();
+            if edited_text(ui, "name", &mut name) {
+                let result = editor.rename(stage, id, &name);
+                editor.told(result);
+            }
+        });
+        if selected.len() > 1 {
+            ui.weak(format!("{} entities are selected; a change is made to all that have the value", selected.len()));
+        }
+        origin(ui, stage, entity);
+        if files::is_from_model(stage.world, entity) {
+            return model_part(ui, stage, entity);
+        }
+        match describe_entity(stage.world, entity, stage.files.path) {
+            Ok(before) => components(ui, editor, stage, id, &before),
+            Err(error) => drop(ui.colored_label(ui.visuals().warn_fg_color, error.to_string())),
+        }
+    });
+}
+
+fn origin(ui: &mut Ui, stage: &Stage, entity: bevy_ecs::prelude::Entity) {
+    if let Some(prefab) = files::prefab_of(stage.world, entity) {
+        ui.weak(format!("instance of {prefab}"));
+    }
+    if files::is_in_prefab(stage.world, entity) {
+        ui.weak("part of a prefab; changes are kept as overrides of this instance");
+    }
+}
+
+fn model_part(ui: &mut Ui, stage: &Stage, entity: bevy_ecs::prelude::Entity) {
+    ui.weak("part of a glTF model: the model's file holds it, so it is shown and not changed");
+    let t = stage.world.rest_transform(entity);
+    ui.monospace(format!("translation {}\nrotation    {}\nscale       {}", t.translation, t.rotation, t.scale));
+    if let Some(renderer) = stage.world.ecs.get::<lightwell::world::MeshRenderer>(entity) {
+        let (mesh, material) = (&renderer.mesh, &renderer.material);
+        ui.monospace(format!("mesh        {}\nmaterial    {}", mesh.name, material.name));
+    }
+}
+
+fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, before: &OverrideFile) {
+    let Ok(text) = ron_options().to_string(before) else { return };
+    let Some(mut value) = Value::parse(&text) else { return };
+    let old = value.clone();
+    let mut changed: Option<String> = None;
+    for (name, shape) in COMPONENTS.iter() {
+        let Some(mut component) = value.field(name).cloned() else { continue };
+        let key = format!("Override.{name}");
+        if is_section(shape) {
+            let mut remove = false;
+            let edited = section(ui, editor, name, &key, shape.inner(), &mut component, &mut remove);
+            if remove {
+                value.remove(name);
+                changed = Some(format!("remove {name}"));
+            } else if edited {
+                value.set(name, component);
+                changed = Some(format!("change {name}"));
+            }
+        } else if editor.kit.row(ui, name, &key, shape, &mut component) {
+            match component.head == "None" {
+                true => value.remove(name),
+                false => value.set(name, component),
+            }
+            changed = Some(format!("change {name}"));
+        }
+    }
+    ui.add_space(6.0);
+    ui.menu_button("Add component", |ui| {
+        for (name, shape) in COMPONENTS.iter().filter(|(name, _)| value.field(name).is_none()).collect::<Vec<_>>() {
+            let key = format!("Override.{name}");
+            if ui.button(title(name)).on_hover_text(editor.kit.note(&key).help).clicked() {
+                value.set(name, editor.kit.starter(&key, shape.inner()));
+                changed = Some(format!("add {name}"));
+                ui.close();
+            }
+        }
+    });
+    if let Some(error) = &editor.problem {
+        ui.colored_label(ui.visuals().error_fg_color, error);
+    }
+    if let Some(label) = changed {
+        apply(editor, stage, id, &label, &old, &value);
+    }
+}
+
+/// Components with parts of their own get a header.
+fn is_section(shape: &Shape) -> bool {
+    !matches!(shape.inner(), Shape::Bool | Shape::Integer(_) | Shape::Float(_) | Shape::Text)
+}
+
+fn section(
+    ui: &mut Ui,
+    editor: &Editor,
+    name: &str,
+    key: &str,
+    shape: &Shape,
+    component: &mut Value,
+    remove: &mut bool,
+) -> bool {
+    let id = ui.make_persistent_id(("component", name));
+    let state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, true);
+    let header = state.show_header(ui, |ui| {
+        ui.strong(title(name)).on_hover_text(editor.kit.note(key).help);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let button = ui.small_button("×").on_hover_text("remove this component");
+            super::widgets::named(&button, &format!("Remove {}", title(name)));
+            *remove = button.clicked();
+        });
+    });
+    let (_, _, body) = header.body(|ui| editor.kit.body(ui, name, key, shape, component));
+    body.is_some_and(|body| body.inner)
+}
+
+/// Makes the change, to all selected entities that have the changed values.
+fn apply(editor: &mut Editor, stage: &mut Stage, id: SceneId, label: &str, old: &Value, new: &Value) {
+    let read = |value: &Value| ron_options().from_str::<OverrideFile>(&value.print());
+    let mut edits = Vec::new();
+    match read(new) {
+        Ok(now) => edits.push((id, now)),
+        Err(error) => return editor.problem = Some(format!("{label}: {}", error.code)),
+    }
+    for (other, entity) in editor.selected(stage.world) {
+        if other == id || files::is_from_model(stage.world, entity) {
+            continue;
+        }
+        let described = describe_entity(stage.world, entity, stage.files.path).ok();
+        let text = described.and_then(|described| ron_options().to_string(&described).ok());
+        let Some(mut value) = text.and_then(|text| Value::parse(&text)) else { continue };
+        carry(old, new, &mut value);
+        edits.extend(read(&value).ok().map(|now| (other, now)));
+    }
+    let result = editor.edit_components(stage, label, &edits);
+    editor.problem = result.err().map(|error| format!("{error:#}"));
+}
+
+/// Makes in `target` the changes from `old` to `new`, where it has the changed fields.
+fn carry(old: &Value, new: &Value, target: &mut Value) {
+    for (key, value) in new.items() {
+        let Some(key) = key else { continue };
+        match (old.field(key), target.field_mut(key)) {
+            (Some(before), _) if before == value => {}
+            (Some(before), Some(there)) if has_fields(before) && has_fields(value) && before.head == value.head => {
+                carry(before, value, there);
+            }
+            (_, Some(there)) => *there = value.clone(),
+            (None, None) => target.set(key, value.clone()),
+            (Some(_), None) => {}
+        }
+    }
+    for (key, _) in old.items() {
+        if let Some(key) = key.as_deref().filter(|key| new.field(key).is_none()) {
+            target.remove(key);
+        }
+    }
+}
+
+fn has_fields(value: &Value) -> bool {
+    value.items().iter().any(|(key, _)| key.is_some())
+}
+
+/// Shows what belongs to the scene as a whole.
+pub fn show_scene(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let Ok(text) = ron_options().to_string(&describe_scene(stage.world)) else { return };
+    let Some(mut value) = Value::parse(&text) else { return };
+    // Fields that are left out while they are empty.
+    for (name, empty) in [("description", "\"\""), ("presets", "{}"), ("materials", "{}")] {
+        if value.field(name).is_none() {
+            value.set(name, Value::parse(empty).unwrap_or_default());
+        }
+    }
+    if !editor.kit.fields(ui, "Scene", &SCENE, &mut value) {
+        return;
+    }
+    let result = ron_options().from_str::<SceneFile>(&value.print());
+    let now = match result {
+        Ok(now) => now,
+        Err(error) => return editor.problem = Some(error.code.to_string()),
+    };
+    let result = editor.edit_scene(stage, &now);
+    editor.problem = result.err().map(|error| format!("{error:#}"));
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn changes_are_carried_to_others_alone() {
+        let parse = |text: &str| Value::parse(text).unwrap();
+        let old = parse("(light:(intensity:1.0,color:(1,1,1)),visible:true)");
+        let new = parse("(light:(intensity:2.0,color:(1,1,1)))");
+        let mut other = parse("(light:(intensity:7.0,color:(0,0,1)),visible:true)");
+        carry(&old, &new, &mut other);
+        assert_eq!(other.print(), "(light:(intensity:2.0,color:(0,0,1)))");
+        let mut without = parse("(camera:())");
+        carry(&old, &new, &mut without);
+        assert_eq!(without.print(), "(camera:())", "what has no light gets none");
+    }
+}

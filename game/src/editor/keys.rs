@@ -1,0 +1,182 @@
+//! Keys, as the help lists them.
+
+use super::Editor;
+use super::gizmo::Mode;
+use super::layout::Pane;
+use super::stage::{Request, Stage};
+use egui::{Key, KeyboardShortcut, Modifiers, Ui};
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Takes the last step back.
+    Undo,
+    /// Does it again.
+    Redo,
+    /// Saves.
+    Save,
+    /// Saves under another name.
+    SaveAs,
+    /// Plays another scene.
+    Open,
+    /// Copies the selection.
+    Duplicate,
+    /// Takes the selection away.
+    Delete,
+    /// Puts the cursor into the search of the hierarchy.
+    Find,
+    /// Flies to the selection.
+    Focus,
+    /// Selects nothing; with nothing selected, asks to end.
+    Escape,
+    /// Hides or shows the panels.
+    Panels,
+    /// Pauses or goes on.
+    Pause,
+    /// One tick.
+    Step,
+    /// Back to the start.
+    Rewind,
+    /// Faster (1) or slower (−1).
+    Speed(i32),
+    /// Back to the scene's camera.
+    SceneCamera,
+    /// Keeps the camera's place under a number.
+    Keep(usize),
+    /// Goes to a place that was kept.
+    Recall(usize),
+    /// Chooses a handle.
+    Gizmo(Mode),
+    /// Saves a picture.
+    Screenshot,
+    /// Shows the help.
+    Help,
+    /// Ends.
+    Quit,
+}
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
+const NONE: Modifiers = Modifiers::NONE;
+
+/// All keys, what they do, and how the help says it. Those with more modifiers come first.
+pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
+    (CTRL_SHIFT, Key::Z, Action::Redo, "redo"),
+    (CTRL_SHIFT, Key::S, Action::SaveAs, "save as"),
+    (CTRL, Key::Z, Action::Undo, "undo"),
+    (CTRL, Key::Y, Action::Redo, "redo"),
+    (CTRL, Key::S, Action::Save, "save"),
+    (CTRL, Key::O, Action::Open, "open another scene"),
+    (CTRL, Key::D, Action::Duplicate, "duplicate the selection"),
+    (CTRL, Key::F, Action::Find, "search the hierarchy"),
+    (CTRL, Key::Q, Action::Quit, "quit"),
+    (CTRL, Key::Num5, Action::Keep(0), "keep the camera as bookmark 1"),
+    (CTRL, Key::Num6, Action::Keep(1), "keep the camera as bookmark 2"),
+    (CTRL, Key::Num7, Action::Keep(2), "keep the camera as bookmark 3"),
+    (CTRL, Key::Num8, Action::Keep(3), "keep the camera as bookmark 4"),
+    (NONE, Key::Num6, Action::Recall(1), "go to bookmark 2"),
+    (NONE, Key::Num7, Action::Recall(2), "go to bookmark 3"),
+    (NONE, Key::Num8, Action::Recall(3), "go to bookmark 4"),
+    (NONE, Key::Num5, Action::Recall(0), "go to bookmark 1"),
+    (NONE, Key::Delete, Action::Delete, "delete the selection"),
+    (NONE, Key::F, Action::Focus, "focus on the selection"),
+    (NONE, Key::Escape, Action::Escape, "select nothing; if nothing is selected, quit"),
+    (NONE, Key::H, Action::Panels, "hide or show the panels"),
+    (NONE, Key::Space, Action::Pause, "play or pause"),
+    (NONE, Key::Period, Action::Step, "one step of the clock"),
+    (NONE, Key::Home, Action::Rewind, "back to the start of the clock"),
+    (NONE, Key::Plus, Action::Speed(1), "faster"),
+    (NONE, Key::Equals, Action::Speed(1), "faster"),
+    (NONE, Key::Minus, Action::Speed(-1), "slower"),
+    (NONE, Key::C, Action::SceneCamera, "back to the scene's camera"),
+    (NONE, Key::Num1, Action::Gizmo(Mode::Move), "handle: move"),
+    (NONE, Key::Num2, Action::Gizmo(Mode::Rotate), "handle: rotate"),
+    (NONE, Key::Num3, Action::Gizmo(Mode::Scale), "handle: scale"),
+    (NONE, Key::Num4, Action::Gizmo(Mode::None), "no handle"),
+    (NONE, Key::F12, Action::Screenshot, "save a picture into out/"),
+    (NONE, Key::F1, Action::Help, "this help"),
+];
+
+/// The mouse, as the help lists it.
+pub const MOUSE: [(&str, &str); 9] = [
+    ("click", "select (Ctrl: more; Alt: the part of a model itself)"),
+    ("drag a handle", "move, rotate, scale (Ctrl: in steps)"),
+    ("drag left", "look around"),
+    ("drag right", "orbit"),
+    ("drag middle", "move sideways"),
+    ("wheel", "speed of flight"),
+    ("W A S D, Q E", "fly, down and up"),
+    ("drop a file", ".glb, .gltf and .prefab.ron are added, a .scene.ron is played"),
+    ("drag in the tree", "another parent"),
+];
+
+/// Does what the keys ask for, unless something is being typed.
+pub fn take(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let typing = ui.ctx().egui_wants_keyboard_input();
+    if editor.dialog.is_some() {
+        return;
+    }
+    for (modifiers, key, action, _) in KEYS {
+        let always =
+            modifiers == CTRL || modifiers == CTRL_SHIFT || matches!(action, Action::Help | Action::Screenshot);
+        // Undo of text belongs to the text.
+        let texts_own = typing && matches!(action, Action::Undo | Action::Redo);
+        if typing && !always || texts_own {
+            continue;
+        }
+        if ui.input_mut(|i| i.consume_shortcut(&KeyboardShortcut::new(modifiers, key))) {
+            act(editor, stage, action);
+        }
+    }
+}
+
+/// Does one thing.
+pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
+    let result = match action {
+        Action::Undo => return editor.undo(stage),
+        Action::Redo => return editor.redo(stage),
+        Action::Save => editor.history.close(stage).map(|()| editor.requests.push(Request::Save)),
+        Action::SaveAs => return super::dialogs::ask_save_as(editor, stage.files.path),
+        Action::Open => return super::dialogs::ask_open(editor, stage),
+        Action::Duplicate => editor.duplicate(stage),
+        Action::Delete => editor.delete(stage),
+        Action::Find => {
+            editor.layout.focus(Pane::Hierarchy);
+            return editor.hierarchy.find = true;
+        }
+        Action::Focus => return super::view::focus(editor, stage),
+        Action::Escape if editor.selection.is_empty() => return editor.ask(Request::Quit),
+        Action::Escape => return editor.selection.clear(),
+        Action::Panels => return editor.hidden = !editor.hidden,
+        Action::Pause => return stage.clock.playing = !stage.clock.playing,
+        Action::Step => return stage.clock.step(),
+        Action::Rewind => return stage.clock.seek(0.0),
+        Action::Speed(by) => return stage.clock.change_speed(by),
+        Action::SceneCamera => return stage.camera.reset(),
+        Action::Keep(number) => return super::view::keep(editor, stage, number),
+        Action::Recall(number) => return super::view::recall(editor, stage, number),
+        Action::Gizmo(mode) => return editor.view.mode = mode,
+        Action::Screenshot => return editor.requests.push(Request::Screenshot),
+        Action::Help => {
+            editor.hidden = false;
+            return editor.layout.focus(Pane::Help);
+        }
+        Action::Quit => return editor.ask(Request::Quit),
+    };
+    editor.told(result);
+}
+
+/// The key of an action as text.
+pub fn text_of(action: Action) -> String {
+    let key = KEYS.iter().find(|(_, _, a, _)| *a == action);
+    key.map_or_else(String::new, |(modifiers, key, ..)| {
+        let mut text = String::new();
+        if modifiers.command {
+            text += "Ctrl+";
+        }
+        if modifiers.shift {
+            text += "Shift+";
+        }
+        text + key.name()
+    })
+}

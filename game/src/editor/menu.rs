@@ -1,0 +1,191 @@
+//! The bar of menus and of play, and the line of state.
+
+use super::Editor;
+use super::gizmo::Mode;
+use super::keys::{Action, act, text_of};
+use super::layout::{ERROR, PANES};
+use super::stage::{Request, Stage};
+use egui::{Button, Panel, RichText, Ui};
+
+/// The bar on top.
+pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    Panel::top("bar").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.menu_button("File", |ui| file(ui, editor, stage));
+            ui.menu_button("Edit", |ui| edit(ui, editor, stage));
+            ui.menu_button("Add", |ui| super::hierarchy::add_menu(ui, editor, stage, None));
+            ui.menu_button("Panels", |ui| panels(ui, editor));
+            ui.separator();
+            play(ui, editor, stage);
+            ui.separator();
+            handles(ui, editor);
+        });
+    });
+}
+
+/// An entry of a menu with its key.
+fn entry(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, text: &str, action: Action, enabled: bool) {
+    let button = Button::new(text).shortcut_text(text_of(action));
+    if ui.add_enabled(enabled, button).clicked() {
+        act(editor, stage, action);
+        ui.close();
+    }
+}
+
+fn file(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    entry(ui, editor, stage, "Save", Action::Save, true);
+    entry(ui, editor, stage, "Save as…", Action::SaveAs, true);
+    if ui.add_enabled(editor.history.is_dirty(), Button::new("Revert")).clicked() {
+        editor.ask(Request::Reload);
+        ui.close();
+    }
+    ui.separator();
+    entry(ui, editor, stage, "Open…", Action::Open, true);
+    ui.menu_button("Open recent", |ui| {
+        for path in editor.recent.clone() {
+            if ui.button(path.display().to_string()).clicked() {
+                editor.ask(Request::Open(path));
+                ui.close();
+            }
+        }
+    });
+    ui.separator();
+    if ui.button("Export the animation…").clicked() {
+        super::dialogs::ask_export(editor, stage);
+        ui.close();
+    }
+    entry(ui, editor, stage, "Screenshot", Action::Screenshot, true);
+    if ui.button("Rebuild shaders").on_hover_text("read and compile all shaders anew").clicked() {
+        editor.requests.push(Request::RebuildShaders);
+        ui.close();
+    }
+    ui.separator();
+    entry(ui, editor, stage, "Quit", Action::Quit, true);
+}
+
+fn edit(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let undo = editor.history.undo_label().map(str::to_owned);
+    let redo = editor.history.redo_label().map(str::to_owned);
+    let text = |word: &str, label: &Option<String>| match label {
+        Some(label) => format!("{word}: {label}"),
+        None => word.to_owned(),
+    };
+    entry(ui, editor, stage, &text("Undo", &undo), Action::Undo, undo.is_some());
+    entry(ui, editor, stage, &text("Redo", &redo), Action::Redo, redo.is_some());
+    ui.separator();
+    edit_entries(ui, editor, stage);
+}
+
+/// What can be done with the selection.
+pub fn edit_entries(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let any = !editor.selection.is_empty();
+    entry(ui, editor, stage, "Duplicate", Action::Duplicate, any);
+    entry(ui, editor, stage, "Delete", Action::Delete, any);
+    entry(ui, editor, stage, "Focus", Action::Focus, any);
+    ui.separator();
+    let instance = editor.selected(stage.world).last().copied();
+    let is_instance = instance.is_some_and(|(_, e)| lightwell::files::prefab_of(stage.world, e).is_some());
+    if ui.add_enabled(any, Button::new("Make a prefab…")).clicked() {
+        super::dialogs::ask_prefab(editor, stage);
+        ui.close();
+    }
+    let apply = Button::new("Apply to the prefab");
+    let help = "writes what this instance has become into the prefab's file";
+    if ui.add_enabled(is_instance, apply).on_hover_text(help).clicked() {
+        match editor.apply_prefab(stage) {
+            Ok(path) => editor.tell(format!("wrote {}", path.display()), false),
+            Err(error) => editor.tell(format!("{error:#}"), true),
+        }
+        ui.close();
+    }
+    let help = "makes this instance plain entities of the scene";
+    if ui.add_enabled(is_instance, Button::new("Break the prefab")).on_hover_text(help).clicked() {
+        let result = editor.break_prefab(stage);
+        editor.told(result);
+        ui.close();
+    }
+}
+
+fn panels(ui: &mut Ui, editor: &mut Editor) {
+    for pane in PANES {
+        let mut on = editor.layout.has(pane);
+        if ui.checkbox(&mut on, pane.title()).changed() {
+            editor.layout.toggle(pane);
+        }
+    }
+    ui.separator();
+    if ui.button("Usual layout").clicked() {
+        editor.layout.reset();
+        ui.close();
+    }
+    let mut zoom = ui.ctx().zoom_factor();
+    ui.horizontal(|ui| {
+        ui.label("Scale");
+        for factor in [0.8, 1.0, 1.5, 2.0] {
+            if ui.selectable_label(zoom == factor, format!("{factor}×")).clicked() {
+                zoom = factor;
+            }
+        }
+    });
+    ui.ctx().set_zoom_factor(zoom);
+    ui.weak("H hides all panels");
+}
+
+fn play(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    if ui.button("Rewind").clicked() {
+        act(editor, stage, Action::Rewind);
+    }
+    let word = if stage.clock.playing { "Pause" } else { "Play" };
+    if ui.button(word).on_hover_text("Space").clicked() {
+        act(editor, stage, Action::Pause);
+    }
+    if ui.button("Step").on_hover_text("one tick of the clock").clicked() {
+        act(editor, stage, Action::Step);
+    }
+    let length = stage.clock.length_seconds();
+    let mut seconds = stage.clock.seconds();
+    let slider = egui::Slider::new(&mut seconds, 0.0..=length.unwrap_or(60.0)).suffix(" s").max_decimals(2);
+    let response = ui.add(slider).on_hover_text("time of the animation; the saved scene is the pose without it");
+    super::widgets::named(&response, "Time");
+    if response.changed() {
+        stage.clock.playing = false;
+        stage.clock.seek(seconds);
+    }
+    let speed = stage.clock.speed();
+    if speed != 1.0 {
+        ui.label(format!("×{speed}"));
+    }
+}
+
+fn handles(ui: &mut Ui, editor: &mut Editor) {
+    for (mode, text) in [(Mode::Move, "Move"), (Mode::Rotate, "Rotate"), (Mode::Scale, "Scale")] {
+        if ui.selectable_label(editor.view.mode == mode, text).on_hover_text("handle in the view").clicked() {
+            editor.view.mode = if editor.view.mode == mode { Mode::None } else { mode };
+        }
+    }
+    ui.checkbox(&mut editor.view.local, "local").on_hover_text("along the axes of the entity itself, not the world's");
+    ui.checkbox(&mut editor.view.snap, "snap").on_hover_text("in steps; Ctrl does so while it is held");
+}
+
+/// The line at the bottom.
+pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    Panel::bottom("status").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let mark = if editor.history.is_dirty() { " ●" } else { "" };
+            ui.label(format!("{}{mark}", stage.facts.name)).on_hover_text(stage.files.path.display().to_string());
+            ui.separator();
+            if let Some(statistics) = stage.facts.profiler.frame_statistics() {
+                ui.monospace(format!("{:.1} ms", statistics.median)).on_hover_text("median time of a frame");
+            }
+            if let Some(tracing) = stage.facts.tracing {
+                ui.monospace(format!("{}/{} samples", tracing.samples, tracing.target));
+            }
+            ui.separator();
+            match &editor.notice {
+                Some((text, true, _)) => drop(ui.label(RichText::new(text).color(ERROR))),
+                Some((text, false, _)) => drop(ui.label(text)),
+                None => drop(ui.weak("F1: help")),
+            }
+        });
+    });
+}

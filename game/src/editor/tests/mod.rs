@@ -1,0 +1,201 @@
+//! Tests that click: the whole editor without window and device, driven through what a screen reader would see.
+
+#![allow(clippy::unwrap_used)]
+
+mod edit;
+mod panels;
+mod tree;
+
+use super::camera::FlyCamera;
+use super::clock::PlayClock;
+use super::console::Record;
+use super::stage::{Facts, Files, Request, Stage};
+use super::{Editor, Pane};
+use crate::cli::LookArgs;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use lightwell::assets::AssetLibrary;
+use lightwell::files::{LoadOptions, load_scene, save_scene};
+use lightwell::graph::FrameReport;
+use lightwell::profile::Profiler;
+use lightwell::render::DisplaySettings;
+use lightwell::scene::{Extractor, Scene, SceneId};
+use lightwell::world::{GameWorld, SceneSettings};
+use std::path::{Path, PathBuf};
+
+/// What a window has, without the window.
+struct Desk {
+    editor: Editor,
+    world: GameWorld,
+    extractor: Extractor,
+    scene: Scene,
+    library: AssetLibrary,
+    options: LoadOptions,
+    path: PathBuf,
+    look: LookArgs,
+    display: DisplaySettings,
+    clock: PlayClock,
+    camera: FlyCamera,
+    report: FrameReport,
+    profiler: Profiler,
+    errors: Vec<String>,
+    log: Vec<Record>,
+    requests: Vec<Request>,
+}
+
+const SCENE: &str = r#"Scene(
+    settings: (duration: 4),
+    materials: { "red": (color: (0.6, 0.05, 0.05), specular: 0) },
+    entities: [
+        (name: "Camera", transform: (translation: (0, 1, 5)), camera: (fov: 45, primary: true)),
+        (name: "Lamp", transform: (translation: (0, 3, 0)), light: (kind: Point, intensity: 20)),
+        (
+            name: "Group",
+            transform: (rotation: (0, 90, 0)),
+            children: [
+                (name: "Ball", transform: (translation: (1, 0.5, 0)), mesh: Sphere(radius: 0.5), material: "red"),
+                (name: "Cube", transform: (translation: (-1, 0.5, 0)), mesh: Box(size: (1, 1, 1))),
+            ],
+        ),
+        (
+            name: "Mover",
+            mesh: Box(),
+            animation: (tracks: [
+                Keys(target: Translation, keys: [(0, (0, 0, 0)), (4, (4, 0, 0))], wrap: Once),
+            ]),
+        ),
+    ],
+)
+"#;
+
+impl Desk {
+    fn new(path: &Path) -> Self {
+        let mut library = AssetLibrary::new();
+        let options = LoadOptions::default();
+        let world = load_scene(path, &mut library, &options).unwrap();
+        let settings = world.ecs.resource::<SceneSettings>().clone();
+        let mut desk = Self {
+            editor: Editor::default(),
+            world,
+            extractor: Extractor::new(),
+            scene: Scene::default(),
+            library,
+            options,
+            path: path.to_owned(),
+            look: LookArgs::default(),
+            display: DisplaySettings::default(),
+            clock: PlayClock::new(&settings),
+            camera: FlyCamera::default(),
+            report: FrameReport::default(),
+            profiler: Profiler::new(),
+            errors: Vec::new(),
+            log: Vec::new(),
+            requests: Vec::new(),
+        };
+        desk.clock.playing = false;
+        desk.update();
+        desk
+    }
+
+    fn update(&mut self) {
+        self.world.set_tick(self.clock.ticks());
+        self.world.update();
+        self.extractor.extract(&mut self.world, &mut self.scene);
+    }
+
+    fn show(&mut self, ui: &mut egui::Ui) {
+        let requests = self.with_stage(|editor, stage| editor.show(ui, stage));
+        self.requests.extend(requests);
+        self.update();
+    }
+
+    fn with_stage<T>(&mut self, work: impl FnOnce(&mut Editor, &mut Stage) -> T) -> T {
+        let scene_camera = self.scene.cameras.first().cloned();
+        let mut stage = Stage {
+            world: &mut self.world,
+            files: Files { library: &mut self.library, options: &self.options, path: &self.path },
+            look: &mut self.look,
+            display: &mut self.display,
+            clock: &mut self.clock,
+            camera: &mut self.camera,
+            facts: Facts {
+                name: "test",
+                scene: &self.scene,
+                report: &self.report,
+                profiler: &self.profiler,
+                errors: &self.errors,
+                log: &self.log,
+                scene_camera,
+                image: None,
+                image_size: [640, 400],
+                tracing: None,
+                adapter: "none",
+            },
+        };
+        work(&mut self.editor, &mut stage)
+    }
+
+    fn id(&self, path: &str) -> SceneId {
+        self.world.id(self.world.find(path).unwrap_or_else(|| panic!("there is no {path}"))).unwrap()
+    }
+
+    fn select(&mut self, path: &str) {
+        let id = self.id(path);
+        self.editor.select_only(id);
+    }
+
+    fn text(&self) -> String {
+        let file = tempfile::Builder::new().suffix(".scene.ron").tempfile().unwrap();
+        save_scene(&self.world, file.path()).unwrap();
+        std::fs::read_to_string(file.path()).unwrap()
+    }
+}
+
+type Bench = Harness<'static, Desk>;
+
+/// The editor with the test scene, in a folder of its own.
+fn bench() -> (Bench, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("test.scene.ron");
+    std::fs::write(&path, SCENE).unwrap();
+    (bench_of(&path), folder)
+}
+
+fn bench_of(path: &Path) -> Bench {
+    let desk = Desk::new(path);
+    let builder = Harness::builder().with_size([1400.0, 900.0]).with_max_steps(12).with_context_setup(super::set_fonts);
+    let mut harness = builder.build_ui_state(|ui, desk: &mut Desk| desk.show(ui), desk);
+    harness.run_steps(3);
+    harness
+}
+
+/// Clicks on what bears a name.
+fn click(bench: &mut Bench, label: &str) {
+    bench.get_by_label(label).click();
+    bench.run_steps(3);
+}
+
+fn press(bench: &mut Bench, modifiers: egui::Modifiers, key: egui::Key) {
+    bench.key_press_modifiers(modifiers, key);
+    bench.run_steps(3);
+}
+
+/// Drags from one point to another in some steps.
+fn drag(bench: &mut Bench, from: egui::Pos2, to: egui::Pos2) {
+    bench.hover_at(from);
+    bench.run_steps(1);
+    bench.drag_at(from);
+    bench.run_steps(1);
+    for step in 1..=4 {
+        bench.hover_at(from + (to - from) * step as f32 / 4.0);
+        bench.run_steps(1);
+    }
+    bench.drop_at(to);
+    bench.run_steps(3);
+}
+
+/// Brings a panel to the front.
+fn open(bench: &mut Bench, pane: Pane) {
+    bench.state_mut().editor.layout.focus(pane);
+    bench.run_steps(3);
+}

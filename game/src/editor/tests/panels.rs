@@ -1,0 +1,102 @@
+//! The other panels.
+
+use super::*;
+use crate::cli::{Gi, Only};
+use egui::{Key, Modifiers};
+
+#[test]
+fn light_and_layer_are_chosen() {
+    let (mut bench, _folder) = bench();
+    open(&mut bench, Pane::Display);
+    click(&mut bench, "Indirect light");
+    click(&mut bench, "none");
+    assert_eq!(bench.state().look.gi, Some(Gi::None));
+    click(&mut bench, "Layer");
+    click(&mut bench, "albedo");
+    assert_eq!(bench.state().look.only, Only::Albedo);
+    click(&mut bench, "Auto-exposure");
+    assert!(bench.state().display.auto_exposure);
+    assert!(!bench.state().editor.history.is_dirty(), "these belong to the window");
+}
+
+#[test]
+fn the_path_tracer_is_started_and_stopped() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().clock.playing = true;
+    open(&mut bench, Pane::PathTracer);
+    click(&mut bench, "Start");
+    assert_eq!((bench.state().look.gi, bench.state().clock.playing), (Some(Gi::Reference), false));
+    click(&mut bench, "Stop");
+    assert_eq!(bench.state().look.gi, None);
+}
+
+#[test]
+fn errors_and_messages_are_shown() {
+    let (mut bench, _folder) = bench();
+    let desk = bench.state_mut();
+    desk.errors.push("gbuffer.wgsl:3:1: no such name".into());
+    desk.log.push(Record { level: log::Level::Warn, target: "t".into(), text: "careful".into(), times: 2 });
+    open(&mut bench, Pane::Errors);
+    assert!(bench.query_by_label("gbuffer.wgsl:3:1: no such name").is_some());
+    assert!(bench.query_by_label("Errors (1)").is_some());
+    open(&mut bench, Pane::Console);
+    assert!(bench.query_by_label("careful (×2)").is_some());
+    click(&mut bench, "warnings");
+    assert!(bench.query_by_label("careful (×2)").is_none());
+}
+
+#[test]
+fn the_profiler_freezes() {
+    let (mut bench, _folder) = bench();
+    let push = |bench: &mut Bench| bench.state_mut().profiler.frame(|f| f.span("update", |_| ()));
+    push(&mut bench);
+    open(&mut bench, Pane::Profiler);
+    assert!(bench.query_by_label("update").is_some());
+    click(&mut bench, "Freeze");
+    push(&mut bench);
+    bench.run_steps(2);
+    assert!(bench.query_by_label("update").is_some());
+}
+
+#[test]
+fn scene_settings_are_edited_and_undone() {
+    let (mut bench, _folder) = bench();
+    open(&mut bench, Pane::Scene);
+    let before = bench.state().text();
+    let at = bench.get_by_label("Exposure").rect().center();
+    drag(&mut bench, at, at + egui::vec2(50.0, 0.0));
+    let exposure = bench.state().world.ecs.resource::<SceneSettings>().exposure;
+    assert!(exposure > 0.05, "{exposure}");
+    press(&mut bench, Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.state().text(), before);
+}
+
+#[test]
+fn panels_hide_and_come_back() {
+    let (mut bench, _folder) = bench();
+    assert!(bench.query_by_label("Search").is_some());
+    press(&mut bench, Modifiers::NONE, Key::H);
+    assert!(bench.query_by_label("Search").is_none());
+    press(&mut bench, Modifiers::NONE, Key::H);
+    assert!(bench.query_by_label("Search").is_some());
+    let text = bench.state().editor.layout_text().unwrap();
+    bench.state_mut().editor.layout.toggle(Pane::Console);
+    assert!(!bench.state().editor.layout.has(Pane::Console));
+    bench.state_mut().editor.restore_layout(&text);
+    assert!(bench.state().editor.layout.has(Pane::Console));
+    bench.state_mut().editor.restore_layout("nonsense");
+    assert!(bench.state().editor.layout.has(Pane::View));
+}
+
+#[test]
+fn every_panel_shows_at_both_scales() {
+    let (mut bench, _folder) = bench();
+    for scale in [1.0, 2.0] {
+        bench.set_pixels_per_point(scale);
+        for pane in super::super::layout::PANES {
+            bench.state_mut().select("Group/Ball");
+            open(&mut bench, pane);
+            assert!(bench.state().editor.layout.has(pane), "{pane:?} at {scale}");
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! The picture: camera by mouse and keys, selection by click, handles.
+
+use super::Editor;
+use super::camera::Pose;
+use super::commands::relative_to;
+use super::gizmo::{self, Lens, Mode};
+use super::stage::{Request, Stage};
+use bevy_ecs::prelude::{Entity, With};
+use egui::{Color32, CornerRadius, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
+use glam::{Affine3A, Vec3};
+use lightwell::files;
+use lightwell::scene::{Aabb, SceneCamera, SceneId};
+use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
+
+/// What the view remembers.
+#[derive(Debug)]
+pub struct View {
+    /// Which handle is shown.
+    pub mode: Mode,
+    /// Handles along the entity's own axes.
+    pub local: bool,
+    /// Handles move in steps.
+    pub snap: bool,
+    /// The drag of a handle that goes on.
+    pub drag: Option<gizmo::Drag>,
+    /// Whether the view was shown in this frame.
+    pub is_shown: bool,
+    /// Size that the image should have [pixels].
+    pub size: [u32; 2],
+    /// Speed of flight relative to the scene's setting.
+    pub flight_speed: f32,
+    /// Places of the camera that were kept.
+    pub bookmarks: [Option<Pose>; 4],
+    /// Shows signs where lights and cameras stand.
+    pub signs: bool,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Move,
+            local: false,
+            snap: false,
+            drag: None,
+            is_shown: false,
+            size: [0; 2],
+            flight_speed: 1.0,
+            bookmarks: [None; 4],
+            signs: true,
+        }
+    }
+}
+
+/// Distance at which a click still hits a sign [points].
+const NEAR: f32 = 10.0;
+
+/// Shows the picture.
+pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let (rect, response) = ui.allocate_exact_size(ui.available_size().max([16.0; 2].into()), Sense::click_and_drag());
+    super::widgets::named(&response, "Picture");
+    editor.view.is_shown = true;
+    let scale = ui.ctx().pixels_per_point();
+    editor.view.size = [rect.width(), rect.height()].map(|edge| (edge * scale).round().max(1.0) as u32);
+    let painter = ui.painter_at(rect);
+    match stage.facts.image {
+        Some(image) => {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(image, rect, whole, Color32::WHITE);
+        }
+        None => drop(painter.rect_filled(rect, CornerRadius::ZERO, Color32::BLACK)),
+    }
+    let Some(scene_camera) = stage.facts.scene_camera.clone() else {
+        painter.text(
+            rect.center(),
+            egui::Align2::CENTER_CENTER,
+            "The scene has no camera: Add ▸ Camera",
+            egui::FontId::proportional(16.0),
+            Color32::WHITE,
+        );
+        return;
+    };
+    fly(ui, editor, stage, &scene_camera, &response);
+    let lens = Lens::new(&stage.camera.apply(&scene_camera), rect);
+    if editor.hidden {
+        look(ui, stage, &scene_camera, &response);
+        return;
+    }
+    bounds(&painter, editor, stage, &lens);
+    let signs = signs(&painter, editor, stage, &lens);
+    let held = gizmo::show(ui, &painter, editor, stage, &lens, &response);
+    if !held {
+        look(ui, stage, &scene_camera, &response);
+        click(ui, editor, stage, rect, &response, &signs);
+    }
+}
+
+/// Looks around by drags.
+fn look(ui: &Ui, stage: &mut Stage, camera: &SceneCamera, response: &Response) {
+    let drag = response.drag_delta();
+    if drag == egui::Vec2::ZERO {
+        return;
+    }
+    let by = [drag.x, drag.y];
+    if response.dragged_by(PointerButton::Primary) {
+        stage.camera.look(camera, by);
+    } else if response.dragged_by(PointerButton::Secondary) {
+        let distance = orbit_distance(stage, camera);
+        stage.camera.orbit(camera, by, distance);
+    } else if response.dragged_by(PointerButton::Middle) {
+        let step = orbit_distance(stage, camera) * 0.0015;
+        stage.camera.fly(camera, Vec3::new(-by[0] * step, by[1] * step, 0.0));
+    }
+    ui.ctx().request_repaint();
+}
+
+/// Flies by keys.
+fn fly(ui: &Ui, editor: &mut Editor, stage: &mut Stage, camera: &SceneCamera, response: &Response) {
+    if ui.ctx().egui_wants_keyboard_input() || editor.dialog.is_some() {
+        return;
+    }
+    let (direction, elapsed) = ui.input(|i| {
+        let free = i.modifiers.is_none() || i.modifiers.shift_only();
+        let down = |key| f32::from(u8::from(free && i.key_down(key)));
+        let axis = |plus, minus| down(plus) - down(minus);
+        let direction = Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::S, Key::W));
+        (direction, i.stable_dt.min(0.1))
+    });
+    if response.hovered() {
+        let turn = ui.input(|i| i.smooth_scroll_delta.y) / 40.0;
+        editor.view.flight_speed = (editor.view.flight_speed * 1.2f32.powf(turn)).clamp(0.01, 100.0);
+    }
+    if direction != Vec3::ZERO {
+        let settings = stage.world.ecs.get_resource::<lightwell::world::SceneSettings>();
+        let speed = settings.map_or(3.0, |s| s.move_speed) * editor.view.flight_speed;
+        stage.camera.fly(camera, direction.normalize() * speed * elapsed);
+        ui.ctx().request_repaint();
+    }
+}
+
+/// Distance of the point that is orbited: where the scene's middle lies along the view direction [m].
+fn orbit_distance(stage: &Stage, camera: &SceneCamera) -> f32 {
+    let view = stage.camera.apply(camera).world_from_view;
+    let bounds = stage.facts.scene.bounds();
+    if bounds.is_empty() {
+        return 1.0;
+    }
+    let ahead = (bounds.center() - Vec3::from(view.translation)).dot(-Vec3::from(view.matrix3.z_axis));
+    ahead.max(0.05 * bounds.size().length()).max(0.01)
+}
+
+/// Selects what was clicked on.
+fn click(ui: &Ui, editor: &mut Editor, stage: &Stage, rect: Rect, response: &Response, signs: &[(SceneId, Pos2)]) {
+    let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) else { return };
+    let add = ui.input(|i| i.modifiers.command);
+    let distance = |sign: &&(SceneId, Pos2)| sign.1.distance(at);
+    let sign = signs.iter().filter(|sign| distance(sign) < NEAR).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    if let Some((id, _)) = sign {
+        return if add { editor.toggle(*id) } else { editor.select_only(*id) };
+    }
+    let inside = (at - rect.min) / rect.size();
+    let [width, height] = stage.facts.image_size;
+    let pixel = |share: f32, count: u32| ((share * count as f32) as u32).min(count.saturating_sub(1));
+    editor.requests.push(Request::Pick { pixel: [pixel(inside.x, width), pixel(inside.y, height)], add });
+}
+
+impl Editor {
+    /// Selects what was seen at a clicked pixel; `exact` takes the part of a model and not the entity that holds it.
+    pub fn picked(&mut self, world: &GameWorld, id: Option<SceneId>, add: bool, exact: bool) {
+        let entity = id.and_then(|id| world.entity(id));
+        let holder = |entity: Entity| {
+            let mut above = std::iter::successors(Some(entity), |e| world.parent(*e));
+            above.find(|e| exact || !files::is_from_model(world, *e)).unwrap_or(entity)
+        };
+        match entity.map(holder).and_then(|e| world.id(e)) {
+            Some(id) if add => self.toggle(id),
+            Some(id) => self.select_only(id),
+            None if !add => self.selection.clear(),
+            None => {}
+        }
+        self.problem = None;
+    }
+
+    /// A point ahead of the camera: where new things are put.
+    pub fn place_ahead(&self, stage: &Stage) -> Vec3 {
+        let Some(camera) = &stage.facts.scene_camera else { return Vec3::ZERO };
+        let view = stage.camera.apply(camera).world_from_view;
+        let distance = orbit_distance(stage, camera).min(4.0);
+        let point = Vec3::from(view.translation) - Vec3::from(view.matrix3.z_axis) * distance;
+        // Whole centimetres read better.
+        (point * 100.0).round() / 100.0
+    }
+}
+
+/// Bounds of the entity with all below it [m].
+pub fn bounds_of(world: &GameWorld, entity: Entity) -> Aabb {
+    let mut bounds = Aabb::EMPTY;
+    for part in world.subtree(entity) {
+        let place = world.ecs.get::<GlobalTransform>(part);
+        if let Some((renderer, place)) = world.ecs.get::<MeshRenderer>(part).zip(place) {
+            bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.0));
+        }
+    }
+    bounds
+}
+
+/// The box around each selected thing.
+fn bounds(painter: &egui::Painter, editor: &Editor, stage: &Stage, lens: &Lens) {
+    for (index, (_, entity)) in editor.selected(stage.world).iter().rev().take(64).enumerate() {
+        let bounds = bounds_of(stage.world, *entity);
+        if bounds.is_empty() {
+            continue;
+        }
+        let color = if index == 0 { Color32::from_rgb(255, 170, 60) } else { Color32::from_rgb(200, 140, 80) };
+        for [a, b] in lightwell::render::debug::box_edges(&bounds) {
+            if let Some((a, b)) = lens.segment(a, b) {
+                painter.line_segment([a, b], Stroke::new(1.0, color));
+            }
+        }
+    }
+}
+
+/// Signs of lights and cameras, which have no surface to click on.
+fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Lens) -> Vec<(SceneId, Pos2)> {
+    if !editor.view.signs {
+        return Vec::new();
+    }
+    let world = &mut *stage.world;
+    let mut lights = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Light>>();
+    let lights: Vec<(Entity, Affine3A)> = lights.iter(&world.ecs).map(|(e, place)| (e, place.0)).collect();
+    let mut cameras = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Camera>>();
+    let cameras: Vec<(Entity, Affine3A)> = cameras.iter(&world.ecs).map(|(e, place)| (e, place.0)).collect();
+    let all = lights.into_iter().map(|l| (l, "◆")).chain(cameras.into_iter().map(|c| (c, "►")));
+    let mut shown = Vec::new();
+    for ((entity, place), sign) in all {
+        let Some(id) = world.id(entity) else { continue };
+        let Some(at) = lens.point(place.translation.into()) else { continue };
+        let selected = editor.selection.contains(&id);
+        let color = if selected { Color32::from_rgb(255, 170, 60) } else { Color32::from_white_alpha(200) };
+        let font = egui::FontId::proportional(16.0);
+        painter.text(at + egui::vec2(1.0, 1.0), egui::Align2::CENTER_CENTER, sign, font.clone(), Color32::BLACK);
+        painter.text(at, egui::Align2::CENTER_CENTER, sign, font, color);
+        shown.push((id, at));
+    }
+    shown
+}
+
+/// Flies to the selection.
+pub fn focus(editor: &mut Editor, stage: &mut Stage) {
+    let Some(camera) = stage.facts.scene_camera.clone() else { return };
+    let mut bounds = Aabb::EMPTY;
+    for (_, entity) in editor.selected(stage.world) {
+        let own = bounds_of(stage.world, entity);
+        let place = stage.world.ecs.get::<GlobalTransform>(entity).map_or(Vec3::ZERO, |g| g.0.translation.into());
+        let around = Aabb { min: place - Vec3::splat(0.3), max: place + Vec3::splat(0.3) };
+        bounds = bounds.union(if own.is_empty() { &around } else { &own });
+    }
+    if bounds.is_empty() {
+        bounds = stage.facts.scene.bounds();
+    }
+    if !bounds.is_empty() {
+        let radius = (0.5 * bounds.size().length()).max(0.05);
+        let distance = 1.2 * radius / (0.5 * camera.vertical_fov).sin().max(0.05);
+        stage.camera.look_from(&camera, bounds.center(), distance);
+    }
+}
+
+/// Keeps the camera's place.
+pub fn keep(editor: &mut Editor, stage: &mut Stage, number: usize) {
+    let Some(camera) = &stage.facts.scene_camera else { return };
+    let mut here = stage.camera.clone();
+    here.fly(camera, Vec3::ZERO);
+    editor.view.bookmarks[number] = here.place();
+    editor.tell(format!("kept the camera's place as bookmark {}", number + 1), false);
+}
+
+/// Goes to a place that was kept.
+pub fn recall(editor: &mut Editor, stage: &mut Stage, number: usize) {
+    match editor.view.bookmarks[number] {
+        Some(place) => stage.camera.go(Some(place)),
+        None => editor.tell(format!("bookmark {} is empty; Ctrl and its key keep a place", number + 1), false),
+    }
+}
+
+/// Takes files that were dropped on the window.
+pub fn take_dropped_files(ui: &Ui, editor: &mut Editor, stage: &mut Stage) {
+    let files = ui.input(|i| i.raw.dropped_files.clone());
+    for path in files.into_iter().map(|file| file.path().to_owned()).filter(|path| !path.as_os_str().is_empty()) {
+        if path.to_string_lossy().ends_with(".scene.ron") {
+            editor.ask(Request::Open(path));
+            continue;
+        }
+        match editor.add_file(stage, &path) {
+            Ok(()) => editor.tell(format!("added {}", relative_to(&path, stage.files.path)), false),
+            Err(error) => editor.tell(format!("{error:#}"), true),
+        }
+    }
+}
