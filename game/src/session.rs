@@ -210,6 +210,15 @@ impl Session {
         Ok(self.loaded.scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
     }
 
+    /// A layer of a kept target as the last frame left it.
+    ///
+    /// # Errors
+    /// If there is no such target, level or layer, or its format has no plain numbers.
+    pub fn target(&self, name: &str, mip: u32, layer: u32) -> Result<gpu::ImageF32> {
+        let texture = self.renderer.target(name).context("the last frames did not make it")?;
+        Ok(gpu::read_layer_f32(&self.gpu, texture, mip, layer)?)
+    }
+
     /// Samples a pixel of the path-traced image that is shown, so far and when it is finished.
     pub fn tracing(&self) -> Option<(u32, u32)> {
         match (self.render_settings(true).gi, self.renderer.tracer()) {

@@ -14,7 +14,7 @@ mod watch;
 pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir};
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;
-pub use readback::{ImageF32, ReadbackError, read_buffer, read_texture, read_texture_f32};
+pub use readback::{ImageF32, ReadbackError, read_buffer, read_layer_f32, read_texture, read_texture_f32};
 pub use reflect::{BindingInfo, EntryPoint, StructLayout};
 pub use shader_error::ShaderError;
 pub use shader_library::{ShaderDef, ShaderEvent, ShaderLibrary};

@@ -87,32 +87,50 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) ->
 /// # Errors
 /// A format without plain numbers, or a device that fails.
 pub fn read_texture_f32(gpu: &Gpu, texture: &wgpu::Texture) -> Result<ImageF32, ReadbackError> {
-    let format = texture.format();
-    let bytes = read_texture(gpu, texture, 0, 0)?;
+    read_layer_f32(gpu, texture, 0, 0)
+}
+
+/// A layer, or a slice of a volume, of a mip level as floats; integers as their numbers.
+///
+/// # Errors
+/// As [`read_texture_f32`], and if there is no such level.
+pub fn read_layer_f32(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) -> Result<ImageF32, ReadbackError> {
+    let bytes = read_texture(gpu, texture, mip, layer)?;
+    let rgba = floats_of(texture.format(), &bytes)?;
+    let [width, height] = [texture.width(), texture.height()].map(|edge| (edge >> mip.min(31)).max(1));
+    Ok(ImageF32 { width, height, rgba })
+}
+
+/// The texels of a format as four floats each.
+fn floats_of(format: TextureFormat, bytes: &[u8]) -> Result<Vec<[f32; 4]>, ReadbackError> {
     let f32_at = |c: &[u8], i: usize| f32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
-    let rgba: Vec<[f32; 4]> = match format {
+    let u32_at = |c: &[u8], i: usize| u32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
+    let u16_at = |c: &[u8], i: usize| u16::from_le_bytes([c[2 * i], c[2 * i + 1]]);
+    Ok(match format {
         TextureFormat::Rgba32Float => bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| f32_at(c, i))).collect(),
         TextureFormat::R32Float | TextureFormat::Depth32Float => {
             bytes.chunks_exact(4).map(|c| [f32_at(c, 0), 0.0, 0.0, 1.0]).collect()
         }
         TextureFormat::Rg32Float => bytes.chunks_exact(8).map(|c| [f32_at(c, 0), f32_at(c, 1), 0.0, 1.0]).collect(),
-        TextureFormat::Rgba16Float => bytes
-            .chunks_exact(8)
-            .map(|c| std::array::from_fn(|i| f32_of_half(u16::from_le_bytes([c[2 * i], c[2 * i + 1]]))))
-            .collect(),
-        TextureFormat::Rg11b10Ufloat => {
-            bytes.chunks_exact(4).map(|c| rgb_of_packed(u32::from_le_bytes([c[0], c[1], c[2], c[3]]))).collect()
+        TextureFormat::Rgba16Float => {
+            bytes.chunks_exact(8).map(|c| std::array::from_fn(|i| f32_of_half(u16_at(c, i)))).collect()
         }
+        TextureFormat::Rg11b10Ufloat => bytes.chunks_exact(4).map(|c| rgb_of_packed(u32_at(c, 0))).collect(),
         TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb => {
             bytes.chunks_exact(4).map(|c| std::array::from_fn(|i| f32::from(c[i]) / 255.0)).collect()
         }
-        TextureFormat::R32Uint => bytes
-            .chunks_exact(4)
-            .map(|c| [u32::from_le_bytes([c[0], c[1], c[2], c[3]]) as f32, 0.0, 0.0, 1.0])
-            .collect(),
+        TextureFormat::R32Uint => bytes.chunks_exact(4).map(|c| [u32_at(c, 0) as f32, 0.0, 0.0, 1.0]).collect(),
+        TextureFormat::Rg32Uint => {
+            bytes.chunks_exact(8).map(|c| [u32_at(c, 0) as f32, u32_at(c, 1) as f32, 0.0, 1.0]).collect()
+        }
+        TextureFormat::Rgba32Uint => {
+            bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| u32_at(c, i) as f32)).collect()
+        }
+        TextureFormat::Rgba16Uint => {
+            bytes.chunks_exact(8).map(|c| std::array::from_fn(|i| f32::from(u16_at(c, i)))).collect()
+        }
         other => return Err(ReadbackError::Format(other)),
-    };
-    Ok(ImageF32 { width: texture.width(), height: texture.height(), rgba })
+    })
 }
 
 /// The whole buffer; a rest shorter than one value is left out. The buffer needs usage COPY_SRC.

@@ -71,6 +71,8 @@ fn model_part(ui: &mut Ui, stage: &Stage, entity: bevy_ecs::prelude::Entity) {
 fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, before: &OverrideFile) {
     let Ok(text) = ron_options().to_string(before) else { return };
     let Some(mut value) = Value::parse(&text) else { return };
+    let written = value.clone();
+    fill_transform(&mut value);
     let old = value.clone();
     let mut changed: Option<String> = None;
     for (name, shape) in COMPONENTS.iter() {
@@ -109,7 +111,39 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
     if let Some(label) = changed {
+        let mut old = old;
+        [&mut old, &mut value].into_iter().for_each(|value| strip_transform(value, &written));
         apply(editor, stage, id, &label, &old, &value);
+    }
+}
+
+/// What files leave out of a transform, since it is the usual.
+const USUAL: [(&str, &str); 3] = [("translation", "(0.0,0.0,0.0)"), ("rotation", "(0.0,0.0,0.0)"), ("scale", "1.0")];
+
+/// Shows all of the transform, whatever the file says of it.
+fn fill_transform(value: &mut Value) {
+    let mut transform = value.field("transform").cloned().unwrap_or_else(|| Value::parse("()").unwrap_or_default());
+    for (name, usual) in USUAL {
+        let looks = name == "rotation" && transform.field("look_at").is_some();
+        if transform.field(name).is_none() && !looks {
+            transform.set(name, Value::parse(usual).unwrap_or_default());
+        }
+    }
+    value.set("transform", transform);
+}
+
+/// Leaves out again what was filled in and not changed.
+fn strip_transform(value: &mut Value, written: &Value) {
+    let Some(transform) = value.field_mut("transform") else { return };
+    let before = written.field("transform");
+    for (name, usual) in USUAL {
+        let was_there = before.is_some_and(|before| before.field(name).is_some());
+        if !was_there && transform.field(name).is_some_and(|now| now.print() == usual) {
+            transform.remove(name);
+        }
+    }
+    if before.is_none() && transform.items().is_empty() {
+        value.remove("transform");
     }
 }
 

@@ -107,6 +107,8 @@ pub enum Request {
     },
     /// Read all shaders anew.
     RebuildShaders,
+    /// Read a target back.
+    Target(super::panels::targets::Choice),
     /// Render the animation into files.
     Export(Export),
 }

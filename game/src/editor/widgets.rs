@@ -61,6 +61,7 @@ impl Kit {
         let text = known.unwrap_or_else(|| match shape {
             Shape::Float(_) => float(self.note(key).range.map_or(1.0, |r| *r.end()), true),
             Shape::Integer(_) => "1".into(),
+            Shape::Bool => "true".into(),
             Shape::Struct(..) => "()".into(),
             Shape::Option(inner) => return self.starter(key, inner).print(),
             other => other.sample(),
@@ -127,11 +128,16 @@ impl Kit {
         for (name, shape) in fields {
             let key = format!("{ty}.{name}");
             let written = value.field(name).cloned();
-            let mut field = written.clone().unwrap_or_else(|| Value::literal("None"));
-            if written.is_none() && !matches!(shape, Shape::Option(_)) {
+            let empty = match shape {
+                Shape::Option(_) => Some("None"),
+                Shape::Bool => Some("false"),
+                Shape::Text => Some("\"\""),
+                Shape::List(_) => Some("[]"),
+                Shape::Map(_) => Some("{}"),
                 // Left out as it has its default, which the text does not tell.
-                continue;
-            }
+                _ => None,
+            };
+            let Some(mut field) = written.clone().or_else(|| Value::parse(empty?)) else { continue };
             if self.row(ui, name, &key, shape, &mut field) {
                 changed = true;
                 match field.head == "None" && field.group.is_none() && written.is_none() {

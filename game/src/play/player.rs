@@ -276,6 +276,10 @@ impl Player {
                 let count = self.session.gpu.shaders.reload_all().len();
                 self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
             }
+            Request::Target(choice) => {
+                let result = self.session.target(&choice.name, choice.mip, choice.layer);
+                self.editor.set_target(result.map_err(|error| format!("{}: {error:#}", choice.name)));
+            }
             Request::Export(export) => self.job = Some(Job::new(export)),
         }
     }

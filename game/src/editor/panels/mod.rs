@@ -4,6 +4,7 @@ mod display;
 mod frame;
 mod messages;
 mod profiler;
+pub mod targets;
 mod tracer;
 
 use super::Editor;
@@ -13,9 +14,10 @@ use egui::Ui;
 use std::sync::LazyLock;
 
 /// What the panels remember.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct State {
     profiler: profiler::State,
+    targets: targets::State,
     filter: String,
     hide: messages::Hide,
 }
@@ -31,7 +33,9 @@ pub fn show(ui: &mut Ui, pane: Pane, editor: &mut Editor, stage: &mut Stage) {
         Pane::Errors => messages::errors(ui, stage),
         Pane::PathTracer => tracer::show(ui, stage),
         Pane::Help => messages::help(ui),
-        Pane::View | Pane::Hierarchy | Pane::Inspector | Pane::Scene | Pane::Targets => {}
+        Pane::Targets => targets::show(ui, editor, stage),
+        // These have places of their own.
+        Pane::View | Pane::Hierarchy | Pane::Inspector | Pane::Scene => {}
     }
 }
 

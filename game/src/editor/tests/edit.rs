@@ -46,7 +46,7 @@ fn a_drag_is_one_step() {
     let (mut bench, _folder) = bench();
     bench.state_mut().select("Lamp");
     bench.run_steps(3);
-    let at = bench.get_by_label("Intensity").rect().center();
+    let at = place_of(&bench, "Intensity");
     drag(&mut bench, at, at + egui::vec2(60.0, 0.0));
     let changed = light(bench.state()).intensity;
     assert!(changed > 20.5, "{changed}");
@@ -110,7 +110,7 @@ fn edits_go_to_the_rest_pose_and_not_to_the_animated_value() {
     assert!(!bench.state().editor.history.is_dirty());
     bench.state_mut().select("Mover");
     bench.run_steps(3);
-    let at = bench.get_by_label("Translation y").rect().center();
+    let at = place_of(&bench, "Translation y");
     drag(&mut bench, at, at + egui::vec2(40.0, 0.0));
     let desk = bench.state();
     let rest = desk.world.rest_transform(mover).translation;
@@ -132,8 +132,8 @@ fn a_handle_moves_what_is_selected() {
     let place = |desk: &Desk| desk.world.ecs.get::<lightwell::world::GlobalTransform>(cube).unwrap().0.translation;
     let before = place(desk);
     let origin: glam::Vec3 = before.into();
-    let grip = lens.point(origin + glam::Vec3::Y * 0.5).unwrap();
-    let to = lens.point(origin + glam::Vec3::Y * 1.0).unwrap();
+    let grip = lens.point(origin + glam::Vec3::Y * 0.3).unwrap();
+    let to = lens.point(origin + glam::Vec3::Y * 0.8).unwrap();
     drag(&mut bench, grip, to);
     let by = place(bench.state()) - before;
     assert!((by.y - 0.5).abs() < 0.05 && by.x.abs() < 1e-4 && by.z.abs() < 1e-4, "{by}");
@@ -146,14 +146,14 @@ fn a_handle_moves_what_is_selected() {
 fn a_click_in_the_picture_asks_what_is_there() {
     let (mut bench, _folder) = bench();
     let rect = bench.get_by_label("Picture").rect();
-    let at = rect.min + rect.size() * 0.25;
+    let at = rect.min + rect.size() * 0.26;
     bench.hover_at(at);
     bench.run_steps(1);
     bench.drag_at(at);
     bench.run_steps(1);
     bench.drop_at(at);
     bench.run_steps(2);
-    assert_eq!(bench.state().requests, [Request::Pick { pixel: [160, 100], add: false }]);
+    assert_eq!(bench.state().requests, [Request::Pick { pixel: [166, 104], add: false }]);
     let ball = bench.state().id("Group/Ball");
     let desk = bench.state_mut();
     desk.editor.picked(&desk.world, Some(ball), false, false);

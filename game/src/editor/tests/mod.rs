@@ -13,7 +13,7 @@ use super::stage::{Facts, Files, Request, Stage};
 use super::{Editor, Pane};
 use crate::cli::LookArgs;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use lightwell::assets::AssetLibrary;
 use lightwell::files::{LoadOptions, load_scene, save_scene};
 use lightwell::graph::FrameReport;
@@ -169,9 +169,21 @@ fn bench_of(path: &Path) -> Bench {
     harness
 }
 
+/// What bears a name, and not the text beside it.
+fn find<'a>(bench: &'a Bench, label: &'a str) -> egui_kittest::Node<'a> {
+    let all: Vec<_> = bench.query_all_by_label(label).collect();
+    let position = all.iter().rposition(|node| node.accesskit_node().role() != egui::accesskit::Role::Label);
+    let index = position.unwrap_or_else(|| panic!("there is nothing named `{label}` but {} texts", all.len()));
+    all.into_iter().nth(index).unwrap()
+}
+
+fn place_of(bench: &Bench, label: &str) -> egui::Pos2 {
+    find(bench, label).rect().center()
+}
+
 /// Clicks on what bears a name.
 fn click(bench: &mut Bench, label: &str) {
-    bench.get_by_label(label).click();
+    find(bench, label).click();
     bench.run_steps(3);
 }
 

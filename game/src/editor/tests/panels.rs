@@ -63,7 +63,7 @@ fn scene_settings_are_edited_and_undone() {
     let (mut bench, _folder) = bench();
     open(&mut bench, Pane::Scene);
     let before = bench.state().text();
-    let at = bench.get_by_label("Exposure").rect().center();
+    let at = place_of(&bench, "Exposure");
     drag(&mut bench, at, at + egui::vec2(50.0, 0.0));
     let exposure = bench.state().world.ecs.resource::<SceneSettings>().exposure;
     assert!(exposure > 0.05, "{exposure}");

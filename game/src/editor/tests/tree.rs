@@ -72,7 +72,7 @@ fn a_dragged_row_gets_another_parent_and_stays_where_it_is() {
         |desk: &Desk, path: &str| desk.world.ecs.get::<GlobalTransform>(desk.world.find(path).unwrap()).unwrap().0;
     click(&mut bench, "Open Group");
     let was = place(bench.state(), "Group/Ball");
-    let [from, to] = ["Ball", "Lamp"].map(|label| bench.get_by_label(label).rect().center());
+    let [from, to] = ["Ball", "Lamp"].map(|label| place_of(&bench, label));
     drag(&mut bench, from, to);
     let now = place(bench.state(), "Lamp/Ball");
     assert!(now.abs_diff_eq(was, 1e-5));
