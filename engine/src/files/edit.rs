@@ -14,7 +14,10 @@ use super::surfaces::renderer;
 use super::tree::Step;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetLibrary, Material};
-use crate::world::{Animation, Camera, Clpv, GameWorld, Light, MeshRenderer, SceneSettings, Transform};
+use crate::world::{
+    Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, SceneSettings, StochasticLightCulling,
+    Transform,
+};
 use bevy_ecs::prelude::Entity;
 use std::path::Path;
 use std::rc::Rc;
@@ -329,6 +332,8 @@ fn take_away(world: &mut GameWorld, entity: Entity, kind: ComponentKind) {
         ComponentKind::Light => entity.remove::<Light>(),
         ComponentKind::Camera => entity.remove::<Camera>(),
         ComponentKind::Clpv => entity.remove::<Clpv>(),
+        ComponentKind::Vpl => entity.remove::<InstantRadiosity>(),
+        ComponentKind::Slc => entity.remove::<StochasticLightCulling>(),
         ComponentKind::Animation => entity.remove::<Animation>(),
     };
 }
