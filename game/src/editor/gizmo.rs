@@ -270,9 +270,9 @@ fn to_segment(at: Pos2, a: Pos2, b: Pos2) -> f32 {
 
 fn draw(painter: &Painter, lens: &Lens, mode: Mode, origin: Vec3, axes: &Mat3, held: Option<Grip>) {
     let length = lens.length(origin, LENGTH);
-    for axis in 0..3 {
+    for (axis, plain) in COLORS.into_iter().enumerate() {
         let is_held = held == Some(Grip::Axis(axis));
-        let color = if is_held { Color32::from_rgb(255, 230, 90) } else { COLORS[axis] };
+        let color = if is_held { Color32::from_rgb(255, 230, 90) } else { plain };
         let stroke = Stroke::new(if is_held { 4.0 } else { 2.5 }, color);
         if mode == Mode::Rotate {
             let points: Vec<Pos2> = ring(origin, axes, axis, length).filter_map(|p| lens.point(p)).collect();

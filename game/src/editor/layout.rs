@@ -201,7 +201,10 @@ impl Behavior<Pane> for Dock<'_, '_> {
             if *pane == Pane::Hierarchy {
                 return hierarchy::show(ui, editor, stage);
             }
-            egui::ScrollArea::both().id_salt(*pane).auto_shrink(false).show(ui, |ui| match pane {
+            // Fields take the width that there is; tables may be wider.
+            let is_form = matches!(pane, Pane::Inspector | Pane::Scene | Pane::Display | Pane::PathTracer | Pane::Help);
+            let area = egui::ScrollArea::new([!is_form, true]).id_salt(*pane).auto_shrink(false);
+            area.show(ui, |ui| match pane {
                 Pane::Inspector => inspector::show(ui, editor, stage),
                 Pane::Scene => inspector::show_scene(ui, editor, stage),
                 pane => panels::show(ui, *pane, editor, stage),

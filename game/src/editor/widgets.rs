@@ -63,7 +63,7 @@ impl Kit {
             Shape::Integer(_) => "1".into(),
             Shape::Bool => "true".into(),
             Shape::Struct(..) => "()".into(),
-            Shape::Option(inner) => return self.starter(key, inner).print(),
+            Shape::Option(inner) => self.starter(key, inner).print(),
             other => other.sample(),
         });
         Value::parse(&text).unwrap_or_default()
@@ -84,7 +84,7 @@ impl Kit {
     }
 
     fn labelled(&self, ui: &mut Ui, name: &str, key: &str, shape: &Shape, value: &mut Value, note: &Note) -> bool {
-        let width = (ui.available_width() * 0.38).clamp(60.0, 130.0);
+        let width = (ui.available_width() * 0.34).clamp(60.0, 120.0);
         let height = ui.spacing().interact_size.y;
         let label = egui::Label::new(title(name)).truncate().sense(egui::Sense::hover());
         let layout = egui::Layout::left_to_right(egui::Align::Center).with_main_align(egui::Align::Min);
@@ -497,7 +497,8 @@ fn numbers(ui: &mut Ui, name: &str, value: &mut Value, note: &Note, whole: bool)
     if note.color && now.len() == 3 {
         changed |= color(ui, name, &mut now);
     }
-    ui.spacing_mut().interact_size.x = 44.0;
+    ui.spacing_mut().interact_size.x = 40.0;
+    ui.spacing_mut().item_spacing.x = 3.0;
     let plain = Note { unit: None, ..note.clone() };
     for (index, number) in now.iter_mut().enumerate() {
         let label = format!("{} {}", title(name), AXES.get(index).unwrap_or(&"more"));
@@ -543,7 +544,8 @@ fn angles(ui: &mut Ui, name: &str, value: &mut Value) -> bool {
     };
     let note = Note { unit: Some("°"), ..Note::default() };
     let mut changed = false;
-    ui.spacing_mut().interact_size.x = 48.0;
+    ui.spacing_mut().interact_size.x = 42.0;
+    ui.spacing_mut().item_spacing.x = 3.0;
     for (angle, axis) in degrees.iter_mut().zip(AXES) {
         if let Some(new) = drag_angle(ui, &format!("{} {axis}", title(name)), *angle, &note) {
             *angle = new;
