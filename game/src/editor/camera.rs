@@ -5,9 +5,9 @@ use lightwell::scene::SceneCamera;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_PI_2;
 
-/// Turn for a drag over one pixel [rad].
+/// Turn for a drag over one pixel \[rad\].
 const TURN: f32 = 0.004;
-/// Steepest look up or down [rad]: a little less than upright, where the heading is lost.
+/// Steepest look up or down \[rad\]: a little less than upright, where the heading is lost.
 const STEEPEST: f32 = FRAC_PI_2 - 0.01;
 
 /// Place and direction of a camera without roll.
@@ -66,7 +66,7 @@ impl FlyCamera {
         self.free = place;
     }
 
-    /// Keeps the direction and stands so far away from a point [m] that it is in the middle.
+    /// Keeps the direction and stands so far away from a point \[m\] that it is in the middle.
     pub fn look_from(&mut self, camera: &SceneCamera, point: Vec3, distance: f32) {
         let pose = self.pose(camera);
         pose.position = point - pose.rotation() * Vec3::NEG_Z * distance;
@@ -81,12 +81,12 @@ impl FlyCamera {
         camera
     }
 
-    /// Looks around by a drag [pixels].
+    /// Looks around by a drag \[pixels\].
     pub fn look(&mut self, camera: &SceneCamera, pixels: [f32; 2]) {
         self.pose(camera).turn(pixels);
     }
 
-    /// Circles by a drag [pixels] around the point that lies `distance` ahead [m].
+    /// Circles by a drag \[pixels\] around the point that lies `distance` ahead \[m\].
     pub fn orbit(&mut self, camera: &SceneCamera, pixels: [f32; 2], distance: f32) {
         let pose = self.pose(camera);
         let pivot = pose.position + pose.rotation() * Vec3::NEG_Z * distance;
@@ -94,7 +94,7 @@ impl FlyCamera {
         pose.position = pivot - pose.rotation() * Vec3::NEG_Z * distance;
     }
 
-    /// Flies along the camera's own axes [m]: right, up, back.
+    /// Flies along the camera's own axes \[m\]: right, up, back.
     pub fn fly(&mut self, camera: &SceneCamera, along: Vec3) {
         let pose = self.pose(camera);
         pose.position += pose.rotation() * along;

@@ -2,7 +2,7 @@
 
 use lightwell::world::SceneSettings;
 
-/// Longest step of wall time that is followed [s]: after a pause of the machine the scene does not jump.
+/// Longest step of wall time that is followed \[s\]: after a pause of the machine the scene does not jump.
 const LONGEST_STEP: f64 = 0.5;
 /// Slowest and fastest speed, as powers of two.
 const SPEEDS: std::ops::RangeInclusive<i32> = -4..=4;
@@ -12,13 +12,13 @@ const SPEEDS: std::ops::RangeInclusive<i32> = -4..=4;
 pub struct PlayClock {
     /// Whether time passes.
     pub playing: bool,
-    /// Position [ticks].
+    /// Position \[ticks\].
     position: f64,
     /// Speed as a power of two.
     speed: i32,
     /// Ticks a second.
     rate: f64,
-    /// Length of a loop [ticks]; none: no loop.
+    /// Length of a loop \[ticks\]; none: no loop.
     length: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl PlayClock {
         self.wrap();
     }
 
-    /// Lets wall time pass [s].
+    /// Lets wall time pass \[s\].
     pub fn advance(&mut self, elapsed: f64) {
         if self.playing {
             self.position += elapsed.clamp(0.0, LONGEST_STEP) * self.speed() * self.rate;
@@ -54,7 +54,7 @@ impl PlayClock {
         self.wrap();
     }
 
-    /// Goes to a time [s].
+    /// Goes to a time \[s\].
     pub fn seek(&mut self, seconds: f64) {
         // Up to rounding, times are those of whole ticks.
         self.position = (seconds.max(0.0) * self.rate + 1e-6).floor();
@@ -63,7 +63,7 @@ impl PlayClock {
         }
     }
 
-    /// Length of the loop [s]; none if there is no loop.
+    /// Length of the loop \[s\]; none if there is no loop.
     pub fn length_seconds(&self) -> Option<f64> {
         self.length.map(|length| length / self.rate)
     }
@@ -83,7 +83,7 @@ impl PlayClock {
         self.position as u64
     }
 
-    /// Time of the tick to show [s].
+    /// Time of the tick to show \[s\].
     pub fn seconds(&self) -> f64 {
         self.position.floor() / self.rate
     }

@@ -56,7 +56,7 @@ impl Editor {
         Ok(id)
     }
 
-    /// Adds one of the [`TEMPLATES`] before the camera.
+    /// Adds one of the templates before the camera.
     ///
     /// # Errors
     /// If it cannot be made.

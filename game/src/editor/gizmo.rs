@@ -22,11 +22,11 @@ pub enum Mode {
     Scale,
 }
 
-/// Length of a handle [points].
+/// Length of a handle \[points\].
 const LENGTH: f32 = 80.0;
-/// Distance at which a handle is hit [points].
+/// Distance at which a handle is hit \[points\].
 const NEAR: f32 = 8.0;
-/// Steps: [m], [rad], factor.
+/// Steps: \[m\], \[rad\], factor.
 const STEPS: (f32, f32, f32) = (0.1, TAU / 24.0, 0.1);
 const COLORS: [Color32; 3] =
     [Color32::from_rgb(240, 80, 80), Color32::from_rgb(110, 210, 90), Color32::from_rgb(90, 150, 255)];
@@ -87,7 +87,7 @@ impl Lens {
         Some((self.screen(a), self.screen(b)))
     }
 
-    /// Length in the world of so many points on the screen at a place [m].
+    /// Length in the world of so many points on the screen at a place \[m\].
     fn length(&self, at: Vec3, points: f32) -> f32 {
         points * self.clip(at).w.max(self.near) / self.focal
     }
@@ -100,7 +100,7 @@ impl Lens {
         (point.truncate() / point.w - self.eye).normalize_or(Vec3::NEG_Z)
     }
 
-    /// How far along an axis the point lies that is nearest to the line of sight [m].
+    /// How far along an axis the point lies that is nearest to the line of sight \[m\].
     fn along(&self, origin: Vec3, axis: Vec3, at: Pos2) -> Option<f32> {
         let ray = self.ray(at);
         let across = axis.dot(ray);

@@ -66,7 +66,7 @@ pub struct Facts<'a> {
     pub scene_camera: Option<SceneCamera>,
     /// The last image.
     pub image: Option<egui::TextureId>,
-    /// Size of the last image [pixels].
+    /// Size of the last image \[pixels\].
     pub image_size: [u32; 2],
     /// State of the path tracer, while it is shown.
     pub tracing: Option<Tracing>,
@@ -118,7 +118,7 @@ pub enum Request {
 pub struct Export {
     /// Folder.
     pub folder: PathBuf,
-    /// Image size [pixels].
+    /// Image size \[pixels\].
     pub size: [u32; 2],
     /// Frames a second.
     pub rate: u32,

@@ -25,7 +25,7 @@ pub struct View {
     pub drag: Option<gizmo::Drag>,
     /// Whether the view was shown in this frame.
     pub is_shown: bool,
-    /// Size that the image should have [pixels].
+    /// Size that the image should have \[pixels\].
     pub size: [u32; 2],
     /// Speed of flight relative to the scene's setting.
     pub flight_speed: f32,
@@ -51,7 +51,7 @@ impl Default for View {
     }
 }
 
-/// Distance at which a click still hits a sign [points].
+/// Distance at which a click still hits a sign \[points\].
 const NEAR: f32 = 10.0;
 
 /// Shows the picture.
@@ -137,7 +137,7 @@ fn fly(ui: &Ui, editor: &mut Editor, stage: &mut Stage, camera: &SceneCamera, re
     }
 }
 
-/// Distance of the point that is orbited: where the scene's middle lies along the view direction [m].
+/// Distance of the point that is orbited: where the scene's middle lies along the view direction \[m\].
 fn orbit_distance(stage: &Stage, camera: &SceneCamera) -> f32 {
     let view = stage.camera.apply(camera).world_from_view;
     let bounds = stage.facts.scene.bounds();
@@ -191,7 +191,7 @@ impl Editor {
     }
 }
 
-/// Bounds of the entity with all below it [m].
+/// Bounds of the entity with all below it \[m\].
 pub fn bounds_of(world: &GameWorld, entity: Entity) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     for part in world.subtree(entity) {

@@ -520,10 +520,10 @@ fn numbers(ui: &mut Ui, name: &str, value: &mut Value, note: &Note, whole: bool)
 fn color(ui: &mut Ui, name: &str, now: &mut [f64]) -> bool {
     let strength = now.iter().copied().fold(1.0, f64::max);
     let mut rgb = [0, 1, 2].map(|i| (now[i] / strength) as f32);
-    let before = rgb;
     let response = ui.color_edit_button_rgb(&mut rgb);
     named(&response, &format!("{} picker", title(name)));
-    if rgb == before {
+    // The picker's own colour space rounds: only what the user changes is a change.
+    if !response.changed() {
         return false;
     }
     now.iter_mut().zip(rgb).for_each(|(now, c)| *now = f64::from(c) * strength);

@@ -11,7 +11,7 @@ use std::path::Path;
 const RATE: f64 = 10.0;
 /// Most frames that are written.
 const MOST: u64 = 48;
-/// Length of scenes that say none [s].
+/// Length of scenes that say none \[s\].
 const DEFAULT_DURATION: f64 = 2.0;
 
 /// Renders the scene's animation into `out/NAME/`; `why` says why no window opens.

@@ -52,7 +52,7 @@ impl Screen {
         self.view_format
     }
 
-    /// Size [pixels]; none while the window is minimised.
+    /// Size \[pixels\]; none while the window is minimised.
     pub fn size(&self) -> Option<[u32; 2]> {
         let size = self.window.inner_size();
         (size.width > 0 && size.height > 0).then_some([size.width, size.height])

@@ -48,7 +48,7 @@ const SCENE: &str = r#"Scene(
     materials: { "red": (color: (0.6, 0.05, 0.05), specular: 0) },
     entities: [
         (name: "Camera", transform: (translation: (0, 1, 5)), camera: (fov: 45, primary: true)),
-        (name: "Lamp", transform: (translation: (0, 3, 0)), light: (kind: Point, intensity: 20)),
+        (name: "Lamp", transform: (translation: (0, 3, 0)), light: (kind: Point, color: (1, 0.95, 0.85), intensity: 20)),
         (
             name: "Group",
             transform: (rotation: (0, 90, 0)),

@@ -100,3 +100,34 @@ fn every_panel_shows_at_both_scales() {
         }
     }
 }
+
+#[test]
+fn a_target_is_asked_for_and_shown() {
+    use lightwell::graph::{ResourceReport, TextureDesc};
+    let (mut bench, _folder) = bench();
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2(2, 1, wgpu::TextureFormat::Rgba32Float, usage).into();
+    bench.state_mut().report.resources.push(ResourceReport {
+        name: "radiance".into(),
+        desc,
+        bytes: 32,
+        aliased_with: Vec::new(),
+        retained: true,
+        imported: false,
+    });
+    open(&mut bench, Pane::Targets);
+    click(&mut bench, "Target");
+    click(&mut bench, "radiance");
+    let asked =
+        bench.state().requests.iter().any(|r| matches!(r, Request::Target(choice) if choice.name == "radiance"));
+    assert!(asked, "{:?}", bench.state().requests);
+    let image =
+        lightwell::gpu::ImageF32 { width: 2, height: 1, rgba: vec![[0.5, 0.0, 0.0, 1.0], [2.5, 0.0, 0.0, 1.0]] };
+    bench.state_mut().editor.set_target(Ok(image));
+    bench.run_steps(2);
+    click(&mut bench, "r");
+    assert!(bench.query_by_label("2 × 1, shown from 0.50000 to 2.50000").is_some());
+    bench.state_mut().editor.set_target(Err("it is gone".into()));
+    bench.run_steps(2);
+    assert!(bench.query_by_label("it is gone").is_some());
+}
