@@ -32,7 +32,10 @@ pub struct Lights {
 /// Declares the pass; the result is rgba32float radiance [W/(m² sr)].
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lights: Lights) -> Handle<Texture> {
     let [width, height] = frame.view.size;
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let mut usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    if frame.settings.particle_paths > 0 {
+        usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
+    }
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let radiance = graph.retained_texture(RADIANCE, desc);
     let mut pass = graph.pass("compose");

@@ -50,7 +50,7 @@ pub enum RenderError {
     #[error("Clpv component: {0}")]
     Clpv(String),
     /// Virtual lights that cannot be made.
-    #[error("virtual lights: {0}")]
+    #[error("virtual lights cannot be made")]
     Vpl(#[from] VplError),
     /// Settings of stochastic light culling that do not fit the device.
     #[error("stochastic light culling: {0}")]
@@ -153,6 +153,11 @@ impl Renderer {
         execute(gpu, graph, &mut self.targets, settings)
     }
 
+    /// The virtual lights, for tools and measurements: none before the first frame that asked for them.
+    pub fn virtual_lights(&self) -> Option<&VirtualLights> {
+        self.virtual_lights.as_ref()
+    }
+
     /// The path tracer, for measurements: none before the first traced frame.
     pub fn tracer(&self) -> Option<&PathTracer> {
         self.tracer.as_ref()
@@ -214,7 +219,11 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<()
     let only = frame.settings.only;
     let mut lights = Lights::default();
     if matches!(only, Layer::Total | Layer::Direct) {
-        lights.direct = Some(direct::declare(graph, frame, &gbuffer));
+        let published = frame.virtual_lights.filter(|_| frame.settings.gi == GiMethod::Vpl).and_then(|v| v.published());
+        lights.direct = Some(match published {
+            Some(settings) => vpl::declare_main_lights(graph, frame, &gbuffer, settings),
+            None => direct::declare(graph, frame, &gbuffer),
+        });
     } else {
         graph.skip("direct", "the layer that is shown holds no direct light");
     }
@@ -231,7 +240,12 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<()
     } else {
         lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
     }
-    let radiance = compose::declare(graph, frame, &gbuffer, lights);
+    let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
+    if let (GiMethod::Vpl, Some(state), 1.., true) =
+        (frame.settings.gi, frame.virtual_lights, frame.settings.particle_paths, frame.settings.only.is_light())
+    {
+        radiance = vpl::declare_paths(graph, frame, &gbuffer, state, radiance);
+    }
     finish(graph, frame.settings, radiance, frame.view.size);
     Ok(())
 }

@@ -44,7 +44,7 @@ struct Lamp<'a> {
     region: Region,
 }
 
-fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
+pub(super) fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2_array(width, height, 3, wgpu::TextureFormat::R32Float, usage);
@@ -110,7 +110,7 @@ fn declare_light<'a>(
     radiance
 }
 
-fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+pub(super) fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
@@ -118,7 +118,7 @@ fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
 }
 
 /// Stands in where a light has no map; it is never read.
-fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
+pub(super) fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
     layered_view(&gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("no shadow"),
         size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },

@@ -149,7 +149,7 @@ impl Default for InstantRadiosity {
             seed: 0,
             casts: ParticleCasts::default(),
             shadow_bias: 1.0,
-            shadow_slope_bias: 4.0,
+            shadow_slope_bias: 16.0,
             shadow_samples: 4,
         }
     }

@@ -14,7 +14,7 @@ pub struct Stage {
 pub const STAGES: &[Stage] = &[
     Stage { name: "IGB", what: "initial G-buffer", passes: &["gbuffer"] },
     Stage { name: "SHD", what: "shadow maps", passes: &["shadow"] },
-    Stage { name: "DIR", what: "direct light", passes: &["direct"] },
+    Stage { name: "DIR", what: "direct light", passes: &["direct", "main light"] },
     Stage { name: "GRSM", what: "reflective shadow maps", passes: &["rsm"] },
     Stage { name: "IL", what: "inject light", passes: &["inject"] },
     Stage { name: "IB", what: "inject and merge blockers", passes: &["blockers"] },
@@ -25,6 +25,12 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive"] },
     Stage { name: "REL", what: "relight", passes: &["relight"] },
+    Stage {
+        name: "VPL",
+        what: "virtual lights: particles, or texels of maps",
+        passes: &["particles", "reach", "place"],
+    },
+    Stage { name: "SHV", what: "shade by virtual lights", passes: &["virtual lights"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },

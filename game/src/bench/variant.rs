@@ -60,6 +60,10 @@ pub const METHODS: &[Method] = &[
     Method { name: "slc splatting", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Splatting")], what: "stochastic light culling, every light drawn", runs: Runs::Asked },
     Method { name: "slc spheres", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.bounds", "CentredSphere")], what: "stochastic light culling, spheres centred on the lights", runs: Runs::Asked },
     Method { name: "slc unculled", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "None")], what: "all virtual lights with the same interleaving", runs: Runs::Asked },
+    Method { name: "vpl 64", gi: Gi::Vpl, sets: &[("vpl.particles", "64")], what: "instant radiosity, 64 particles, shadow rays", runs: Runs::Always },
+    Method { name: "vpl 256", gi: Gi::Vpl, sets: &[("vpl.particles", "256")], what: "instant radiosity, 256 particles, shadow rays", runs: Runs::Thorough },
+    Method { name: "vpl 1024", gi: Gi::Vpl, sets: &[("vpl.particles", "1024")], what: "instant radiosity, 1,024 particles, shadow rays", runs: Runs::Thorough },
+    Method { name: "vpl 4096", gi: Gi::Vpl, sets: &[("vpl.particles", "4096")], what: "instant radiosity, 4,096 particles, shadow rays", runs: Runs::Thorough },
     Method { name: "reference", gi: Gi::Reference, sets: &[], what: "path tracing on the device", runs: Runs::Always },
 ];
 

@@ -8,6 +8,11 @@ pub enum VplError {
     /// The scene does not fit the device.
     #[error(transparent)]
     Scene(#[from] RayError),
+    /// The report's formula knows no maps.
+    #[error(
+        "lights from reflective shadow maps have no published shading: set `vpl.shading` to Physical or `vpl.placement` to Particles"
+    )]
+    PublishedRsm,
     /// More lights than fit a buffer. Nothing but memory limits their number.
     #[error(
         "{particles} particles leave up to {lights} lights, which take {needed} MiB, and the largest buffer of this \

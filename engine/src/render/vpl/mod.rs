@@ -10,7 +10,11 @@
 
 mod casts;
 mod error;
+mod letter;
+mod main_light;
 mod particles;
+mod paths;
+mod place;
 mod random;
 mod schedule;
 mod shade;
@@ -20,14 +24,17 @@ mod surface;
 
 pub use casts::{CastCounts, CastHit, Caster, intersect_square, intersect_unit_box};
 pub use error::VplError;
+pub(super) use main_light::declare as declare_main_lights;
 pub use particles::VirtualLights;
-#[cfg(test)]
-pub(crate) use shade::ShadeUniform;
+pub(super) use paths::declare as declare_paths;
 pub use simulate::{MAX_PATHS, Particles, VirtualLight};
+#[cfg(test)]
+pub(crate) use {letter::LetterUniform, main_light::MainLightUniform, place::MapPlaceUniform, shade::ShadeUniform};
 
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use crate::graph::{Graph, Handle, Texture};
+use crate::world::{Accumulation, VirtualPlacement, VirtualShading};
 
 /// Declares everything from the lights to the reflected radiance. None where nothing can leave a light, with the
 /// reason in the report.
@@ -37,6 +44,15 @@ pub(super) fn declare<'a>(
     gbuffer: &GBuffer,
 ) -> Result<Option<Handle<Texture>>, VplError> {
     let Some(state) = frame.virtual_lights else { return Ok(None) };
-    let Some(lights) = particles::declare(graph, frame, state)? else { return Ok(None) };
-    Ok(Some(shade::declare(graph, frame, gbuffer, state, lights)))
+    let published = state.settings.shading == VirtualShading::AsPublished;
+    let lights = match state.settings.placement {
+        VirtualPlacement::Rsm if published => return Err(VplError::PublishedRsm),
+        VirtualPlacement::Rsm => place::declare(graph, frame, state),
+        VirtualPlacement::Particles => particles::declare(graph, frame, state),
+    };
+    let Some(lights) = lights else { return Ok(None) };
+    Ok(Some(match state.settings.accumulation {
+        Accumulation::Batched => shade::declare(graph, frame, gbuffer, state, lights),
+        Accumulation::ByTheLetter => letter::declare(graph, frame, gbuffer, state, lights),
+    }))
 }

@@ -8,7 +8,7 @@ use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::ray_scene::RayScene;
 use crate::scene::{Aabb, Frustum, Scene};
-use crate::world::{Accumulation, InstantRadiosity, VirtualVisibility};
+use crate::world::{Accumulation, InstantRadiosity, VirtualPlacement, VirtualShading, VirtualVisibility};
 use glam::Vec3;
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -55,7 +55,11 @@ impl VirtualLights {
         self.rays.update(gpu, scene)?;
         let key = self.key(scene);
         if self.known.as_ref() != Some(&key) {
-            self.capacity = Setup::new(scene, &self.rays.bvh, &self.settings, &mut self.colors).capacity();
+            let setup = Setup::new(scene, &self.rays.bvh, &self.settings, &mut self.colors);
+            self.capacity = match self.settings.placement {
+                VirtualPlacement::Particles => setup.capacity(),
+                VirtualPlacement::Rsm => u64::from(self.settings.particles) + 6 * scene.lights.len() as u64,
+            };
             self.known = Some(key);
         }
         let limit = gpu.limits.max_buffer_size;
@@ -83,6 +87,15 @@ impl VirtualLights {
         self.particles.borrow().casts
     }
 
+    pub(super) fn set_shaded(&self, count: u32) {
+        self.shaded.set(count);
+    }
+
+    /// Whether the report's formulas are asked for, which hold for the main lights too.
+    pub(in crate::render) fn published(&self) -> Option<&InstantRadiosity> {
+        (self.settings.shading == VirtualShading::AsPublished).then_some(&self.settings)
+    }
+
     /// Lights in the buffer that is shaded.
     pub(super) fn shaded(&self) -> u32 {
         self.shaded.get()
@@ -106,14 +119,10 @@ impl VirtualLights {
 }
 
 /// Declares the particles, and which of their lights the view needs.
-pub(super) fn declare<'a>(
-    graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
-    state: &'a VirtualLights,
-) -> Result<Option<Lights>, VplError> {
+pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a VirtualLights) -> Option<Lights> {
     if state.capacity == 0 {
         graph.skip("particles", "nothing in the scene feeds indirect light, or no surface reflects any");
-        return Ok(None);
+        return None;
     }
     let desc =
         |capacity: u64| BufferDesc::new(capacity * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE);
@@ -141,9 +150,9 @@ pub(super) fn declare<'a>(
     if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
         let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
         graph.skip("reach", why);
-        return Ok(Some(Lights { buffer }));
+        return Some(Lights { buffer });
     }
-    Ok(Some(declare_reach(graph, frame, state, buffer, desc(state.capacity))))
+    Some(declare_reach(graph, frame, state, buffer, desc(state.capacity)))
 }
 
 /// Declares which lights can reach what is drawn: those with a drawn surface's box before their plane.

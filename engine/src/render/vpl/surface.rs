@@ -1,6 +1,6 @@
 //! Surfaces as particles find them.
 
-use crate::assets::{AlphaMode, Texture};
+use crate::assets::{AlphaMode, Texture, UvMap};
 use crate::bvh::{SceneBvh, vertex_indices, world_normal};
 use crate::scene::{Primitive, Scene, texel};
 use glam::{Vec3, Vec4};
@@ -39,21 +39,41 @@ pub(super) fn point(_scene: &Scene, bvh: &SceneBvh, triangle: u32, [u, v]: [f32;
     Point { position: (1.0 - u - v) * a + u * b + v * c, error: largest * 2.0_f32.powi(-20) }
 }
 
-fn texture(texture: &Option<Arc<Texture>>, uv: [f32; 2]) -> Vec4 {
-    texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, uv))
+/// What a place on a triangle looks textures up by.
+#[derive(Clone, Copy)]
+struct Place {
+    uvs: [[f32; 2]; 2],
+    /// Vertex colour.
+    color: Vec4,
 }
 
-fn uv(primitive: &Primitive, vertices: [usize; 3], [u, v]: [f32; 2]) -> [f32; 2] {
-    let uvs = vertices.map(|vertex| primitive.mesh.vertices[vertex].uv);
-    [0, 1].map(|i| (1.0 - u - v) * uvs[0][i] + u * uvs[1][i] + v * uvs[2][i])
+impl Place {
+    fn new(primitive: &Primitive, triangle: u32, [u, v]: [f32; 2]) -> Self {
+        let weights = [1.0 - u - v, u, v];
+        let vertices = vertex_indices(primitive, triangle);
+        let mix = |uvs: [[f32; 2]; 3]| [0, 1].map(|i| (0..3).map(|c| weights[c] * uvs[c][i]).sum());
+        let first = mix(vertices.map(|vertex| primitive.mesh.vertices[vertex].uv));
+        if primitive.mesh.extras.is_none() {
+            return Self { uvs: [first, [0.0; 2]], color: Vec4::ONE };
+        }
+        let extras = vertices.map(|vertex| primitive.mesh.extra(vertex));
+        let color = (0..3).map(|c| weights[c] * Vec4::from(extras[c].rgba())).sum();
+        Self { uvs: [first, mix(extras.map(|extra| extra.uv))], color }
+    }
+
+    fn texel(&self, texture: &Option<Arc<Texture>>, map: &UvMap) -> Vec4 {
+        texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, map.apply(self.uvs)))
+    }
 }
 
 /// Emitted radiance [W/(m² sr)].
 pub(super) fn emitted(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentric: [f32; 2]) -> Vec3 {
     let triangle = &bvh.triangles[triangle as usize];
     let primitive = &scene.primitives[triangle.primitive as usize];
-    let uv = uv(primitive, vertex_indices(primitive, triangle.triangle), barycentric);
-    let radiance = primitive.material.emissive * texture(&primitive.material.emissive_texture, uv).truncate();
+    let place = Place::new(primitive, triangle.triangle, barycentric);
+    let material = &primitive.material;
+    let texel = place.texel(&material.emissive_texture, &material.uv.emissive).truncate();
+    let radiance = material.emissive * texel * if material.unlit { place.color.truncate() } else { Vec3::ONE };
     if radiance.is_finite() { radiance.clamp(Vec3::ZERO, Vec3::splat(1e30)) } else { Vec3::ZERO }
 }
 
@@ -66,8 +86,10 @@ pub(super) fn is_cut_out(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentr
         AlphaMode::Mask(cutoff) => cutoff,
         AlphaMode::Blend => 0.5,
     };
-    let uv = uv(primitive, vertex_indices(primitive, triangle.triangle), barycentric);
-    primitive.material.base_color.w * texture(&primitive.material.base_color_texture, uv).w < cutoff
+    let place = Place::new(primitive, triangle.triangle, barycentric);
+    let material = &primitive.material;
+    let texel = place.texel(&material.base_color_texture, &material.uv.base_color);
+    material.base_color.w * place.color.w * texel.w < cutoff
 }
 
 /// What a particle met that travelled along `direction`; none at the back of a single-sided surface, which stops light
@@ -88,7 +110,7 @@ pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, index: u32, barycentric: [f32;
     let normal = turn * ((1.0 - u - v) * normals[0] + u * normals[1] + v * normals[2]).normalize_or_zero();
     let at = point(scene, bvh, index, barycentric);
     let geometric_normal = turn * outward;
-    let met = with_material(primitive, uv(primitive, vertices, barycentric));
+    let met = with_material(primitive, &Place::new(primitive, triangle.triangle, barycentric));
     Some(Met {
         position: at.position,
         error: at.error,
@@ -99,14 +121,18 @@ pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, index: u32, barycentric: [f32;
 }
 
 /// The material's part of a hit.
-pub(super) fn with_material(primitive: &Primitive, uv: [f32; 2]) -> Met {
+fn with_material(primitive: &Primitive, place: &Place) -> Met {
     let material = &primitive.material;
     let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
-    let base = (material.base_color * texture(&material.base_color_texture, uv)).truncate();
+    let maps = &material.uv;
+    let texel = place.texel(&material.base_color_texture, &maps.base_color);
+    let base = (material.base_color * place.color * texel).truncate();
     let base = if base.is_finite() { base.clamp(Vec3::ZERO, Vec3::ONE) } else { Vec3::ZERO };
-    let rough = texture(&material.metallic_roughness_texture, uv);
-    let (metallic, specular) = (unit(material.metallic * rough.z), unit(material.specular));
-    let dielectric = (0.04 * material.specular_color).clamp(Vec3::ZERO, Vec3::ONE) * specular;
+    let rough = place.texel(&material.metallic_roughness_texture, &maps.metallic_roughness);
+    let metallic = unit(material.metallic * rough.z);
+    let specular = unit(material.specular * place.texel(&material.specular_texture, &maps.specular).w);
+    let tint = place.texel(&material.specular_color_texture, &maps.specular_color).truncate();
+    let dielectric = (0.04 * material.specular_color * tint).clamp(Vec3::ZERO, Vec3::ONE) * specular;
     Met {
         position: Vec3::ZERO,
         geometric_normal: Vec3::Y,

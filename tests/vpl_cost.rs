@@ -1,0 +1,71 @@
+//! What virtual lights cost: casts through the hierarchy against brute force on Sponza, and one pass for all lights
+//! against one pass a light. Run with `--nocapture` for the figures. The first needs Sponza (`LIGHTWELL_MODELS`).
+
+use lightwell::bvh::{Ray, SceneBvh};
+use lightwell::render::vpl::{CastCounts, Caster};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
+use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
+use lightwell_tests::{Stage, folder_from_env, root};
+use std::time::Instant;
+
+/// Seconds a ray and tests of all rays.
+fn cast(caster: &Caster, rays: &[Ray]) -> (f64, CastCounts) {
+    let mut counts = CastCounts::default();
+    let start = Instant::now();
+    let hits = rays.iter().filter(|ray| caster.cast(ray, &mut counts).is_some()).count();
+    assert!(hits * 2 > rays.len(), "most rays meet the building");
+    (start.elapsed().as_secs_f64() / rays.len() as f64, counts)
+}
+
+#[test]
+fn the_hierarchy_beats_brute_force_on_sponza() {
+    let Some(models) = folder_from_env("LIGHTWELL_MODELS") else { return };
+    let stage = Stage::open(&root().join("scenes/sponza.scene.ron"), Some(models), [16; 2]);
+    let bvh = SceneBvh::new(&stage.scene);
+    let eye = glam::Vec3::from(stage.camera().world_from_view.translation);
+    let ray = |i: u32| {
+        let part = |prime: f32| (i as f32 * prime).fract() * 2.0 - 1.0;
+        Ray::new(eye, glam::Vec3::new(part(0.618_034), part(0.754_878), part(0.569_841)).normalize())
+    };
+    let rays: Vec<Ray> = (1..20_000).map(ray).collect();
+    let (hierarchy, tests) = cast(&Caster::new(&stage.scene, &bvh, ParticleCasts::Hierarchy), &rays);
+    let (brute, all) = cast(&Caster::new(&stage.scene, &bvh, ParticleCasts::BruteForce), &rays[..40]);
+    let each = |counts: CastCounts| counts.tests() as f64 / counts.rays as f64;
+    eprintln!(
+        "Sponza, a ray: hierarchy {:.2} us and {:.0} tests, brute force {:.0} us and {:.0} tests: {:.0} times the time, {:.0} times the tests",
+        1e6 * hierarchy,
+        each(tests),
+        1e6 * brute,
+        each(all),
+        brute / hierarchy,
+        each(all) / each(tests)
+    );
+    assert!(each(all) > 500.0 * each(tests));
+}
+
+#[test]
+fn one_pass_beats_a_pass_for_every_light() {
+    let mut stage = Stage::open(&root().join("scenes/cornell.scene.ron"), None, [64; 2]);
+    let settings = RenderSettings { gi: GiMethod::Vpl, only: Layer::Indirect, display: false, ..Default::default() };
+    for particles in [64, 256, 1024] {
+        let times = [Accumulation::Batched, Accumulation::ByTheLetter].map(|accumulation| {
+            let visibility = VirtualVisibility::None;
+            let vpl =
+                InstantRadiosity { particles, accumulation, visibility, view_driven: false, ..Default::default() };
+            // One reflection alone: as many lights as particles that hit.
+            stage.scene.vpl = Some(InstantRadiosity { bounces: lightwell::world::Bounces::Count(1), ..vpl });
+            stage.draw(&settings, [0.0; 2]);
+            // Another sub-pixel shift makes the frame anew, and leaves the particles.
+            let start = Instant::now();
+            let report = stage.draw(&settings, [0.25, 0.0]);
+            let _ = stage.radiance();
+            (start.elapsed().as_secs_f64() * 1e3, report.total().draws)
+        });
+        let [(batched, _), (letter, draws)] = times;
+        eprintln!(
+            "M = {particles}: one pass {batched:.1} ms, by the letter {letter:.1} ms in {draws} draws: {:.1} times",
+            letter / batched
+        );
+        assert!(draws > u64::from(particles), "{draws} draws");
+    }
+}
