@@ -138,7 +138,7 @@ fn nothing_is_shot_twice() {
     // Another view needs no particle either.
     stage.view.camera.world_from_view.translation.x += 0.1;
     let (_, report) = stage.render_with(&gpu, &mut renderer, &indirect());
-    assert!(!report.ran("particles") && report.ran("virtual lights"), "{report}");
+    assert!(!report.ran("particles") && report.ran("vpl shade"), "{report}");
     stage.view.camera.world_from_view.translation.x -= 0.1;
     stage.scene.lights[0].position.x += 0.2;
     stage.scene.lights[0].revision += 1;

@@ -268,7 +268,8 @@ mod tests {
         let traced = [1, 4, 16, 64, 256].map(|spp| format!("path tracing {spp} spp"));
         let sweeps = ["none", "clpv", "sweep low", "sweep medium", "sweep high", "sweep ultra"].map(str::to_owned);
         let culled = ["slc coarse", "slc", "slc fine", "slc no visibility"].map(str::to_owned);
-        assert_eq!(names(&plan), [&sweeps[..], &culled, &traced].concat());
+        let radiosity = [64, 256, 1024, 4096].map(|particles| format!("vpl {particles}"));
+        assert_eq!(names(&plan), [&sweeps[..], &culled, &radiosity, &traced].concat());
         assert_eq!(plan.times_of(Some(6.0), 30), [0.0, 2.0, 4.0]);
         assert_eq!(plan.times_of(None, 30), [0.0]);
         let tasks = plan.tasks(&[0.0, 2.0]);

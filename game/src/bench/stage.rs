@@ -28,9 +28,9 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",
-        passes: &["particles", "reach", "place"],
+        passes: &["particles", "reach", "place", "virtual lights"],
     },
-    Stage { name: "SHV", what: "shade by virtual lights", passes: &["virtual lights"] },
+    Stage { name: "SHV", what: "shade by virtual lights", passes: &["vpl"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },

@@ -36,7 +36,7 @@ pub(super) fn declare<'a>(
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, TextureFormat::Rgba32Float, usage);
     let indirect = graph.retained_texture("indirect radiance", desc);
-    let mut pass = graph.pass("virtual lights by the letter");
+    let mut pass = graph.pass("vpl letter");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
         pass.read(input);

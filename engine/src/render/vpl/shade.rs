@@ -41,7 +41,7 @@ pub(super) fn declare<'a>(
     let sums = graph.texture("virtual light sums", sums);
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let indirect = graph.retained_texture("indirect radiance", desc);
-    let mut pass = graph.pass("virtual lights");
+    let mut pass = graph.pass("vpl shade");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
         pass.read(input);
