@@ -1,10 +1,12 @@
 //! Where the cascades of the sweep lie.
 
 use super::super::volume::{self, Volume};
+use super::directions::Directions;
+use super::transport;
 use crate::render::RenderError;
 use crate::scene::{Aabb, SceneClpv, SceneView};
 use crate::world::{CellSize, ClpvPlacement, Quality};
-use glam::{UVec3, Vec3};
+use glam::{U64Vec3, UVec3, Vec3};
 
 /// Cells on each side beyond the scene's bounds: for what stops light behind its surfaces.
 const MARGIN: f32 = 2.0;
@@ -18,7 +20,8 @@ const MAX_CELLS: u32 = (128 << 20) / 176;
 pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<Volume>, RenderError> {
     let settings = &clpv.settings;
     if settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed {
-        return Ok(vec![fitted(bounds, budget(settings.quality))]);
+        let most = Most { cells: budget(settings.quality), slice: largest_slice(settings.quality) };
+        return Ok(vec![fitted(bounds, most)]);
     }
     let cells: u32 = settings.cells.iter().product();
     if cells > MAX_CELLS {
@@ -27,6 +30,20 @@ pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<
     }
     // The coarsest covers most; finer ones inside it are not swept.
     Ok(volume::volumes(clpv, bounds, view)?.split_off(settings.cascades.max(1) as usize - 1))
+}
+
+/// What a grid may have at most.
+#[derive(Clone, Copy)]
+struct Most {
+    cells: u32,
+    /// Of a layer of cells across any axis.
+    slice: u32,
+}
+
+/// Cells of a layer whose light along all directions of an axis fills a storage binding.
+fn largest_slice(quality: Quality) -> u32 {
+    let group = Directions::of(quality).group().max(Directions::of_further_bounces(quality).group());
+    (128 << 20) / (transport::FRONT_BYTES as u32 * group)
 }
 
 /// Cells of a grid that covers the scene.
@@ -39,9 +56,9 @@ fn budget(quality: Quality) -> u32 {
     }
 }
 
-/// The finest grid of at most that many cells that covers the bounds with a margin. Cell sizes are (1 + k/16)·2ⁿ, so
+/// The finest grid within the budget that covers the bounds with a margin. Cell sizes are (1 + k/16)·2ⁿ, so
 /// that a small move of an object changes none.
-fn fitted(bounds: &Aabb, budget: u32) -> Volume {
+fn fitted(bounds: &Aabb, most: Most) -> Volume {
     let size = bounds.size();
     let longest = size.max_element();
     let around = |cell: f32| {
@@ -65,11 +82,12 @@ fn fitted(bounds: &Aabb, budget: u32) -> Volume {
             fade_half: Vec3::splat(2.0),
         };
     }
-    let mut step = (16.0 * (longest / budget as f32).log2()).floor() as i32;
+    let mut step = (16.0 * (longest / most.cells as f32).log2()).floor() as i32;
     loop {
         let volume = around(size_of(step));
-        let cells = volume.cells.as_u64vec3().element_product();
-        if cells <= u64::from(budget) {
+        let cells = volume.cells.as_u64vec3();
+        let slice = (cells * U64Vec3::new(cells.z, cells.x, cells.y)).max_element();
+        if cells.element_product() <= u64::from(most.cells) && slice <= u64::from(most.slice) {
             return volume;
         }
         step += 1;
@@ -79,4 +97,24 @@ fn fitted(bounds: &Aabb, budget: u32) -> Volume {
 /// (1 + k/16)·2ⁿ for step 16·n + k.
 fn size_of(step: i32) -> f32 {
     (1.0 + step.rem_euclid(16) as f32 / 16.0) * (step.div_euclid(16) as f32).exp2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_of_any_shape_fit_the_portable_limits() {
+        for size in [Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.0, 0.0, 7.0), Vec3::new(1e4, 1.0, 30.0), Vec3::splat(1e-3)] {
+            let bounds = Aabb { min: Vec3::new(-0.3, 2.0, 0.1), max: Vec3::new(-0.3, 2.0, 0.1) + size };
+            for quality in [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra] {
+                let most = Most { cells: budget(quality), slice: largest_slice(quality) };
+                let volume = fitted(&bounds, most);
+                let n = volume.cells;
+                assert!(n.element_product() <= most.cells && (n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice);
+                let covered = volume.bounds();
+                assert!(covered.min.cmple(bounds.min).all() && covered.max.cmpge(bounds.max).all(), "{volume:?}");
+            }
+        }
+    }
 }

@@ -59,6 +59,9 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, index: usize
     Level { volume: *volume, opacity, emission, bounce, sum }
 }
 
+/// Bytes of a cell and direction of a front: light of both senses, RGB and one unused number.
+pub(super) const FRONT_BYTES: u64 = 32;
+
 /// Declares the sweep of a bounce through a cascade, and its addition to the sum of all bounces.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
@@ -72,7 +75,7 @@ pub(super) fn declare<'a>(
     let volume = level.volume;
     let name = format!("sweep, cascade {}, bounce {}", step.index, step.bounce + 1);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let front_bytes = 32 * u64::from(directions.group()) * u64::from(largest_slice(&volume));
+    let front_bytes = FRONT_BYTES * u64::from(directions.group()) * u64::from(largest_slice(&volume));
     let fronts = [0, 1].map(|i| graph.buffer(format!("{name}, front {i}"), BufferDesc::new(front_bytes, usage)));
     let mut pass = graph.pass(name);
     for buffer in [level.opacity, level.emission, totals] {
