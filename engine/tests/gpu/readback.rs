@@ -78,7 +78,7 @@ fn what_cannot_be_read_is_an_error() {
     let (_dir, gpu) = open();
     let plain = texture(&gpu, 4, 4, TextureFormat::Rgba8Unorm, TextureUsages::COPY_DST);
     assert!(matches!(read_texture(&gpu, &plain, 1, 0), Err(ReadbackError::Missing { mip: 1, layer: 0 })));
-    let integers = texture(&gpu, 4, 4, TextureFormat::Rgba32Uint, TextureUsages::COPY_DST);
+    let integers = texture(&gpu, 4, 4, TextureFormat::Rgba16Sint, TextureUsages::COPY_DST);
     assert!(matches!(read_texture_f32(&gpu, &integers), Err(ReadbackError::Format(_))));
     let unreadable = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("unreadable"),
