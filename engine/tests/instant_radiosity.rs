@@ -109,6 +109,26 @@ fn ten_particles_leave_eighteen_lights() {
     assert_eq!((particles.lights.len(), particles.casts.rays), (18, 18));
 }
 
+/// A few small boxes far from each other fill little of the rectangle before them: particles start in front of them.
+#[test]
+fn particles_of_the_sun_do_not_pass_the_scene() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 1.0, 6.0), Vec3::ZERO, 8);
+    for at in [[-4.0, 0.0, 0.0], [4.0, 0.0, 1.0], [0.0, 3.0, -4.0], [1.0, -2.0, 3.0]] {
+        stage.add(Shape::Box { size: [0.6; 3] }, Vec3::splat(0.5), Affine3A::from_translation(at.into()));
+    }
+    let direction = Vec3::new(0.4, -0.7, -0.5).normalize();
+    stage.light(LightShape::Directional, Vec3::splat(2.0), Vec3::ZERO, direction);
+    let settings = InstantRadiosity { particles: 1000, bounces: Bounces::Count(1), ..Default::default() };
+    let (_, renderer) = draw(&gpu, &mut stage, settings);
+    let particles = renderer.virtual_lights().expect("they were asked for").particles();
+    assert!(particles.lights.len() > 600, "{} of 1000 hit", particles.lights.len());
+    // A box shows the sun Σ|d_i|·a². Φ = ρ·E·A, and I = Φ/π.
+    let flux: f32 = particles.lights.iter().map(|light| light.intensity[0] * PI).sum();
+    let expected = 0.5 * 2.0 * 4.0 * 0.36 * direction.abs().element_sum();
+    assert!((flux / expected - 1.0).abs() < 0.03, "{flux}, expected {expected}");
+}
+
 #[test]
 fn both_ways_to_add_up_give_the_same_image() {
     let gpu = gpu();

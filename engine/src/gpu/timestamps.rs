@@ -20,7 +20,7 @@ impl TimestampQueries {
             let set = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: wgpu::QueryType::Timestamp,
-                count: 2 * capacity,
+                count: 2 * capacity + 1,
             });
             let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("timestamps"),
@@ -50,7 +50,7 @@ impl TimestampQueries {
         self.open.push(Some(index));
         self.names.push(name.to_string());
         if let Some((set, _)) = &self.set {
-            encoder.write_timestamp(set, 2 * index);
+            self.write(encoder, set, 2 * index);
         }
         true
     }
@@ -58,8 +58,15 @@ impl TimestampQueries {
     /// Ends the innermost stretch.
     pub fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
         if let (Some(Some(index)), Some((set, _))) = (self.open.pop(), &self.set) {
-            encoder.write_timestamp(set, 2 * index + 1);
+            self.write(encoder, set, 2 * index + 1);
         }
+    }
+
+    /// Writes a timestamp, and one that nobody reads: lavapipe queues a timestamp with the next piece of rasterisation,
+    /// and only a further timestamp flushes it. Alone it may be taken after the dispatch that follows it.
+    fn write(&self, encoder: &mut wgpu::CommandEncoder, set: &wgpu::QuerySet, index: u32) {
+        encoder.write_timestamp(set, index);
+        encoder.write_timestamp(set, 2 * self.capacity);
     }
 
     /// Records the copy of the times; the last thing before the encoder is submitted.

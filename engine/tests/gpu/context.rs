@@ -1,5 +1,5 @@
 use crate::{open, write};
-use lightwell::gpu::{Gpu, GpuError, GpuOptions};
+use lightwell::gpu::{Binding, ComputeKey, Gpu, GpuError, GpuOptions};
 
 #[test]
 fn an_unknown_adapter_is_an_error_that_lists_the_known_ones() {
@@ -69,6 +69,69 @@ fn timers_nest_and_are_positive() {
             assert!(*part > 0.0 && whole >= part && *whole < 60e3, "{times:?}");
         }
         _ => assert!(!gpu.features.contains(wanted) && times.len() == 2, "{times:?}"),
+    }
+}
+
+fn clear(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("cleared"),
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&Default::default());
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+    let attachment = wgpu::RenderPassColorAttachment { view: &view, depth_slice: None, resolve_target: None, ops };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        color_attachments: &[Some(attachment)],
+        ..Default::default()
+    });
+}
+
+/// On lavapipe a timestamp waits for the next rasterisation unless it is flushed, and a dispatch right behind it was
+/// timed as nothing.
+#[test]
+fn a_dispatch_takes_the_time_that_it_takes() {
+    let (dir, _) = open();
+    let shader = "@group(0) @binding(0) var<storage, read_write> o: array<u32>;\n@compute @workgroup_size(64)\n\
+        fn main(@builtin(global_invocation_id) id: vec3u) {\n    var x = id.x;\n\
+        for (var i = 0u; i < 4000u; i++) { x = x * 747796405u + 1u; }\n    o[id.x] = x;\n}\n";
+    write(dir.path(), "busy.wgsl", shader);
+    let gpu = crate::open_dir(dir.path());
+    let pipeline = gpu.pipelines.compute(&gpu, &ComputeKey::new("busy.wgsl", "main")).expect("a shader");
+    let output = gpu.storage("output", &vec![0_u32; 1 << 18], wgpu::BufferUsages::empty());
+    let group = pipeline.bind(&gpu, 0, &[("o", Binding::Buffer(&output))]).expect("bind");
+    let mut timers = gpu.timestamps();
+    let mut wall = 0.0;
+    for _ in 0..2 {
+        timers.reset();
+        gpu.wait();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        clear(&gpu, &mut encoder);
+        for name in ["first", "second"] {
+            timers.begin(&mut encoder, name);
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(pipeline.compute().expect("a compute pipeline"));
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(1 << 12, 1, 1);
+            drop(pass);
+            timers.end(&mut encoder);
+        }
+        timers.resolve(&mut encoder);
+        let start = std::time::Instant::now();
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait();
+        wall = start.elapsed().as_secs_f64() * 1e3;
+    }
+    let times: Vec<f64> = timers.read(&gpu).into_iter().filter_map(|(_, ms)| ms).collect();
+    if let [first, second] = times[..] {
+        // A fast device spends most of the time elsewhere: there both are alike, and that is all.
+        let alike = first < 5.0 * second && second < 5.0 * first;
+        assert!(alike && (first + second > 0.6 * wall || wall < 20.0), "{first} and {second} of {wall} ms");
     }
 }
 

@@ -8,6 +8,7 @@
 //! lights, which bounds the bright spots around them: within about that distance a surface is lit by few lights, and
 //! their 1/d² would be all that is seen.
 
+mod beam;
 mod casts;
 mod error;
 mod letter;

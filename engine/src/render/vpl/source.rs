@@ -1,9 +1,10 @@
 //! What shoots particles: lights, surfaces that emit, and the sky.
 
+use super::beam::Beam;
 use super::random::{Numbers, cone_direction, cosine_direction, frame};
 use super::surface;
 use crate::bvh::SceneBvh;
-use crate::scene::{Aabb, LightShape, Scene, SceneLight};
+use crate::scene::{LightShape, Scene, SceneLight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -41,32 +42,6 @@ pub(super) enum Source<'a> {
     Emitters(Emitters<'a>),
     /// The sky around a ball that holds the scene.
     Sky { radiance: Vec3, center: Vec3, radius: f32 },
-}
-
-/// The rectangle through which a directional light enters the scene.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Beam {
-    corner: Vec3,
-    right: Vec3,
-    up: Vec3,
-}
-
-impl Beam {
-    fn new(direction: Vec3, bounds: &Aabb) -> Self {
-        let axes = frame(direction);
-        let local = Aabb::from_points(bounds.corners().map(|corner| axes.transpose() * corner));
-        // Before the first surface, by a little of the scene's depth.
-        let start = local.min.z - 1e-3 * local.size().max_element();
-        Self {
-            corner: axes * Vec3::new(local.min.x, local.min.y, start),
-            right: axes.x_axis * local.size().x,
-            up: axes.y_axis * local.size().y,
-        }
-    }
-
-    fn area(&self) -> f32 {
-        self.right.length() * self.up.length()
-    }
 }
 
 /// Triangles that emit, each chosen in proportion to the flux that it sends out.
@@ -156,7 +131,7 @@ impl<'a> Source<'a> {
         let mut sources = Vec::new();
         for light in scene.lights.iter().filter(|light| light.indirect && light.intensity.max_element() > 0.0) {
             let beam = match light.shape {
-                LightShape::Directional => Beam::new(light.direction, &bounds),
+                LightShape::Directional => Beam::new(light.direction, &bounds, bvh),
                 _ => Beam::default(),
             };
             let extent = match light.shape {
@@ -233,7 +208,7 @@ fn start_of_light(light: &SceneLight, beam: &Beam, u: Vec2) -> Start {
             start(direction, light.intensity * (smooth * solid_angle), solid_angle)
         }
         LightShape::Directional => Start {
-            origin: beam.corner + u.x * beam.right + u.y * beam.up,
+            origin: beam.start(u),
             flux: light.intensity * beam.area(),
             per_solid_angle: 0.0,
             per_area: 1.0 / beam.area(),
