@@ -1,4 +1,5 @@
-// Sums what a pixel shows: direct and indirect light, emission and sky; or one layer of the frame for itself.
+// Sums what a pixel shows: direct and indirect light, emission and sky, and blended surfaces over them; or one layer of
+// the frame for itself.
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
 #import lightwell::sky::sky_radiance
@@ -27,6 +28,8 @@ const DEPTH: u32 = 5u;
 @group(0) @binding(6) var direct: texture_2d_array<f32>;
 @group(0) @binding(7) var indirect: texture_2d<f32>;
 @group(0) @binding(9) var sky: texture_2d<f32>;
+// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
+@group(0) @binding(10) var blended: texture_2d<f32>;
 @group(0) @binding(8) var radiance: texture_storage_2d<rgba32float, write>;
 
 // Sums of what lights may bring stay finite for whatever number of lights.
@@ -67,5 +70,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if any(thread.xy >= view.size) {
         return;
     }
-    textureStore(radiance, thread.xy, vec4f(min(shown(thread.xy), vec3f(MAX_RADIANCE)), 1.0));
+    let over = textureLoad(blended, min(thread.xy, textureDimensions(blended) - 1u), 0);
+    let all = shown(thread.xy) * (1.0 - over.a) + over.rgb;
+    textureStore(radiance, thread.xy, vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0));
 }

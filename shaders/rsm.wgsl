@@ -2,7 +2,7 @@
 // The position follows from the depth, the flux from the light and the texel's solid angle.
 
 #import lightwell::gbuffer::{encode_base_color, encode_normal, encode_object}
-#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped}
+#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped, is_cut_out_for_lights}
 
 struct RsmView {
     clip_from_world: mat4x4f,
@@ -87,7 +87,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
         textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, rough_at.uv, rough_at.dx, rough_at.dy);
     let flip = material.double_sided != 0u && !front;
     let n = shading_normal(in.normal, vec4f(0.0), in.position, vec3f(0.5, 0.5, 1.0), 0.0, flip, view.eye - in.position);
-    if base.a < material.alpha_cutoff {
+    if is_cut_out_for_lights(material, base.a) {
         discard;
     }
     // The back of a one-sided surface stops light and returns none.

@@ -1,7 +1,7 @@
 // Shadow maps. Perspective views (spot, point) store 1 − distance/far, so that one texel of depth means the same
 // length everywhere; directional views store their linear, reversed depth. Nearer is larger in both.
 
-#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, texture_point, mapped}
+#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, texture_point, mapped, is_cut_out_for_lights}
 
 struct ShadowView {
     clip_from_world: mat4x4f,
@@ -55,7 +55,7 @@ fn drop_transparent(in: Varying) {
 #endif
     let texel = textureSampleGrad(base_color_texture, base_color_sampler, at.uv, at.dx, at.dy);
     let alpha = material.base_color.a * vertex_alpha * texel.a;
-    if alpha < material.alpha_cutoff {
+    if is_cut_out_for_lights(material, alpha) {
         discard;
     }
 }

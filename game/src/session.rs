@@ -203,10 +203,17 @@ impl Session {
         if x >= texture.width() || y >= texture.height() {
             return Ok(None);
         }
-        let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
-        // Two 32-bit words a texel; the first is the identity, zero where there is nothing.
-        let at = 8 * (y as usize * texture.width() as usize + x as usize);
-        let word = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes);
+        // The first word of a texel is the identity, zero where there is nothing.
+        let word_at = |texture: &wgpu::Texture, bytes_a_texel: usize| -> Result<u32> {
+            let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+            let at = bytes_a_texel * (y as usize * texture.width() as usize + x as usize);
+            Ok(bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes))
+        };
+        let blended = self.renderer.blended_objects().map(|objects| word_at(objects, 4)).transpose()?;
+        let word = match blended {
+            Some(word) if word != 0 => word,
+            _ => word_at(texture, 8)?,
+        };
         Ok(self.loaded.scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
     }
 

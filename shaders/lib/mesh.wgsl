@@ -30,11 +30,28 @@ struct Material {
     specular_color: vec3f,
     roughness: f32,
     specular: f32,
-    alpha_cutoff: f32,     // below 0: alpha is ignored
+    alpha_cutoff: f32,     // below 0: alpha is ignored; BLENDED: the surface is blended over what lies behind
     normal_scale: f32,
     double_sided: u32,
     // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour.
     uv_rows: array<vec4f, 12>,
+}
+
+// `alpha_cutoff` of blended surfaces, above any cutoff of masked ones.
+const BLENDED: f32 = 2.0;
+// From here on a blended surface hides all that lies behind, and is drawn with the opaque ones: the last half step of
+// eight bits.
+const OPAQUE_ALPHA: f32 = 0.998;
+
+// Whether the passes that hold one surface a pixel leave the point out.
+fn is_cut_out(material: Material, alpha: f32) -> bool {
+    return alpha < select(material.alpha_cutoff, OPAQUE_ALPHA, material.alpha_cutoff >= BLENDED);
+}
+
+// Whether light passes the point in a light's own view. There a blended surface is there where it is more than half
+// opaque: a map holds one distance a texel.
+fn is_cut_out_for_lights(material: Material, alpha: f32) -> bool {
+    return alpha < select(material.alpha_cutoff, 0.5, material.alpha_cutoff >= BLENDED);
 }
 
 fn world_from_object_point(instance: Instance, p: vec3f) -> vec3f {

@@ -11,7 +11,8 @@
 
 #import lightwell::gbuffer::decode_octahedral
 #import lightwell::lights::Light
-#import lightwell::mesh::{normalize_or_zero, emission_color}
+#import lightwell::mesh::{normalize_or_zero, emission_color, BLENDED}
+#import lightwell::sampling::hash_pair
 
 const NONE: u32 = 0xffffffffu;
 
@@ -22,7 +23,7 @@ struct Material {
     specular_color: vec3f,
     roughness: f32,
     specular: f32,
-    alpha_cutoff: f32,     // below 0: alpha is ignored
+    alpha_cutoff: f32,     // below 0: alpha is ignored; BLENDED: the chance that a ray meets the surface
     normal_scale: f32,
     double_sided: u32,
     base_color_texture: vec4u,
@@ -293,10 +294,42 @@ fn uv_of_use(material: u32, index: u32, at: Coordinates) -> vec2f {
 #endif
 }
 
-fn is_transparent(triangle: u32, material: u32, barycentric: vec2f) -> bool {
+// Alpha of a point.
+fn alpha_at(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
     let at = coordinates(triangle, barycentric);
     let texel = sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, at), vec4f(1.0));
-    return materials[material].base_color.a * at.color.a * texel.a < materials[material].alpha_cutoff;
+    return materials[material].base_color.a * at.color.a * texel.a;
+}
+
+// Share of the rays that meet a point of a surface: alpha where it is blended.
+fn coverage(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
+#ifdef OPAQUE
+    return 1.0;
+#else
+    if materials[material].alpha_cutoff < BLENDED {
+        return 1.0;
+    }
+    return saturate(alpha_at(triangle, material, barycentric));
+#endif
+}
+
+// A number in [0, 1) for a ray and a triangle: of all rays through a blended surface the share 1 − alpha passes
+// (stochastic transparency, Enderton et al. 2010), which is the mean that blending computes.
+fn pass_chance(ray: Ray, triangle: u32) -> f32 {
+    let o = bitcast<vec3u>(ray.origin);
+    let d = bitcast<vec3u>(ray.direction);
+    let a = hash_pair(o.x ^ (o.y * 0x9e3779b9u), o.z ^ (d.x * 0x85ebca6bu));
+    let b = hash_pair(d.y ^ (d.z * 0xc2b2ae35u), triangle);
+    return f32((hash_pair(a, b)) >> 8u) * 0x1p-24f;
+}
+
+fn is_transparent(triangle: u32, material: u32, barycentric: vec2f, ray: Ray) -> bool {
+    let alpha = alpha_at(triangle, material, barycentric);
+    let cutoff = materials[material].alpha_cutoff;
+    if cutoff >= BLENDED {
+        return alpha <= pass_chance(ray, triangle);
+    }
+    return alpha < cutoff;
 }
 
 // Emitted radiance of a point of a triangle [W/(m² sr)].
@@ -328,7 +361,7 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
     var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
 #ifndef OPAQUE
     if met && (triangle.flags & ALPHA_TESTED) != 0u {
-        met = !is_transparent(index, triangle.material, vec2f(u, v));
+        met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
     }
 #endif
     if met {

@@ -9,7 +9,7 @@
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, trace_pair, surface_at, leave_surface, load_triangle, emitted_at, materials, emitters, lights}
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, trace_pair, surface_at, leave_surface, load_triangle, emitted_at, coverage, materials, emitters, lights}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
@@ -261,7 +261,9 @@ fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share
         return;
     }
     let weight = density / (density + direction_density(surface, to_eye, direction, share));
-    add(path, response * emitted_at(emitter.triangle, triangle.material, barycentric) * (weight / density), false);
+    let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
+        * coverage(emitter.triangle, triangle.material, barycentric);
+    add(path, response * emitted * (weight / density), false);
 }
 
 #endif

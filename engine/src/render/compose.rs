@@ -27,6 +27,8 @@ pub struct Lights {
     pub direct: Option<Handle<Texture>>,
     /// Radiance from the indirect method.
     pub indirect: Option<Handle<Texture>>,
+    /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
+    pub blended: Option<Handle<Texture>>,
 }
 
 /// Declares the pass; the result is rgba32float radiance [W/(m² sr)].
@@ -40,7 +42,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let radiance = graph.retained_texture(RADIANCE, desc);
     let mut pass = graph.pass("compose");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect) {
+    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect).chain(lights.blended) {
         pass.read(input);
     }
     let radiance = pass.write(radiance);
@@ -55,6 +57,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         frame.view_key(),
         lights.direct.is_some(),
         lights.indirect.is_some(),
+        lights.blended.is_some(),
     ));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -62,6 +65,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         let [base_color, normal, emissive, depth] = inputs.map(|handle| cx.view(handle));
         let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
         let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
         cx.counts().texels += u64::from(width) * u64::from(height);
         cx.dispatch(
@@ -78,6 +82,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
                 ("depth", Binding::Texture(&depth)),
                 ("direct", Binding::Texture(&direct)),
                 ("indirect", Binding::Texture(&indirect)),
+                ("blended", Binding::Texture(&blended)),
                 ("sky", Binding::Texture(frame.gpu_scene.sky())),
                 ("radiance", Binding::Texture(&target)),
             ],

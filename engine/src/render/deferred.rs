@@ -3,11 +3,13 @@
 //! ```text
 //! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
 //!      ├─ shadow (a map a light) ┘                           │
-//!      └─ rsm ─ inject ─ propagate ─────────────── relight ──┘
+//!      ├─ rsm ─ inject ─ propagate ─────────────── relight ──┤
+//!      └─ blend (blended surfaces, over all others) ─────────┘
 //! ```
 //! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
 
+use super::blend::{self, Source};
 use super::compose::{self, Lights, RADIANCE};
 use super::frame::Frame;
 use super::gpu_scene::GpuScene;
@@ -18,7 +20,7 @@ use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
-use super::{direct, gbuffer, lpv, slc};
+use super::{ambient, direct, gbuffer, lpv, slc};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
@@ -80,6 +82,8 @@ pub struct Renderer {
     tracer: Option<PathTracer>,
     /// The scene for shadow rays, made when they are first asked for.
     rays: Option<RayScene>,
+    /// Whether the last frame drew blended surfaces.
+    has_blended: bool,
 }
 
 impl Renderer {
@@ -92,6 +96,7 @@ impl Renderer {
             targets: TargetCache::new(),
             tracer: None,
             rays: None,
+            has_blended: false,
         }
     }
 
@@ -127,7 +132,7 @@ impl Renderer {
         let (gpu_scene, surfels, rays) = (&self.gpu_scene, &self.surfels, self.rays.as_ref());
         let frame = Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds };
         let mut graph = Graph::new(seed(gpu));
-        declare(&mut graph, &frame, gpu)?;
+        self.has_blended = declare(&mut graph, &frame, gpu)?;
         execute(gpu, graph, &mut self.targets, settings)
     }
 
@@ -140,6 +145,7 @@ impl Renderer {
         settings: &RenderSettings,
         reference: &ReferenceSettings,
     ) -> Result<FrameReport, RenderError> {
+        self.has_blended = false;
         let tracer = self.tracer.get_or_insert_with(|| PathTracer::new(gpu));
         if settings.no_cache {
             tracer.restart();
@@ -183,6 +189,12 @@ impl Renderer {
         self.targets.texture(name)
     }
 
+    /// The identities of the nearest blended surfaces in the last frame, r32uint and 0 where there is none; none if it
+    /// drew no such surface.
+    pub fn blended_objects(&self) -> Option<&wgpu::Texture> {
+        self.targets.texture(blend::OBJECTS).filter(|_| self.has_blended)
+    }
+
     /// Any retained buffer by its name, for tools and measurements.
     pub fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.targets.buffer(name)
@@ -214,15 +226,22 @@ fn seed(gpu: &Gpu) -> u64 {
     hasher.finish()
 }
 
-fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<(), RenderError> {
+/// Declares the frame; true if it draws blended surfaces.
+fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<bool, RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
     let only = frame.settings.only;
+    let has_blended = blend::is_needed(graph, frame);
     let mut lights = Lights::default();
+    let mut lamps = Vec::new();
+    let mut field = None;
     if matches!(only, Layer::Total | Layer::Direct) {
         let published = frame.virtual_lights.filter(|_| frame.settings.gi == GiMethod::Vpl).and_then(|v| v.published());
+        if published.is_none() || has_blended {
+            lamps = direct::lamps(graph, frame);
+        }
         lights.direct = Some(match published {
             Some(settings) => vpl::declare_main_lights(graph, frame, &gbuffer, settings),
-            None => direct::declare(graph, frame, &gbuffer),
+            None => direct::declare(graph, frame, &gbuffer, &lamps),
         });
     } else {
         graph.skip("direct", "the layer that is shown holds no direct light");
@@ -238,7 +257,14 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<()
         graph.skip("clpv", "the indirect light comes from stochastic light culling");
         lights.indirect = slc::declare(graph, frame, &gbuffer, gpu)?;
     } else {
-        lights.indirect = lpv::declare(graph, frame, &gbuffer)?;
+        let indirect = lpv::declare(graph, frame, &gbuffer)?;
+        lights.indirect = indirect.as_ref().map(|indirect| indirect.radiance);
+        field = indirect.map(|indirect| Source::Field(Box::new(indirect.field)));
+    }
+    if has_blended {
+        let mean = |indirect| Source::Ambient(ambient::declare(graph, &gbuffer, indirect));
+        let source = field.or_else(|| lights.indirect.map(mean));
+        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, lamps, source));
     }
     let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
     if let (GiMethod::Vpl, Some(state), 1.., true) =
@@ -247,7 +273,7 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<()
         radiance = vpl::declare_paths(graph, frame, &gbuffer, state, radiance);
     }
     finish(graph, frame.settings, radiance, frame.view.size);
-    Ok(())
+    Ok(has_blended)
 }
 
 /// Asks for the radiance, and for the display image where it is wanted.

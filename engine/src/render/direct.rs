@@ -18,30 +18,42 @@ pub(crate) struct Region {
 }
 
 /// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
-pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer) -> Handle<Texture> {
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lamps: &[Lamp<'a>]) -> Handle<Texture> {
     let mut radiance = declare_clear(graph, frame);
-    for (light, index) in frame.scene.lights.iter().zip(0..) {
-        let name = format!("direct {}", light.pass_name());
-        if light.intensity == Vec3::ZERO {
-            graph.skip(&name, "the light has no intensity");
-            continue;
-        }
-        let Some(region) = reached_region(light, frame.view) else {
-            graph.skip(&name, "its reach lies outside the view");
-            continue;
-        };
-        let shadow = shadow::declare(graph, frame, light);
-        radiance = declare_light(graph, frame, gbuffer, radiance, &name, Lamp { light, index, shadow, region });
+    for lamp in lamps {
+        let name = format!("direct {}", lamp.light.pass_name());
+        radiance = declare_light(graph, frame, gbuffer, radiance, &name, lamp.clone());
     }
     radiance
 }
 
-/// A light with what its pass needs.
-struct Lamp<'a> {
-    light: &'a SceneLight,
-    index: u32,
-    shadow: Option<ShadowMap>,
+/// A light that reaches the view, with what the passes need that it lights.
+#[derive(Clone)]
+pub struct Lamp<'a> {
+    /// The light.
+    pub light: &'a SceneLight,
+    /// Its place in the scene's array.
+    pub index: u32,
+    /// Its shadow map, if it casts shadows.
+    pub shadow: Option<ShadowMap>,
     region: Region,
+}
+
+/// Declares the shadow maps of all lights that reach the view.
+pub fn lamps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Vec<Lamp<'a>> {
+    let mut lamps = Vec::new();
+    for (light, index) in frame.scene.lights.iter().zip(0..) {
+        let name = format!("direct {}", light.pass_name());
+        if light.intensity == Vec3::ZERO {
+            graph.skip(&name, "the light has no intensity");
+        } else if let Some(region) = reached_region(light, frame.view) {
+            let shadow = shadow::declare(graph, frame, light);
+            lamps.push(Lamp { light, index, shadow, region });
+        } else {
+            graph.skip(&name, "its reach lies outside the view");
+        }
+    }
+    lamps
 }
 
 pub(super) fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
@@ -132,7 +144,7 @@ pub(super) fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
 }
 
 /// Lit where the receiver's reversed depth is not below the stored one.
-fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
+pub(super) fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
     gpu.sampler(&wgpu::SamplerDescriptor {
         label: Some("shadow comparison"),
         mag_filter: wgpu::FilterMode::Linear,

@@ -1,5 +1,6 @@
 //! Structs that Rust writes and WGSL reads are the same size on both sides.
 
+use super::blend::BlendUniform;
 use super::compose::ComposeUniform;
 use super::direct::Region;
 use super::frame::ViewUniform;
@@ -39,6 +40,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct.wgsl", "Light");
     check(&gpu, Region::min_size().get(), "direct.wgsl", "Region");
     check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
+    check(&gpu, BlendUniform::min_size().get(), "blend.wgsl", "Blend");
     check(&gpu, RsmViewUniform::min_size().get(), "rsm.wgsl", "RsmView");
     check(&gpu, RsmLayerUniform::min_size().get(), "lpv/inject.wgsl", "RsmLayer");
     check(&gpu, VolumeUniform::min_size().get(), "lpv/inject.wgsl", "Volume");

@@ -42,6 +42,20 @@ impl LightUniform {
         }
     }
 
+    /// No light at all.
+    pub(crate) fn none() -> Self {
+        Self {
+            position: Vec3::ZERO,
+            shape: 0,
+            direction: Vec3::NEG_Y,
+            range: 0.0,
+            intensity: Vec3::ZERO,
+            cone_scale: 0.0,
+            cone_offset: 0.0,
+            index: 0,
+        }
+    }
+
     /// A buffer with the light's values.
     pub(crate) fn buffer(gpu: &Gpu, light: &SceneLight, index: u32) -> wgpu::Buffer {
         gpu.uniform(&light.name, &Self::new(light, index))

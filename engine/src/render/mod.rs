@@ -1,5 +1,7 @@
 //! The passes of a frame, one Rust file beside one WGSL file of the same name.
 
+mod ambient;
+mod blend;
 mod compose;
 pub mod debug;
 mod deferred;

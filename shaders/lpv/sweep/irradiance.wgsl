@@ -1,9 +1,10 @@
 // Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::sweep::{Surfel, to_fixed, from_fixed, nearest_axis}
+#import lightwell::sweep::{Surfel, to_fixed, from_fixed}
+#import lightwell::sweep_lookup::irradiance
 #import lightwell::view::View
-#import lightwell::volume::{Volume, cell_index}
+#import lightwell::volume::Volume
 
 struct Cascade {
     volume: Volume,
@@ -22,8 +23,6 @@ struct Lookup {
 }
 
 @group(0) @binding(0) var<uniform> lookup: Lookup;
-@group(0) @binding(1) var<storage, read> axes: array<f32>;
-@group(0) @binding(2) var<storage, read> facing: array<f32>;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Irradiance [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
@@ -34,102 +33,7 @@ struct Lookup {
 @group(0) @binding(9) var depth: texture_depth_2d;
 // As `received`, for the pixels.
 @group(0) @binding(10) var<storage, read_write> partial: array<vec4f>;
-@group(0) @binding(12) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
-
-fn axis_at(cell: u32, node: u32) -> vec3f {
-    let first = 18u * cell + 3u * node;
-    return vec3f(axes[first], axes[first + 1u], axes[first + 2u]);
-}
-
-fn facing_at(cell: u32, axis: u32) -> vec3f {
-    let first = 9u * cell + 3u * axis;
-    return vec3f(facing[first], facing[first + 1u], facing[first + 2u]);
-}
-
-// Irradiance for any normal from those of the axes: by the squares of its components, so that even light stays even,
-// plus what makes the first harmonic exact, E(n) − E(−n) = V·n with the vector irradiance V that opposite axes differ
-// by.
-fn from_axes(cell: u32, n: vec3f) -> vec3f {
-    let square = n * n;
-    let rest = 0.5 * (abs(n) - square);
-    var e = vec3f(0.0);
-    for (var i = 0u; i < 3u; i++) {
-        let behind = select(0u, 1u, n[i] >= 0.0);
-        e += (square[i] + rest[i]) * axis_at(cell, 2u * i + 1u - behind) - rest[i] * axis_at(cell, 2u * i + behind);
-    }
-    return max(e, vec3f(0.0));
-}
-
-// Irradiance of a cell for a normal: what was gathered for the surface there, if it faces the same way.
-fn of_cell(cell: u32, n: vec3f) -> vec3f {
-    let axis = nearest_axis(n);
-    let same = smoothstep(0.9, 0.97, dot(n, opacity[11u * cell + 8u + axis].xyz));
-    var e = vec3f(0.0);
-    if same > 0.0 {
-        e += same * facing_at(cell, axis);
-    }
-    if same < 1.0 {
-        e += (1.0 - same) * from_axes(cell, n);
-    }
-    return e;
-}
-
-// The share of a cell that lies outside of solids: those leave their tensor in the cells just below their surface.
-// Without it a corner between a wall and a floor is dark, since half of its cells lie in the floor.
-fn clearance(index: u32) -> f32 {
-    return saturate(1.0 - opacity[11u * index + 1u].w);
-}
-
-// How open the faces are that light crosses from the other cells of an interpolation to the one before the surface.
-fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
-    var open = vec3f(1.0);
-    for (var axis = 0u; axis < 3u; axis++) {
-        var cell = base;
-        let from_above = base[axis] == low[axis];
-        cell[axis] += select(0.0, 1.0, from_above);
-        if all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells)) {
-            let side = select(0u, 1u, from_above);
-            open[axis] = 1.0 - opacity[11u * cell_index(volume, vec3u(cell)) + 2u + 2u * axis + side].w;
-        }
-    }
-    return open;
-}
-
-// Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
-// it leaves the cell, so that its mean place is the surface.
-fn irradiance(point: vec3f, n: vec3f) -> vec3f {
-    let volume = lookup.cascade.volume;
-    let x = (point - volume.origin) / volume.cell;
-    let at = x + 0.5 * n - 0.5;
-    let low = floor(at);
-    let t = at - low;
-    let base = floor(x + 0.5 * n);
-    let open = passages(volume, base, low);
-    var sum = vec3f(0.0);
-    var weights = 0.0;
-    for (var i = 0u; i < 8u; i++) {
-        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
-        let cell = select(low, low + 1.0, upper);
-        let w = select(1.0 - t, t, upper);
-        let weight = w.x * w.y * w.z;
-        let is_inside = all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
-        if is_inside && weight > 0.0 && dot(n, cell + 0.5 - x) > 0.0 {
-            let index = cell_index(volume, vec3u(cell));
-            let passed = select(open, vec3f(1.0), cell == base);
-            let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
-            if clear > 0.0 {
-                sum += clear * of_cell(index, n);
-                weights += clear;
-            }
-        }
-    }
-    if weights < 1e-3 {
-        let nearest = vec3u(clamp(floor(x + 0.5 * n), vec3f(0.0), vec3f(volume.cells) - 1.0));
-        return of_cell(cell_index(volume, nearest), n);
-    }
-    return sum / weights;
-}
 
 // Share of the cascade at a point: 1 inside, falling to 0 over the fade; the coarsest is whole to its border.
 fn share(point: vec3f) -> f32 {
@@ -153,7 +57,7 @@ fn blend(so_far: vec4f, point: vec3f, n: vec3f) -> vec4f {
     if w <= 0.0 {
         return so_far;
     }
-    return vec4f(so_far.rgb + w * irradiance(point, n), so_far.a - w);
+    return vec4f(so_far.rgb + w * irradiance(lookup.cascade.volume, point, n), so_far.a - w);
 }
 
 var<workgroup> arrived: array<atomic<i32>, 6>;

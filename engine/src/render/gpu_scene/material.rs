@@ -50,14 +50,24 @@ impl MaterialUniform {
     }
 }
 
-/// Alpha below which nothing is drawn; negative: everything is. The deferred passes hold one surface a pixel, so
-/// that a blended surface is there where it is more than half opaque.
+/// `BLENDED` of `lib/mesh.wgsl`.
+const BLENDED: f32 = 2.0;
+/// `OPAQUE_ALPHA` of `lib/mesh.wgsl`.
+const OPAQUE_ALPHA: f32 = 0.998;
+
+/// Alpha below which nothing is drawn; negative: everything is; 2: the surface is blended.
 pub(in crate::render) fn alpha_cutoff(material: &Material) -> f32 {
     match material.alpha_mode {
         AlphaMode::Opaque => -1.0,
-        AlphaMode::Mask(cutoff) => cutoff,
-        AlphaMode::Blend => 0.5,
+        // A cutoff above 1 leaves nothing of the surface, however far above.
+        AlphaMode::Mask(cutoff) => cutoff.min(1.5),
+        AlphaMode::Blend => BLENDED,
     }
+}
+
+/// Whether no point of the surface hides what lies behind: textures and vertex colours only take from alpha.
+pub(super) fn is_nowhere_opaque(material: &Material) -> bool {
+    material.alpha_mode == AlphaMode::Blend && material.base_color.w < OPAQUE_ALPHA
 }
 
 /// A material on the device.

@@ -4,19 +4,24 @@
 //! each run of visible instances is one draw. Batches are ordered by the least [`SceneId`] in them, never by the
 //! identity of an asset: where two surfaces coincide, the same one wins after every reload.
 
+mod blended;
 mod material;
 mod texture;
 
+pub use blended::Side;
+
 use super::sky::GpuSky;
-use crate::assets::{AssetId, Mesh, Vertex, VertexExtra};
-use crate::gpu::{Binding, Gpu, RasterKey, ShaderDef};
+use crate::assets::{AlphaMode, AssetId, Mesh, Vertex, VertexExtra};
+use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId};
 use bytemuck::{Pod, Zeroable};
 use material::MaterialStore;
 pub(super) use material::alpha_cutoff;
+use material::is_nowhere_opaque;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
+use std::sync::Arc;
 
 #[cfg(test)]
 pub(crate) use material::MaterialUniform;
@@ -28,6 +33,8 @@ pub struct MaterialClass {
     pub double_sided: bool,
     /// Alpha is tested.
     pub masked: bool,
+    /// Blended over what lies behind.
+    pub blended: bool,
     /// The transform mirrors: triangles wind the other way.
     pub mirrored: bool,
     /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular`.
@@ -39,6 +46,7 @@ impl MaterialClass {
         Self {
             double_sided: primitive.material.double_sided,
             masked: alpha_cutoff(&primitive.material) >= 0.0,
+            blended: primitive.material.alpha_mode == AlphaMode::Blend,
             mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
             plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
         }
@@ -128,6 +136,8 @@ impl GpuMesh {
 
 struct Batch {
     class: MaterialClass,
+    /// Nothing of it hides what lies behind.
+    nowhere_opaque: bool,
     material: AssetId,
     mesh: AssetId,
     first_instance: u32,
@@ -135,6 +145,7 @@ struct Batch {
 }
 
 struct Member {
+    id: SceneId,
     bounds: Aabb,
     casts_shadow: bool,
 }
@@ -145,6 +156,8 @@ pub struct DrawFilter<'a> {
     pub frustum: &'a Frustum,
     /// Only those that cast shadows.
     pub casters_only: bool,
+    /// Only those of which a part hides what lies behind.
+    pub opaque_only: bool,
 }
 
 /// The scene on the device.
@@ -217,8 +230,10 @@ impl GpuScene {
         for ((class, material, mesh), members) in groups {
             let first_instance = instances.len() as u32;
             instances.extend(members.iter().map(|p| Instance::new(p)));
-            let members = members.iter().map(|p| Member { bounds: p.bounds, casts_shadow: p.casts_shadow }).collect();
-            self.batches.push(Batch { class, material, mesh, first_instance, members });
+            let nowhere_opaque = members.iter().any(|p| is_nowhere_opaque(&p.material));
+            let member = |p: &&Primitive| Member { id: p.id, bounds: p.bounds, casts_shadow: p.casts_shadow };
+            let members = members.iter().map(member).collect();
+            self.batches.push(Batch { class, nowhere_opaque, material, mesh, first_instance, members });
         }
         if instances.is_empty() {
             instances.push(Instance::zeroed());
@@ -252,38 +267,60 @@ impl GpuScene {
         let gpu = cx.gpu;
         let mut current = None;
         for batch in &self.batches {
+            if filter.opaque_only && batch.nowhere_opaque {
+                continue;
+            }
             let runs = batch.visible_runs(filter);
             let Some(mesh) = self.meshes.get(&batch.mesh).filter(|_| !runs.is_empty()) else { continue };
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
-                let pipeline = gpu.pipelines.raster(gpu, &key(batch.class))?;
-                if let Some(raster) = pipeline.raster() {
-                    pass.set_pipeline(raster);
-                }
-                let group = [("view", Binding::Buffer(view)), ("instances", Binding::Buffer(&self.instances))];
-                pass.set_bind_group(0, &pipeline.bind(gpu, 0, &group)?, &[]);
-                current = Some((batch.class, pipeline));
+                current = Some((batch.class, self.set_pipeline(gpu, pass, view, &key(batch.class))?));
             }
             let Some((_, pipeline)) = &current else { continue };
-            if let Some(material) = self.materials.get(batch.material) {
-                let bindings = material.bindings();
-                let used: Vec<_> = bindings.into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
-                if !used.is_empty() {
-                    pass.set_bind_group(1, &pipeline.bind(gpu, 1, &used)?, &[]);
-                }
-            }
-            pass.set_vertex_buffer(0, mesh.vertices.slice(..));
-            if let Some(extras) = mesh.extras.as_ref().filter(|_| !batch.class.plain) {
-                pass.set_vertex_buffer(1, extras.slice(..));
-            }
-            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            self.set_batch(gpu, pass, pipeline, batch, mesh)?;
             for run in runs {
-                let instances = run.len() as u64;
-                pass.draw_indexed(0..mesh.index_count, 0, run);
-                let counts = cx.counts();
-                counts.draws += 1;
-                counts.triangles += instances * u64::from(mesh.index_count / 3);
+                draw_run(cx, pass, mesh, run);
             }
         }
+        Ok(())
+    }
+
+    fn set_pipeline(
+        &self,
+        gpu: &Gpu,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &wgpu::Buffer,
+        key: &RasterKey,
+    ) -> Result<Arc<Pipeline>, PassError> {
+        let pipeline = gpu.pipelines.raster(gpu, key)?;
+        if let Some(raster) = pipeline.raster() {
+            pass.set_pipeline(raster);
+        }
+        let group = [("view", Binding::Buffer(view)), ("instances", Binding::Buffer(&self.instances))];
+        pass.set_bind_group(0, &pipeline.bind(gpu, 0, &group)?, &[]);
+        Ok(pipeline)
+    }
+
+    /// Material and mesh of a batch.
+    fn set_batch(
+        &self,
+        gpu: &Gpu,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &Pipeline,
+        batch: &Batch,
+        mesh: &GpuMesh,
+    ) -> Result<(), PassError> {
+        if let Some(material) = self.materials.get(batch.material) {
+            let bindings = material.bindings();
+            let used: Vec<_> = bindings.into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
+            if !used.is_empty() {
+                pass.set_bind_group(1, &pipeline.bind(gpu, 1, &used)?, &[]);
+            }
+        }
+        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+        if let Some(extras) = mesh.extras.as_ref().filter(|_| !batch.class.plain) {
+            pass.set_vertex_buffer(1, extras.slice(..));
+        }
+        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         Ok(())
     }
 
@@ -316,6 +353,14 @@ impl Batch {
         }
         runs
     }
+}
+
+fn draw_run(cx: &mut PassContext, pass: &mut wgpu::RenderPass<'_>, mesh: &GpuMesh, run: Range<u32>) {
+    let instances = run.len() as u64;
+    pass.draw_indexed(0..mesh.index_count, 0, run);
+    let counts = cx.counts();
+    counts.draws += 1;
+    counts.triangles += instances * u64::from(mesh.index_count / 3);
 }
 
 fn extra_layout() -> wgpu::VertexBufferLayout<'static> {

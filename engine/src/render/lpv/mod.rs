@@ -16,9 +16,8 @@ mod volume;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
 #[cfg(test)]
-pub(crate) use self::{
-    blockers::CameraSamplesUniform, propagate::PropagationUniform, relight::RelightUniform, volume::VolumeUniform,
-};
+pub(crate) use self::{blockers::CameraSamplesUniform, propagate::PropagationUniform, volume::VolumeUniform};
+pub(crate) use relight::RelightUniform;
 
 use super::deferred::RenderError;
 use super::frame::Frame;
@@ -26,7 +25,7 @@ use super::gbuffer::GBuffer;
 use super::light_uniform::LightUniform;
 use super::rsm::{self, Rsm};
 use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::scene::Aabb;
 use crate::world::Transport;
 use std::ops::Range;
@@ -34,16 +33,77 @@ use std::ops::Range;
 /// Bytes of a cell of light: three channels of four coefficients.
 const LIGHT_BYTES: u64 = 48;
 
-/// Declares all passes of indirect light; the result is reflected radiance, rgba32float. None, with the reason in
-/// the report, if the scene needs none.
+/// Indirect light by the volumes.
+pub(crate) struct Indirect {
+    /// What the visible surfaces reflect of it, rgba32float.
+    pub radiance: Handle<Texture>,
+    /// Where it can be looked up at any point.
+    pub field: Field,
+}
+
+/// Volumes of indirect light, as `lib/sweep_lookup.wgsl` and `lib/relight.wgsl` read them.
+#[derive(Clone)]
+pub(crate) enum Field {
+    /// Irradiance by cell and normal; of several cascades the coarsest, which covers most.
+    Swept {
+        /// Where the volume lies.
+        volume: Volume,
+        /// Irradiance by axis, by the cell's surface, and the opacity.
+        buffers: [Handle<Buffer>; 3],
+    },
+    /// Spherical harmonics by cell, finest cascade first.
+    Propagated {
+        /// `Relight` of `lib/relight.wgsl`.
+        uniform: RelightUniform,
+        /// The cascades.
+        lit: Vec<Handle<Buffer>>,
+    },
+}
+
+impl Field {
+    /// All buffers, which a pass that looks light up reads.
+    pub(super) fn buffers(&self) -> &[Handle<Buffer>] {
+        match self {
+            Self::Swept { buffers, .. } => buffers,
+            Self::Propagated { lit, .. } => lit,
+        }
+    }
+
+    /// The define with which a shader looks it up.
+    pub(super) fn define(&self) -> &'static str {
+        match self {
+            Self::Swept { .. } => "SWEPT",
+            Self::Propagated { .. } => "PROPAGATED",
+        }
+    }
+
+    /// What a shader binds that looks it up, by its names.
+    pub(super) fn bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
+        match self {
+            Self::Swept { volume, buffers } => {
+                let [axes, facing, opacity] = buffers.map(|handle| cx.buffer(handle).clone());
+                let volume = cx.gpu.uniform("volume", &volume.uniform());
+                vec![("swept", volume), ("axes", axes), ("facing", facing), ("opacity", opacity)]
+            }
+            Self::Propagated { uniform, lit } => {
+                let names = ["light_finest", "light_second", "light_third", "light_coarsest"];
+                let mut bindings: Vec<_> = names.into_iter().zip(relight::cascade_buffers(cx, lit)).collect();
+                bindings.push(("relight", cx.gpu.uniform("relight", uniform)));
+                bindings
+            }
+        }
+    }
+}
+
+/// Declares all passes of indirect light. None, with the reason in the report, if the scene needs none.
 ///
 /// # Errors
 /// CLPV settings that make no volume.
-pub fn declare<'a>(
+pub(crate) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
-) -> Result<Option<Handle<Texture>>, RenderError> {
+) -> Result<Option<Indirect>, RenderError> {
     let Some(clpv) = &frame.scene.clpv else {
         graph.skip("clpv", "the scene has no Clpv component");
         return Ok(None);
@@ -71,7 +131,9 @@ pub fn declare<'a>(
         };
         lit.push(propagate::declare(graph, settings, injected, blockers, level, volume));
     }
-    Ok(Some(relight::declare(graph, frame, gbuffer, settings, &volumes, &lit)))
+    let uniform = relight::uniform(settings, &volumes);
+    let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
+    Ok(Some(Indirect { radiance, field: Field::Propagated { uniform, lit } }))
 }
 
 /// Runs an entry point for each texel of some layers of an RSM, into a buffer of fixed-point sums.

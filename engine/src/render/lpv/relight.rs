@@ -2,14 +2,14 @@
 
 use super::volume::{MAX_CASCADES, Volume, VolumeUniform};
 use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
+use crate::graph::{Buffer, Graph, Handle, PassContext, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::world::Clpv;
 use encase::ShaderType;
 use glam::Vec3;
 
-/// `Cascade` of `lpv/relight.wgsl`.
+/// `Cascade` of `lib/relight.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
 pub(crate) struct CascadeUniform {
     volume: VolumeUniform,
@@ -31,8 +31,8 @@ impl CascadeUniform {
     }
 }
 
-/// `Relight` of `lpv/relight.wgsl`.
-#[derive(ShaderType)]
+/// `Relight` of `lib/relight.wgsl`.
+#[derive(ShaderType, Clone)]
 pub(crate) struct RelightUniform {
     cascades: [CascadeUniform; MAX_CASCADES],
     count: u32,
@@ -71,9 +71,7 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let gpu = cx.gpu;
         let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
-        // A cascade that is not there is never read; the finest stands in for it.
-        let light = |level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone();
-        let light = [0, 1, 2, 3].map(light);
+        let light = cascade_buffers(cx, &lit);
         let target = cx.view(indirect);
         let relight = gpu.uniform("relight", &uniform);
         cx.counts().texels += u64::from(width) * u64::from(height);
@@ -97,7 +95,12 @@ pub(super) fn declare<'a>(
     indirect
 }
 
-fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
+/// The buffers of four cascades. One that is not there is never read; the finest stands in for it.
+pub(super) fn cascade_buffers(cx: &PassContext, lit: &[Handle<Buffer>]) -> [wgpu::Buffer; 4] {
+    [0, 1, 2, 3].map(|level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone())
+}
+
+pub(super) fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
     let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
     let cascade =
         |level: usize| CascadeUniform::new(&volumes[level.min(volumes.len() - 1)], finite(settings.border_fade));

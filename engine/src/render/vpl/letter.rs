@@ -100,7 +100,13 @@ impl Work<'_> {
         let lights = cx.buffer(self.lights.buffer).clone();
         let pipeline = gpu.pipelines.raster(
             gpu,
-            &self.raster_key(MaterialClass { double_sided: false, masked: false, mirrored: false, plain: true }),
+            &self.raster_key(MaterialClass {
+                double_sided: false,
+                masked: false,
+                blended: false,
+                mirrored: false,
+                plain: true,
+            }),
         )?;
         let letter = LetterUniform { index, root: self.state.rays.root(), scale: 1.0, pad: 0 };
         let letter = gpu.uniform("letter", &letter);
@@ -140,7 +146,7 @@ impl Work<'_> {
         pass.set_bind_group(2, &surfaces, &[]);
         pass.set_bind_group(3, &light, &[]);
         let view = self.frame.view_uniform(gpu);
-        let filter = DrawFilter { frustum: &self.frame.frustum(), casters_only: false };
+        let filter = DrawFilter { frustum: &self.frame.frustum(), casters_only: false, opaque_only: true };
         self.frame.gpu_scene.draw(cx, &mut pass, &view, &filter, |class| self.raster_key(class))
     }
 

@@ -22,7 +22,8 @@ pub use grid::volumes;
 pub(crate) use self::{emit::EmitUniform, irradiance::LookupUniform, transport::SliceUniform, transport::SumUniform};
 
 use super::volume::Volume;
-use crate::graph::{Buffer, Graph, Handle, Texture};
+use super::{Field, Indirect};
+use crate::graph::{Buffer, Graph, Handle};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
@@ -61,8 +62,7 @@ struct Irradiance {
     facing: Handle<Buffer>,
 }
 
-/// Declares all passes; the result is reflected radiance, rgba32float. None, with the reason in the report, if there
-/// is no light.
+/// Declares all passes. None, with the reason in the report, if there is no light.
 ///
 /// # Errors
 /// Settings that make no volume.
@@ -71,7 +71,7 @@ pub(super) fn declare<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     clpv: &'a SceneClpv,
-) -> Result<Option<Handle<Texture>>, RenderError> {
+) -> Result<Option<Indirect>, RenderError> {
     let volumes = volumes(clpv, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let rsms = rsms(graph, frame, &volumes, &reach);
@@ -110,7 +110,11 @@ pub(super) fn declare<'a>(
             );
         }
     }
-    Ok(Some(irradiance::relight(graph, frame, gbuffer, settings, &levels)))
+    let radiance = irradiance::relight(graph, frame, gbuffer, settings, &levels);
+    Ok(levels.last().map(|level| {
+        let buffers = [level.sum.axes, level.sum.facing, level.opacity];
+        Indirect { radiance, field: Field::Swept { volume: level.volume, buffers } }
+    }))
 }
 
 /// The maps of all lights, with texels small enough for the finest cells.

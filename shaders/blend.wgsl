@@ -1,0 +1,130 @@
+// Blended surfaces over what lies behind them: α·L + (1 − α)·B, from the farthest to the nearest. The target holds
+// Σ α·L and 1 − Π(1 − α), which compose puts over the opaque image.
+//   SWEPT, PROPAGATED, AMBIENT   where the indirect light is looked up; none of them: there is none
+//   FORWARD                      set by the pass, for the bindings of the libraries
+
+#import lightwell::brdf::eval_brdf_cosine
+#import lightwell::lights::{Light, light_incidence}
+#import lightwell::mesh::{Vertex, VertexExtra, OPAQUE_ALPHA}
+#import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
+#import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
+#ifdef SWEPT
+#import lightwell::sweep_lookup::irradiance
+#import lightwell::volume::Volume
+#endif
+#ifdef PROPAGATED
+#import lightwell::relight::propagated_irradiance
+#endif
+
+struct Blend {
+    lights: array<Light, 4>,
+    shadows: array<Shadow, 4>,
+    light_count: u32,
+    is_first: u32,         // of the draws of a surface: the one that covers what lies behind
+    has_emission: u32,
+    padding: u32,
+}
+
+@group(2) @binding(0) var<uniform> blend: Blend;
+@group(2) @binding(1) var shadow_first: texture_depth_2d_array;
+@group(2) @binding(2) var shadow_second: texture_depth_2d_array;
+@group(2) @binding(3) var shadow_third: texture_depth_2d_array;
+@group(2) @binding(4) var shadow_fourth: texture_depth_2d_array;
+@group(2) @binding(5) var shadow_sampler: sampler_comparison;
+#ifdef SWEPT
+@group(3) @binding(0) var<uniform> swept: Volume;
+#endif
+#ifdef AMBIENT
+@group(3) @binding(0) var<storage, read> ambient: vec4f;
+#endif
+
+// As what compose writes: sums stay finite for whatever number of lights.
+const MAX_RADIANCE: f32 = 1e32;
+
+@vertex
+fn vertex(
+    in: Vertex,
+#ifndef PLAIN
+    extra: VertexExtra,
+#endif
+    @builtin(instance_index) index: u32,
+) -> Varying {
+#ifdef PLAIN
+    return varying_of(in, index);
+#else
+    return varying_of(in, extra, index);
+#endif
+}
+
+fn compare(index: u32, at: ShadowCoordinate) -> f32 {
+    switch index {
+        case 0u: { return textureSampleCompareLevel(shadow_first, shadow_sampler, at.uv, at.face, at.depth); }
+        case 1u: { return textureSampleCompareLevel(shadow_second, shadow_sampler, at.uv, at.face, at.depth); }
+        case 2u: { return textureSampleCompareLevel(shadow_third, shadow_sampler, at.uv, at.face, at.depth); }
+        default: { return textureSampleCompareLevel(shadow_fourth, shadow_sampler, at.uv, at.face, at.depth); }
+    }
+}
+
+fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
+    let albedo = s.base.rgb * (1.0 - s.metallic);
+    let alpha = max(s.roughness * s.roughness, 1e-3);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < blend.light_count; i++) {
+        let incidence = light_incidence(blend.lights[i], position);
+        if all(incidence.irradiance <= vec3f(0.0)) || dot(s.normal, incidence.to_light) <= 0.0 {
+            continue;
+        }
+        var lit = 1.0;
+        if blend.shadows[i].kind != NO_SHADOW {
+            let at = shadow_coordinate(blend.shadows[i], position, s.normal, incidence.to_light);
+            if at.inside {
+                lit = compare(i, at);
+            }
+        }
+        let response = eval_brdf_cosine(
+            s.normal, to_eye, incidence.to_light, albedo, s.normal_reflectance, s.grazing_reflectance, alpha,
+        );
+        sum += response * incidence.irradiance * lit;
+    }
+    return sum;
+}
+
+fn indirect_light(s: Sampled, position: vec3f) -> vec3f {
+    let albedo = s.base.rgb * (1.0 - s.metallic);
+#ifdef SWEPT
+    return albedo * irradiance(swept, position, s.normal) / 3.14159265;
+#endif
+#ifdef PROPAGATED
+    return albedo * propagated_irradiance(position, s.normal) / 3.14159265;
+#endif
+#ifdef AMBIENT
+    return albedo * ambient.rgb / 3.14159265;
+#endif
+    return vec3f(0.0);
+}
+
+struct Targets {
+    @location(0) color: vec4f, // premultiplied
+    @location(1) object: u32,
+}
+
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
+    let s = sample_material(in, front);
+    // What hides all that lies behind is among the opaque surfaces already.
+    if s.base.a >= OPAQUE_ALPHA || s.base.a <= 0.0 {
+        discard;
+    }
+    let to_eye = normalize(view.eye - in.position);
+    var radiance = direct_light(s, in.position, to_eye);
+    if blend.is_first != 0u {
+        radiance += indirect_light(s, in.position);
+    }
+    if blend.has_emission != 0u {
+        radiance += s.emissive;
+    }
+    var out: Targets;
+    out.color = vec4f(min(radiance * s.base.a, vec3f(MAX_RADIANCE)), select(0.0, s.base.a, blend.is_first != 0u));
+    out.object = in.id;
+    return out;
+}
