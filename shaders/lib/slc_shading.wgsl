@@ -6,8 +6,10 @@
 //   RAYS      shadow rays to the lights
 
 #import lightwell::brdf::{distribution_ggx, visibility_smith, fresnel_schlick}
-#import lightwell::gbuffer::{Surface, decode_surface, world_position}
-#import lightwell::slc::{VirtualLight, LightRange, Culling, lobe_intensity, acceptance, diffuse_share}
+#import lightwell::gbuffer::{Surface, decode_octahedral, decode_surface, world_position}
+#import lightwell::slc::{LightRange, Culling, DIFFUSE_LOBE, acceptance, brightest, diffuse_share, grazing_weight}
+#import lightwell::slc::{specular_factor, squeezed}
+#import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
 #import lightwell::view::View
 #ifdef RAYS
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
@@ -19,14 +21,16 @@
 @group(0) @binding(3) var normal: texture_2d<u32>;
 @group(0) @binding(4) var object: texture_2d<u32>;
 @group(0) @binding(5) var depth: texture_depth_2d;
-@group(0) @binding(6) var<storage, read> virtual_lights: array<VirtualLight>;
+@group(0) @binding(6) var light_texels: texture_2d_array<f32>;
 @group(0) @binding(7) var<storage, read> ranges: array<LightRange>;
 @group(0) @binding(8) var<storage, read> bound: vec4f;
+
 struct Pixel {
     surface: Surface,
     to_eye: vec3f,
     n_dot_v: f32,
     alpha: f32,
+    is_glossy: bool,       // reflects more than diffusely
     origin: vec3f,         // where rays start [m]
     delta: f32,
     diffuse: vec3f,
@@ -41,9 +45,9 @@ const MAX_RADIANCE: f32 = 1e28;
 const POSITION_ERROR: f32 = 2e-5;
 
 #ifdef RAYS
-fn is_visible(pixel: Pixel, light: VirtualLight) -> bool {
-    let c = abs(light.position);
-    let end = light.position + light.normal * (POSITION_ERROR * max(c.x, max(c.y, c.z)));
+fn is_visible(pixel: Pixel, position: vec3f, normal: vec3f) -> bool {
+    let c = abs(position);
+    let end = position + normal * (POSITION_ERROR * max(c.x, max(c.y, c.z)));
     return trace(culling.root, Ray(pixel.origin, end - pixel.origin), 1.0, SHADOW).triangle == NONE;
 }
 #endif
@@ -53,35 +57,81 @@ fn add(pixel: ptr<function, Pixel>, e: vec3f, to_light: vec3f, cosine: f32) {
     let surface = (*pixel).surface;
     let half_sum = to_light + (*pixel).to_eye;
     let length_squared = dot(half_sum, half_sum);
-    if length_squared < 1e-12 {
+    if !(*pixel).is_glossy || length_squared < 1e-12 {
         (*pixel).diffuse += e * cosine;
         return;
     }
     let h = half_sum * inverseSqrt(length_squared);
     let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, dot((*pixel).to_eye, h));
-    (*pixel).diffuse += e * (cosine * diffuse_share(f));
+    (*pixel).diffuse += e * (cosine * (1.0 - brightest(f)));
     let d = distribution_ggx(surface.normal, h, (*pixel).alpha);
     let v = visibility_smith(cosine, (*pixel).n_dot_v, (*pixel).alpha);
     (*pixel).specular += min(e * f * (d * v * cosine), vec3f(MAX_RADIANCE));
 }
 
-fn test_light(pixel: ptr<function, Pixel>, index: u32, lobe: u32) {
-    (*pixel).tested += 1.0;
-    let offset = virtual_lights[index].position - (*pixel).surface.position;
+fn light_texel(index: u32, layer: u32) -> vec4f {
+    return textureLoad(light_texels, vec2u(index % LIGHTS_A_ROW, index / LIGHTS_A_ROW), layer, 0);
+}
+
+// Whether the light may be accepted, with as little as possible: most of a tile's lights end here. The diffuse lobe
+// is I = color·(1 − max F)·cosθ, accepted if p = I/(δ·l²) > ξ, which is (1 − max F)·cosθ·reach² > l². The specular one
+// is tested by its range.
+fn may_accept(pixel: Pixel, index: u32, lobe: u32) -> bool {
+    if lobe == DIFFUSE_LOBE {
+        let place = light_texel(index, PLACE);
+        let shape = light_texel(index, SHAPE);
+        let offset = pixel.surface.position - place.xyz;
+        let distance_squared = dot(offset, offset);
+        let emitted = dot(shape.xyz, offset) * inverseSqrt(max(distance_squared, 1e-36));
+        return emitted * shape.w > distance_squared + abs(place.w);
+    }
+    let spheroid = light_texel(index, SPHEROID);
+    let axis = light_texel(index, AXIS);
+    let from_center = squeezed(pixel.surface.position - spheroid.xyz, axis.xyz, axis.w);
+    return dot(from_center, from_center) <= spheroid.w * spheroid.w;
+}
+
+// Tests a light and adds it if it is accepted.
+fn take_light(pixel: ptr<function, Pixel>, index: u32, lobe: u32) {
+    let place = light_texel(index, PLACE);
+    let shape = light_texel(index, SHAPE);
+    let incidence = light_texel(index, INCIDENCE);
+    let offset = place.xyz - (*pixel).surface.position;
     let distance_squared = dot(offset, offset);
-    if !(distance_squared > 1e-36) {
+    let to_light = offset * inverseSqrt(max(distance_squared, 1e-36));
+    let emitted = -dot(shape.xyz, to_light);
+    if !(emitted > 0.0) {
         return;
     }
-    let to_light = offset * inverseSqrt(distance_squared);
-    let softened = distance_squared + virtual_lights[index].spread;
-    let intensity = lobe_intensity(virtual_lights[index], lobe, -to_light);
+    let softened = distance_squared + abs(place.w);
+    let incident = decode_octahedral(incidence.xy);
+    let weight = grazing_weight(incident, -to_light);
+    var e: vec3f;
+    var is_accepted: bool;
+    if lobe == DIFFUSE_LOBE {
+        let color = light_texel(index, COLOR);
+        let factor = emitted * select(1.0, diffuse_share(color.w, incidence.z, weight), place.w < 0.0);
 #ifdef UNCULLED
-    let p = 1.0;
-    let is_accepted = any(intensity > vec3f(0.0));
+        is_accepted = factor * shape.w > 0.0;
+        e = color.xyz * (factor / softened);
 #else
-    let p = acceptance(intensity, (*pixel).delta, softened);
-    let is_accepted = p > ranges[index].xi;
+        is_accepted = factor * shape.w > softened;
+        // Divided by p = min(I/(δ·l²), 1).
+        e = color.xyz * max(factor / softened, (*pixel).delta / brightest(color.xyz));
 #endif
+    } else {
+        let from_normal = light_texel(index, NORMAL_FLUX);
+        let flux = mix(from_normal.xyz, light_texel(index, GRAZING_FLUX).xyz, weight);
+        let intensity = flux * specular_factor(shape.xyz, incident, incidence.w, -to_light, emitted);
+#ifdef UNCULLED
+        is_accepted = any(intensity > vec3f(0.0));
+        e = intensity / softened;
+#else
+        let p = acceptance(intensity, (*pixel).delta, softened);
+        is_accepted = p > from_normal.w;
+        e = intensity / softened / p;
+#endif
+    }
     if !is_accepted {
         return;
     }
@@ -91,11 +141,11 @@ fn test_light(pixel: ptr<function, Pixel>, index: u32, lobe: u32) {
         return;
     }
 #ifdef RAYS
-    if !is_visible(*pixel, virtual_lights[index]) {
+    if !is_visible(*pixel, place.xyz, shape.xyz) {
         return;
     }
 #endif
-    add(pixel, min(intensity / softened / p, vec3f(MAX_RADIANCE)), to_light, cosine);
+    add(pixel, min(e, vec3f(MAX_RADIANCE)), to_light, cosine);
 }
 
 fn load_pixel(at: vec2u, z: f32) -> Pixel {
@@ -107,6 +157,7 @@ fn load_pixel(at: vec2u, z: f32) -> Pixel {
     pixel.to_eye = normalize(view.eye - position);
     pixel.n_dot_v = max(dot(pixel.surface.normal, pixel.to_eye), 1e-4);
     pixel.alpha = max(pixel.surface.roughness * pixel.surface.roughness, 1e-3);
+    pixel.is_glossy = pixel.surface.grazing_reflectance > 0.0 || any(pixel.surface.normal_reflectance > vec3f(0.0));
     pixel.delta = bound.x;
     let c = abs(position);
     let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), distance(position, view.eye));

@@ -8,14 +8,14 @@
 // turned so that the box lies along the tile's own axis, where it is tight.
 
 #import lightwell::gbuffer::world_position
-#import lightwell::slc::{LightRange, Culling, squeezed}
+#import lightwell::slc::{LightRange, Culling, mask_stride, squeezed}
 #import lightwell::view::View
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var depth: texture_depth_2d;
 @group(0) @binding(3) var<storage, read> ranges: array<LightRange>;
-// A bit a light, `words` words a lobe, two lobes a slice.
+// A bit a light, `words` words a lobe, then their summaries; two lobes a slice.
 @group(0) @binding(4) var<storage, read_write> masks: array<u32>;
 // The slice of every pixel.
 @group(0) @binding(5) var<storage, read_write> slices: array<u32>;
@@ -31,6 +31,8 @@ var<workgroup> shallowest: atomic<u32>;
 var<workgroup> slice_near: array<atomic<u32>, MAX_SLICES>;
 var<workgroup> slice_far: array<atomic<u32>, MAX_SLICES>;
 var<workgroup> found: array<atomic<u32>, 512>;
+// Which words of 32 of a mask are not zero.
+var<workgroup> summaries: array<atomic<u32>, 64>;
 // Corners of the tile's pyramid between its depths, and the extents of the slices between them in 0..1.
 var<workgroup> near_corners: array<vec3f, 4>;
 var<workgroup> far_corners: array<vec3f, 4>;
@@ -149,6 +151,9 @@ fn main(
         atomicStore(&farthest, 0u);
         atomicStore(&deepest, 0u);
     }
+    if thread < 2u * MAX_SLICES {
+        atomicStore(&summaries[thread], 0u);
+    }
     if thread < MAX_SLICES {
         atomicStore(&slice_near[thread], 0x7f7fffffu);
         atomicStore(&slice_far[thread], 0u);
@@ -187,7 +192,8 @@ fn main(
     workgroupBarrier();
 
     let tile = (subset_index * culling.tiles.y + group.y) * culling.tiles.x + group.x;
-    let first_word = tile * culling.slices * 2u * culling.words;
+    let stride = mask_stride(culling.words);
+    let first_word = tile * culling.slices * 2u * stride;
     for (var chunk = 0u; chunk < culling.words; chunk += GROUP_WORDS) {
         let index = 32u * chunk + thread;
         if index < culling.lights && far > 0.0 {
@@ -204,8 +210,15 @@ fn main(
         workgroupBarrier();
         for (var i = thread; i < 2u * culling.slices * GROUP_WORDS; i += 256u) {
             let word = chunk + i % GROUP_WORDS;
-            masks[first_word + (i / GROUP_WORDS) * culling.words + word] = atomicLoad(&found[i]);
+            let bits = atomicLoad(&found[i]);
+            masks[first_word + (i / GROUP_WORDS) * stride + word] = bits;
+            atomicOr(&summaries[i / GROUP_WORDS], select(0u, 1u, bits != 0u) << (word & 31u));
             atomicStore(&found[i], 0u);
+        }
+        workgroupBarrier();
+        let end = chunk + GROUP_WORDS;
+        if (end % 32u == 0u || end == culling.words) && thread < 2u * culling.slices {
+            masks[first_word + thread * stride + culling.words + chunk / 32u] = atomicExchange(&summaries[thread], 0u);
         }
         workgroupBarrier();
     }

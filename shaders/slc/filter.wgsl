@@ -31,14 +31,19 @@ struct Filtered {
     specular: vec3f,
 }
 
-// How far a neighbour lies off the plane of the pixel, by the sine of its elevation, and how far it turns away.
+// How far a neighbour lies off the surface, and how far that turns. Where a surface curves, chords are perpendicular to
+// the mean of the normals at their ends, exactly so on spheres and cylinders: an elevation against that tells a step
+// from a curve. Normals may turn by 20° within the radius before neighbours count for less, or what is round shows the
+// pattern of the subsets.
 fn likeness(position: vec3f, n: vec3f, other: vec2u, other_z: f32) -> f32 {
     let offset = world_position(other, view.size, other_z, view.world_from_clip) - position;
     let across = dot(offset, offset);
-    let off_plane = dot(n, offset);
-    let elevation = off_plane * off_plane / max(across, 1e-30);
-    let turned = 1.0 - dot(n, decode_normal(textureLoad(normal, other, 0)));
-    return exp(-elevation * 50.0 - turned * 20.0);
+    let other_n = decode_normal(textureLoad(normal, other, 0));
+    let both = n + other_n;
+    let off_surface = dot(both, offset);
+    let elevation = off_surface * off_surface / max(across * dot(both, both), 1e-30);
+    let turned = (1.0 - dot(n, other_n)) / 0.15;
+    return exp(-elevation * 50.0 - turned * turned);
 }
 
 fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {

@@ -3,7 +3,7 @@
 // that the eye is in has them too, and a pixel is covered once.
 
 #import lightwell::slc::squeezed
-#import lightwell::slc_shading::{MAX_RADIANCE, view, culling, depth, ranges, load_pixel, test_light}
+#import lightwell::slc_shading::{MAX_RADIANCE, view, culling, depth, ranges, load_pixel, may_accept, take_light}
 
 // The atlas, for the way back.
 @group(0) @binding(9) var diffuse_atlas: texture_2d<f32>;
@@ -95,7 +95,10 @@ fn fragment(splat: Splat) -> Sum {
         discard;
     }
     var pixel = load_pixel(at, z);
-    test_light(&pixel, splat.light, splat.lobe);
+    pixel.tested = 1.0;
+    if may_accept(pixel, splat.light, splat.lobe) {
+        take_light(&pixel, splat.light, splat.lobe);
+    }
     return Sum(vec4f(pixel.diffuse, pixel.tested), vec4f(pixel.specular, pixel.accepted));
 }
 

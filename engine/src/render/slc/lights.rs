@@ -2,7 +2,7 @@
 
 use super::{Method, Sources};
 use crate::gpu::{Binding, ComputeKey, Gpu};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::light_uniform::LightUniform;
 use crate::render::light_view::light_views;
@@ -17,6 +17,9 @@ use wgpu::BufferUsages;
 pub(super) const LIGHT_BYTES: u64 = 96;
 /// Bytes of `LightRange` of `lib/slc.wgsl`.
 pub(super) const RANGE_BYTES: u64 = 64;
+/// Lights in a row of the image that shading reads, and its layers: `LIGHTS_A_ROW` and the layers of `lib/slc.wgsl`.
+pub(super) const LIGHTS_A_ROW: u32 = 4096;
+const LIGHT_TEXELS: u32 = 8;
 
 /// `Place` of `slc/lights.wgsl`.
 #[derive(ShaderType)]
@@ -112,8 +115,8 @@ pub(super) fn lights_of(map: &Rsm, interleave: u32) -> u64 {
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Sources {
     let lights = declare_lights(graph, frame, maps, method);
     let bound = declare_bound(graph, method, lights);
-    let ranges = declare_ranges(graph, method, lights, bound);
-    Sources { lights, ranges, bound }
+    let (ranges, texels) = declare_ranges(graph, method, lights, bound);
+    Sources { ranges, texels, bound }
 }
 
 fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Handle<Buffer> {
@@ -202,19 +205,29 @@ fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> 
     bound
 }
 
-fn declare_ranges(graph: &mut Graph, method: &Method, lights: Handle<Buffer>, bound: Handle<Buffer>) -> Handle<Buffer> {
+fn declare_ranges(
+    graph: &mut Graph,
+    method: &Method,
+    lights: Handle<Buffer>,
+    bound: Handle<Buffer>,
+) -> (Handle<Buffer>, Handle<Texture>) {
     let count = method.lights.saturating_mul(method.subsets());
     let desc = BufferDesc::new(RANGE_BYTES * u64::from(count), BufferUsages::STORAGE);
     let ranges = graph.retained_buffer("slc ranges", desc);
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let (width, height) = (count.clamp(1, LIGHTS_A_ROW), count.div_ceil(LIGHTS_A_ROW).max(1));
+    let desc = TextureDesc::d2_array(width, height, LIGHT_TEXELS, wgpu::TextureFormat::Rgba32Float, usage);
+    let texels = graph.retained_texture("slc light texels", desc);
     let mut pass = graph.pass("slc ranges");
     pass.read(lights);
     pass.read(bound);
-    let ranges = pass.write(ranges);
+    let (ranges, texels) = (pass.write(ranges), pass.write(texels));
     pass.key(&(method.settings.bounds, method.seed, method.lights));
     let method = method.clone();
     pass.execute(move |cx| {
         let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
         cx.counts().lights += u64::from(count);
+        let view = cx.view(texels);
         let groups = count.div_ceil(64);
         let x = groups.min(32_768);
         cx.dispatch(
@@ -224,9 +237,10 @@ fn declare_ranges(graph: &mut Graph, method: &Method, lights: Handle<Buffer>, bo
                 ("virtual_lights", Binding::Buffer(&lights)),
                 ("bound", Binding::Buffer(&bound)),
                 ("ranges", Binding::Buffer(&target)),
+                ("light_texels", Binding::Texture(&view)),
             ],
             [x, groups.div_ceil(x), 1],
         )
     });
-    ranges
+    (ranges, texels)
 }

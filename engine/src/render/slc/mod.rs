@@ -64,8 +64,9 @@ struct Method {
 /// The virtual lights of a frame.
 #[derive(Clone, Copy)]
 struct Sources {
-    lights: Handle<Buffer>,
     ranges: Handle<Buffer>,
+    /// What shading reads of the lights.
+    texels: Handle<Texture>,
     bound: Handle<Buffer>,
 }
 
@@ -86,10 +87,11 @@ impl Method {
         self.lights.div_ceil(256).max(1) * 8
     }
 
-    /// Words of all masks.
+    /// Words of all masks with their summaries.
     fn mask_words(&self) -> u64 {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]) * u64::from(self.subsets());
-        tiles * u64::from(self.slices) * 2 * u64::from(self.words())
+        let words = self.words();
+        tiles * u64::from(self.slices) * 2 * u64::from(words + words.div_ceil(32))
     }
 }
 

@@ -27,9 +27,11 @@ pub(super) fn declare<'a>(
     let mut pass = graph.pass("slc shade");
     let surfaces = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     surfaces.into_iter().for_each(|handle| pass.read(handle));
-    let buffers = [sources.lights, sources.ranges, sources.bound];
+    let (texels, bound) = (sources.texels, sources.bound);
+    pass.read(texels);
+    pass.read(bound);
     let masks = culled.map(|culled| [culled.masks, culled.slices]);
-    buffers.into_iter().chain(masks.into_iter().flatten()).for_each(|handle| pass.read(handle));
+    masks.into_iter().flatten().for_each(|handle| pass.read(handle));
     let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
     let rays = casts_rays(&method.settings);
     pass.key(&(rays, masks.is_none(), method.settings.interleave, frame.view_key()));
@@ -42,7 +44,7 @@ pub(super) fn declare<'a>(
         let view = frame.view_uniform(gpu);
         let views = surfaces.map(|handle| cx.view(handle));
         let targets = [shaded.diffuse, shaded.specular].map(|handle| cx.view(handle));
-        let buffers = buffers.map(|handle| cx.buffer(handle).clone());
+        let (texels, bound) = (cx.view(texels), cx.buffer(bound).clone());
         let masks = masks.map(|masks| masks.map(|handle| cx.buffer(handle).clone()));
         let scene = frame.rays.filter(|_| rays);
         let mut key = match scene {
@@ -67,17 +69,13 @@ pub(super) fn declare<'a>(
                 ("normal", Binding::Texture(&views[1])),
                 ("object", Binding::Texture(&views[2])),
                 ("depth", Binding::Texture(&views[3])),
-                ("virtual_lights", Binding::Buffer(&buffers[0])),
-                ("bound", Binding::Buffer(&buffers[2])),
+                ("light_texels", Binding::Texture(&texels)),
+                ("bound", Binding::Buffer(&bound)),
                 ("diffuse", Binding::Texture(&targets[0])),
                 ("specular", Binding::Texture(&targets[1])),
             ];
             if let Some([masks, slices]) = &masks {
-                group.extend([
-                    ("ranges", Binding::Buffer(&buffers[1])),
-                    ("masks", Binding::Buffer(masks)),
-                    ("slices", Binding::Buffer(slices)),
-                ]);
+                group.extend([("masks", Binding::Buffer(masks)), ("slices", Binding::Buffer(slices))]);
             }
             let groups = [method.tiles[0], method.tiles[1], count];
             match scene {

@@ -65,9 +65,9 @@ fn declare_atlas<'a>(
     let diffuse = graph.retained_texture("slc diffuse atlas", desc.clone());
     let specular = graph.retained_texture("slc specular atlas", desc);
     let mut pass = graph.pass("slc splat");
-    let surfaces = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
+    let surfaces = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth, sources.texels];
     surfaces.into_iter().for_each(|handle| pass.read(handle));
-    let buffers = [sources.lights, sources.ranges, sources.bound];
+    let buffers = [sources.ranges, sources.bound];
     buffers.into_iter().for_each(|handle| pass.read(handle));
     let atlas = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
     pass.key(&(n, frame.view_key()));
@@ -90,7 +90,7 @@ fn draw_row(
     frame: &Frame,
     method: &Method,
     [surfaces, targets]: [&[Handle<Texture>]; 2],
-    buffers: [Handle<crate::graph::Buffer>; 3],
+    buffers: [Handle<crate::graph::Buffer>; 2],
     row: u32,
     part: [u32; 2],
 ) -> Result<(), PassError> {
@@ -114,9 +114,9 @@ fn draw_row(
             ("normal", Binding::Texture(&surfaces[1])),
             ("object", Binding::Texture(&surfaces[2])),
             ("depth", Binding::Texture(&surfaces[3])),
-            ("virtual_lights", Binding::Buffer(&buffers[0])),
-            ("ranges", Binding::Buffer(&buffers[1])),
-            ("bound", Binding::Buffer(&buffers[2])),
+            ("light_texels", Binding::Texture(&surfaces[4])),
+            ("ranges", Binding::Buffer(&buffers[0])),
+            ("bound", Binding::Buffer(&buffers[1])),
         ];
         groups.push(pipeline.bind(gpu, 0, &group)?);
     }
