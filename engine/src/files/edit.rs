@@ -64,6 +64,11 @@ pub fn prefab_of(world: &GameWorld, entity: Entity) -> Option<&str> {
     world.ecs.get::<Source>(entity)?.prefab.as_deref()
 }
 
+/// Whether the entity is an instance that makes several copies of its prefab.
+pub fn is_repeated(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| source.repeat.is_some())
+}
+
 /// Whether the entity belongs to an instance of a prefab further up.
 pub fn is_in_prefab(world: &GameWorld, entity: Entity) -> bool {
     world.ecs.get::<Source>(entity).is_some_and(|source| matches!(source.origin, Origin::Prefab { .. }))
@@ -215,6 +220,7 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
         }
         if entity == instance {
             source.prefab = None;
+            source.repeat = None;
             source.members.clear();
         }
     }
@@ -349,7 +355,7 @@ fn remember(world: &mut GameWorld, entity: Entity, now: &OverrideFile, material:
         }
         return;
     }
-    let source = Source { components, material, prefab: None, members: Vec::new(), origin: Origin::File };
+    let source = Source { components, material, prefab: None, repeat: None, members: Vec::new(), origin: Origin::File };
     world.ecs.entity_mut(entity).insert(source);
 }
 

@@ -3,6 +3,7 @@
 //! Everything has a default that can have one, so that hand-written files say only what matters.
 
 pub use super::parts::*;
+pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
 use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::{Deserialize, Serialize};
@@ -102,6 +103,9 @@ pub struct EntityFile {
     /// A prefab whose entities become children; its path is relative to this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prefab: Option<String>,
+    /// Copies of the prefab in place of one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeat: Option<Repeat>,
     /// Changes to the prefab's entities by their path below this one, such as `"Pole/Bulb"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub overrides: BTreeMap<String, OverrideFile>,

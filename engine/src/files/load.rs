@@ -169,6 +169,18 @@ impl Loader<'_> {
         parent: Option<Entity>,
         at: &[Step],
     ) -> Result<(), FileError> {
+        self.holder(file, context, parent, at, None)
+    }
+
+    /// Spawns an entity, and below it those of a prefab of which it holds a copy.
+    fn holder(
+        &mut self,
+        file: &EntityFile,
+        context: &Rc<Context>,
+        parent: Option<Entity>,
+        at: &[Step],
+        held: Option<&Prefab>,
+    ) -> Result<(), FileError> {
         self.count += 1;
         if self.count > MAX_ENTITIES || self.chain.len() > MAX_PREFAB_DEPTH {
             let message =
@@ -180,7 +192,7 @@ impl Loader<'_> {
             level.trail.push(file.name.clone());
             level.members.push(level.trail.join("/"));
         }
-        let result = self.entity_inside(file, context, parent, at);
+        let result = self.entity_inside(file, context, parent, at, held);
         for level in &mut self.levels {
             level.trail.pop();
         }
@@ -193,6 +205,7 @@ impl Loader<'_> {
         context: &Rc<Context>,
         parent: Option<Entity>,
         at: &[Step],
+        held: Option<&Prefab>,
     ) -> Result<(), FileError> {
         let resolved = self.resolve(file, context, at);
         if resolved.removed {
@@ -204,6 +217,7 @@ impl Loader<'_> {
             components: resolved.components,
             material,
             prefab: file.prefab.clone(),
+            repeat: file.repeat.clone(),
             members: Vec::new(),
             origin: resolved.origin,
         };
@@ -211,6 +225,9 @@ impl Loader<'_> {
             source.members = self.instance(file, context, entity, at)?;
         }
         self.world.ecs.entity_mut(entity).insert(source);
+        if let Some((context, entities)) = held {
+            self.prefab_entities(context, entities, entity)?;
+        }
         for (i, child) in file.children.iter().enumerate() {
             self.entity(child, context, Some(entity), &extended(at, &[key("children"), Step::Index(i)]))?;
         }
@@ -299,15 +316,39 @@ impl Loader<'_> {
             trail: Vec::new(),
             members: Vec::new(),
         });
-        for (i, child) in prefab.1.iter().enumerate() {
-            self.entity(child, &prefab.0, Some(entity), &[key("entities"), Step::Index(i)])?;
+        match &file.repeat {
+            None => self.prefab_entities(&prefab.0, &prefab.1, entity)?,
+            Some(repeat) => {
+                for index in 0..repeat.count() {
+                    let name = (index + 1).to_string();
+                    let holder = EntityFile { name, transform: Some(repeat.place(index)), ..Default::default() };
+                    self.holder(&holder, &prefab.0, Some(entity), &[key("entities")], Some(&*prefab))?;
+                }
+            }
         }
         self.chain.pop();
         let level = self.levels.pop();
         let members = level.map(|l| l.members).unwrap_or_default();
         check_overrides(file, context, at, written, &members)?;
-        check_children(file, context, at, &prefab.1)?;
+        let own: Vec<&str> = match &file.repeat {
+            None => prefab.1.iter().map(|entity| entity.name.as_str()).collect(),
+            Some(_) => members.iter().filter(|path| !path.contains('/')).map(String::as_str).collect(),
+        };
+        check_children(file, context, at, &own)?;
         Ok(members)
+    }
+
+    /// Spawns the entities of a prefab's file.
+    fn prefab_entities(
+        &mut self,
+        context: &Rc<Context>,
+        entities: &[EntityFile],
+        parent: Entity,
+    ) -> Result<(), FileError> {
+        for (i, child) in entities.iter().enumerate() {
+            self.entity(child, context, Some(parent), &[key("entities"), Step::Index(i)])?;
+        }
+        Ok(())
     }
 
     fn prefab(&mut self, written: &str, context: &Context, at: &[Step]) -> Result<(PathBuf, Rc<Prefab>), FileError> {
@@ -379,9 +420,9 @@ fn check_overrides(
 }
 
 /// An instance's own children must not bear the names of the prefab's.
-fn check_children(file: &EntityFile, context: &Context, at: &[Step], prefab: &[EntityFile]) -> Result<(), FileError> {
+fn check_children(file: &EntityFile, context: &Context, at: &[Step], prefab: &[&str]) -> Result<(), FileError> {
     for (i, child) in file.children.iter().enumerate() {
-        if prefab.iter().any(|p| p.name == child.name) {
+        if prefab.contains(&child.name.as_str()) {
             let at = extended(at, &[key("children"), Step::Index(i), key("name")]);
             let message = format!("the prefab has a child named `{}` already", child.name);
             let error = context.document.error(&at, Kind::DuplicateName, message);

@@ -150,6 +150,7 @@ pub(super) fn model_source() -> Source {
         components: OverrideFile::default(),
         material: None,
         prefab: None,
+        repeat: None,
         members: Vec::new(),
         origin: Origin::Model,
     }

@@ -120,6 +120,7 @@ impl Writer<'_> {
         let instance = |s: &&Source| s.prefab.is_some() && matches!(s.origin, Origin::File);
         if let Some(source) = self.source(entity).filter(instance) {
             file.prefab = source.prefab.clone();
+            file.repeat = source.repeat.clone();
             let mut found = BTreeSet::new();
             self.overrides(entity, "", &mut file.overrides, &mut found)?;
             for member in source.members.iter().filter(|m| !found.contains(*m)) {

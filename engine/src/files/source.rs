@@ -1,7 +1,7 @@
 //! Where entities and assets come from, kept in the world so that a save writes them as they were described.
 
 use super::document::Document;
-use super::format::{Gi, MaterialFile, MaterialRef, OverrideFile, SceneFile, Shape, TextureFile};
+use super::format::{Gi, MaterialFile, MaterialRef, OverrideFile, Repeat, SceneFile, Shape, TextureFile};
 use crate::assets::{AssetId, Material};
 use bevy_ecs::prelude::{Component, Resource};
 use std::collections::{BTreeMap, HashMap};
@@ -16,6 +16,8 @@ pub struct Source {
     pub material: Option<Arc<Material>>,
     /// The prefab that the entity is an instance of, as the file names it.
     pub prefab: Option<String>,
+    /// The copies that it makes of the prefab, if it is not one alone.
+    pub repeat: Option<Repeat>,
     /// For an instance in the scene file: the paths of all of the prefab's entities below it.
     pub members: Vec<String>,
     /// Where the entity stands in the files.

@@ -225,6 +225,15 @@ impl Validator {
                 "say `prefab: \"….prefab.ron\"` too",
             ));
         }
+        if let Some(repeat) = &e.repeat {
+            if e.prefab.is_none() {
+                let help = "say `prefab: \"….prefab.ron\"` too; only prefabs are repeated";
+                return Err(self.fault("repeat", Kind::BadValue, "repeats without a prefab", help));
+            }
+            if let Some((field, message, help)) = repeat.fault() {
+                return self.field("repeat", |v| Err(v.fault(field, Kind::BadValue, message, help)));
+            }
+        }
         for (path, patch) in &e.overrides {
             self.field("overrides", |v| {
                 v.field(path, |v| {

@@ -1,16 +1,17 @@
 //! A scene with everything that is compared in it, on one device.
 
 use super::results::{SceneFigures, VariantFigures};
-use super::variant::Variant;
+use super::variant::{self, Variant};
 use crate::capture;
-use crate::cli::Common;
+use crate::cli::{Common, Gi};
 use crate::session::{self, Session};
 use anyhow::{Context, Result};
+use lightwell::files::SceneInfo;
 use lightwell::gpu::Gpu;
 use lightwell::measure::Image;
 use lightwell::render::lpv;
 use lightwell::render::{Layer, RenderSettings};
-use lightwell::scene::{LightShape, SceneView};
+use lightwell::scene::{LightShape, SceneClpv, SceneView};
 use lightwell::world::Clpv;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,6 +24,13 @@ pub struct Lab {
     /// The variants, each with the index of its session.
     pub runners: Vec<(Variant, usize)>,
     camera: Option<String>,
+}
+
+/// The settings of the thesis, where a scene has them.
+const THESIS: (&str, &str) = ("preset", "thesis");
+
+fn own((path, value): (&str, &str)) -> (String, String) {
+    (path.to_owned(), value.to_owned())
 }
 
 /// The three layers of light.
@@ -62,6 +70,7 @@ impl Lab {
     /// If a setting does not exist.
     pub fn add(&mut self, variants: &[Variant]) -> Result<()> {
         for variant in variants {
+            let variant = &self.in_thesis_settings(variant);
             // All path tracing of the unchanged scene shares one session.
             let index = match variant.is_traced() && variant.sets.is_empty() {
                 true => 0,
@@ -93,9 +102,28 @@ impl Lab {
         self.sessions[0].name()
     }
 
-    /// The scene's own light volume.
-    pub fn clpv(&self) -> Option<&Clpv> {
-        self.sessions[0].scene().clpv.as_ref().map(|clpv| &clpv.settings)
+    /// The scene's light volume: that of the thesis, if the scene has its settings.
+    ///
+    /// # Errors
+    /// If those settings do not fit the scene.
+    pub fn clpv(&self) -> Result<Option<Clpv>> {
+        let of = |session: &Session| session.scene().clpv.as_ref().map(|clpv| clpv.settings.clone());
+        let variant = self.in_thesis_settings(&Variant::new("thesis", Gi::Clpv, vec![own(variant::DIFFUSION)]));
+        match variant.sets.iter().any(|(path, _)| path == "preset") {
+            true => Ok(of(&self.sessions[0].again(&variant.look(self.camera.as_deref()))?)),
+            false => Ok(of(&self.sessions[0])),
+        }
+    }
+
+    /// The variant with the thesis's settings of the scene first, if the scene has them and it is the thesis's method.
+    fn in_thesis_settings(&self, variant: &Variant) -> Variant {
+        let info = self.sessions[0].world().ecs.get_resource::<SceneInfo>();
+        let has_them = info.is_some_and(|info| info.presets.contains_key(THESIS.1));
+        let mut variant = variant.clone();
+        if has_them && variant.sets.first() == Some(&own(variant::DIFFUSION)) {
+            variant.sets.insert(0, own(THESIS));
+        }
+        variant
     }
 
     /// Length of the animation [s] and frames a second.
@@ -172,8 +200,9 @@ impl Lab {
             cells: None,
             steps: None,
         };
-        if let Some(clpv) = &scene.clpv {
-            let volumes = lpv::volumes(clpv, &scene.bounds(), &view)?;
+        if let (Some(clpv), Some(settings)) = (&scene.clpv, self.clpv()?) {
+            let clpv = SceneClpv { settings, ..clpv.clone() };
+            let volumes = lpv::volumes(&clpv, &scene.bounds(), &view)?;
             let [x, y, z] = clpv.settings.cells;
             let finest = volumes.first().map_or(0.0, |volume| volume.cell);
             figures.volumes = format!("{} × {x}×{y}×{z}, {finest:.3} m", volumes.len());

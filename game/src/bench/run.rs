@@ -63,7 +63,7 @@ struct Run {
 
 impl Run {
     fn scene(&mut self, mut lab: Lab, gpu: &Arc<Gpu>, store: &mut Store, scenes_left: usize) -> Result<()> {
-        let variants = self.plan.variants_of(lab.clpv());
+        let variants = self.plan.variants_of(lab.clpv()?.as_ref());
         lab.add(&variants)?;
         let (duration, rate) = lab.clock();
         let tasks = self.plan.tasks(&self.plan.times_of(duration, rate));

@@ -30,7 +30,7 @@ pub enum Runs {
     Asked,
 }
 
-const DIFFUSION: (&str, &str) = ("clpv.transport", "Diffusion");
+pub(super) const DIFFUSION: (&str, &str) = ("clpv.transport", "Diffusion");
 const SWEEP: (&str, &str) = ("clpv.transport", "Sweep");
 const AUTO: (&str, &str) = ("clpv.cell_size", "Auto");
 const FIXED: (&str, &str) = ("clpv.placement", "Fixed");
@@ -45,7 +45,7 @@ const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 #[rustfmt::skip]
 pub const METHODS: &[Method] = &[
     Method { name: "none", gi: Gi::None, sets: &[], what: "direct light alone", runs: Runs::Always },
-    Method { name: "clpv", gi: Gi::Clpv, sets: &[DIFFUSION], what: "the thesis's propagation in the scene's settings", runs: Runs::Always },
+    Method { name: "clpv", gi: Gi::Clpv, sets: &[DIFFUSION], what: "the thesis's propagation, in its settings for the scene if it has any", runs: Runs::Always },
     Method { name: "sweep low", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW], what: "sweep transport, low", runs: Runs::Always },
     Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM], what: "sweep transport, medium", runs: Runs::Always },
     Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH], what: "sweep transport, high", runs: Runs::Always },

@@ -294,6 +294,9 @@ impl Editor {
         let written =
             files::prefab_of(stage.world, entity).context("the selected entity is no instance of a prefab")?;
         let path = folder_of(stage.files.path).join(written);
+        if files::is_repeated(stage.world, entity) {
+            anyhow::bail!("the selected entity makes several copies of its prefab: apply an instance that makes one");
+        }
         let holder = stage.world.stash(entity, true)?;
         // Written in full, as if it were no instance.
         files::break_prefab(stage.world, entity);

@@ -5,6 +5,7 @@ mod bad;
 mod clips;
 mod instances;
 mod models;
+mod repeats;
 mod round_trip;
 
 use super::*;

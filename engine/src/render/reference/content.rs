@@ -93,7 +93,8 @@ impl Content {
         let alpha = match material.alpha_mode {
             AlphaMode::Opaque => (0, 0.0),
             AlphaMode::Mask(cutoff) => (1, cutoff),
-            AlphaMode::Blend => (2, 0.0),
+            // 2 were those that were cut off at half of it.
+            AlphaMode::Blend => (3, 0.0),
         };
         self.u32s([alpha.0, u32::from(material.double_sided)]);
         self.f32s(material.base_color.to_array());
