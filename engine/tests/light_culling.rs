@@ -193,6 +193,29 @@ fn a_wall_in_the_way_stops_light_only_with_shadow_rays() {
     assert!(stopped < 1e-3 * through, "{stopped} of {through} passes the wall");
 }
 
+/// On an open floor E = π·L, and ρ·L is reflected; a box over it takes what it covers.
+#[test]
+fn the_sky_lights_what_sees_it() {
+    let gpu = gpu();
+    let of = |covered: bool, visibility| {
+        let mut stage = Stage::new(Vec3::new(0.0, 0.8, 0.4), Vec3::new(0.0, -1.0, -0.2), 16);
+        stage.add(Shape::Plane { size: [9.0, 9.0], subdivisions: [1, 1] }, Vec3::splat(0.5), Affine3A::IDENTITY);
+        if covered {
+            let lid = Affine3A::from_translation(Vec3::new(0.0, 1.2, 0.0));
+            stage.add(Shape::Box { size: [60.0, 0.2, 60.0] }, Vec3::ZERO, lid);
+        }
+        stage.scene.sky = Vec3::new(1.0, 2.0, 0.5);
+        stage.scene.slc = Some(StochasticLightCulling { visibility, interleave: 4, filter_radius: 4, ..small() });
+        let image = indirect(&gpu, &stage);
+        Vec3::from([0, 1, 2].map(|c| image.rgba.iter().map(|p| p[c]).sum::<f32>() / image.rgba.len() as f32))
+    };
+    let open = of(false, LightVisibility::ShadowRays);
+    assert!((open - Vec3::new(0.5, 1.0, 0.25)).abs().max_element() < 5e-3, "{open}");
+    let covered = of(true, LightVisibility::ShadowRays);
+    assert!(covered.max_element() < 0.01, "{covered}");
+    assert_eq!(of(false, LightVisibility::None), Vec3::ZERO);
+}
+
 #[test]
 fn no_light_is_exactly_none_and_too_many_are_an_error() {
     let gpu = gpu();

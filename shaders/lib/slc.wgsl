@@ -64,6 +64,8 @@ struct Culling {
     first_subset: u32,     // of this dispatch
     pad_a: u32,
     pad_b: u32,
+    sky: vec3f,            // radiance [W/(m² sr)]
+    sky_rays: u32,         // of a pixel
 }
 
 // Words of a mask with its summaries: for every 32 words another, whose bits tell which of them are not zero.

@@ -2,6 +2,12 @@
 // tiles, clusters and all bounds give the same bits.
 
 #import lightwell::slc::{DIFFUSE_LOBE, SPECULAR_LOBE, mask_stride}
+#ifdef RAYS
+#import lightwell::brdf::PI
+#import lightwell::rays::{Ray, SHADOW, NONE, trace}
+#import lightwell::sampling::{cosine_direction, hash, unit_float}
+#import lightwell::slc::brightest
+#endif
 #import lightwell::slc_shading::{Pixel, MAX_RADIANCE, view, culling, depth, load_pixel, may_accept, take_light}
 
 @group(0) @binding(9) var<storage, read> masks: array<u32>;
@@ -57,6 +63,28 @@ fn shade(pixel: ptr<function, Pixel>, first: u32, lobe: u32, mask: u32, thread: 
 
 #endif
 
+#ifdef RAYS
+
+// Light of the sky: rays around the normal with density cosθ/π, of which each subset casts others, so that filtered
+// they are many (Hammersley's set, turned at random from frame to frame). Reflected diffusely alone.
+fn add_sky(pixel: ptr<function, Pixel>, subset: u32) {
+    let subsets = culling.interleave * culling.interleave;
+    let rays = select(0u, culling.sky_rays, any(culling.sky > vec3f(0.0)));
+    let normal = (*pixel).surface.normal;
+    let shift = unit_float(hash(culling.seed));
+    for (var i = 0u; i < rays; i++) {
+        let index = i * subsets + subset;
+        let u = vec2f((f32(index) + 0.5) / f32(rays * subsets), fract(unit_float(reverseBits(index)) + shift));
+        let direction = cosine_direction(normal, u);
+        if trace(culling.root, Ray((*pixel).origin, direction), 3e38, SHADOW).triangle == NONE {
+            let f = (*pixel).surface.normal_reflectance;
+            (*pixel).diffuse += culling.sky * (PI * (1.0 - brightest(f)) / f32(rays * subsets));
+        }
+    }
+}
+
+#endif
+
 @compute @workgroup_size(16, 16)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let n = culling.interleave;
@@ -85,6 +113,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     let mask = 2u * (tile * culling.slices + slices[at.y * view.size.x + at.x]) * stride;
     shade(&pixel, first, DIFFUSE_LOBE, mask, thread);
     shade(&pixel, first, SPECULAR_LOBE, mask + stride, thread);
+#endif
+#ifdef RAYS
+    add_sky(&pixel, subset);
 #endif
     // Each subset stands for all.
     let share = f32(n * n);

@@ -20,6 +20,8 @@ pub(super) const RANGE_BYTES: u64 = 64;
 /// Lights in a row of the image that shading reads, and its layers: `LIGHTS_A_ROW` and the layers of `lib/slc.wgsl`.
 pub(super) const LIGHTS_A_ROW: u32 = 4096;
 const LIGHT_TEXELS: u32 = 8;
+/// Rays to the sky of all subsets together.
+const SKY_RAYS: u32 = 256;
 
 /// `Place` of `slc/lights.wgsl`.
 #[derive(ShaderType)]
@@ -48,6 +50,8 @@ pub(crate) struct CullingUniform {
     first_subset: u32,
     pad_a: u32,
     pad_b: u32,
+    sky: Vec3,
+    sky_rays: u32,
 }
 
 impl Method {
@@ -84,6 +88,8 @@ impl Method {
             first_subset,
             pad_a: 0,
             pad_b: 0,
+            sky: self.sky,
+            sky_rays: (SKY_RAYS / self.subsets()).clamp(4, 64),
         };
         gpu.uniform("culling", &uniform)
     }

@@ -27,6 +27,7 @@ use super::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
 use crate::world::{LightCulling, LightVisibility, StochasticLightCulling};
+use glam::Vec3;
 
 /// Name of the retained texture of what diffuse surfaces answer to; its alpha is the number of lights tested.
 pub const TESTED: &str = "slc diffuse";
@@ -59,6 +60,8 @@ struct Method {
     seed: u32,
     /// What rays need to know of the hierarchy.
     root: u32,
+    /// Radiance of the sky, where rays are cast \[W/(m² sr)\].
+    sky: Vec3,
 }
 
 /// The virtual lights of a frame.
@@ -109,18 +112,21 @@ pub(super) fn declare<'a>(
     let settings = settings(frame.scene);
     let maps = lights::maps(graph, frame, &settings);
     let lights: u64 = maps.iter().map(|map| lights::lights_of(map, settings.interleave)).sum();
-    if lights == 0 {
+    let sky = if casts_rays(&settings) { frame.scene.sky } else { Vec3::ZERO };
+    if lights == 0 && sky == Vec3::ZERO {
         graph.skip("slc", "no light feeds indirect light");
         return Ok(None);
     }
     let [width, height] = frame.view.size;
     let covered = TILE * settings.interleave;
     let method = Method {
-        lights: u32::try_from(lights).unwrap_or(u32::MAX),
+        // Under a sky alone there is one light of no flux.
+        lights: u32::try_from(lights).unwrap_or(u32::MAX).max(1),
         slices: if settings.culling == LightCulling::Clustered { 32 } else { 2 },
         tiles: [width.div_ceil(covered), height.div_ceil(covered)],
         seed: seed(&settings, frame.view.jitter),
         root: frame.rays.map_or(0, |rays| rays.root()),
+        sky,
         settings,
     };
     check_memory(gpu, &method, frame.view.size)?;

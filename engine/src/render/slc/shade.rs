@@ -36,7 +36,7 @@ pub(super) fn declare<'a>(
     let rays = casts_rays(&method.settings);
     pass.key(&(rays, masks.is_none(), method.settings.interleave, frame.view_key()));
     if rays {
-        pass.key(&frame.geometry_key());
+        pass.key(&(frame.geometry_key(), method.sky.to_array().map(f32::to_bits)));
     }
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
