@@ -129,6 +129,19 @@ fn particles_of_the_sun_do_not_pass_the_scene() {
     assert!((flux / expected - 1.0).abs() < 0.03, "{flux}, expected {expected}");
 }
 
+/// A software driver ends the loops of a thread after 65,535 turns: all lights in one dispatch would be cut off.
+#[test]
+fn many_lights_are_no_darker_than_few() {
+    let gpu = gpu();
+    let mut stage = room(0.6, 8);
+    let of = |stage: &mut Stage, particles| {
+        let settings = InstantRadiosity { particles, bounces: Bounces::Count(1), ..Default::default() };
+        mean(&draw(&gpu, stage, settings).0)
+    };
+    let [few, many] = [512, 16_384].map(|particles| of(&mut stage, particles));
+    assert!((many / few - 1.0).abs() < 0.05, "{few} by 512 particles, {many} by 16,384");
+}
+
 #[test]
 fn both_ways_to_add_up_give_the_same_image() {
     let gpu = gpu();

@@ -46,7 +46,7 @@ pub enum LightVisibility {
     /// Nothing: light passes through walls, as in the papers. Fastest, and too bright.
     #[default]
     None,
-    /// A shadow ray to every accepted light, through the scene's hierarchy of bounding volumes.
+    /// A shadow ray to every accepted light, through the scene's hierarchy of bounding volumes, and some to the sky.
     ShadowRays,
 }
 
@@ -67,8 +67,9 @@ pub enum LightShow {
 ///
 /// Tokuyoshi and Harada, "Stochastic Light Culling" (2016) and "Stochastic Light Culling for VPLs on GGX Microsurfaces"
 /// (2017). Used by `--gi slc`; a scene without it gets the default. All its counts are limited by memory alone: what
-/// does not fit is an error that says how much it would take. Not covered: emissive surfaces, the sky, and light that
-/// was reflected more than once on its way.
+/// does not fit is an error that says how much it would take. With shadow rays the sky lights what sees it (its mean
+/// radiance, reflected diffusely). Not covered: emissive surfaces, and light that was reflected more than once on its
+/// way.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StochasticLightCulling {
@@ -84,6 +85,7 @@ pub struct StochasticLightCulling {
     /// How the lights of a pixel are found.
     pub culling: LightCulling,
     /// Interleaved sampling: of n × n pixels each takes another n²-th part of the lights. 1, 2, 4, 8 or 16.
+    /// Software drivers end long loops, which with shadow rays makes 1 and 2 too dark there.
     pub interleave: u32,
     /// Radius of the cross bilateral filter \[pixels\], 0 to 64; 0: none. A multiple of `interleave` leaves no pattern.
     pub filter_radius: u32,

@@ -131,6 +131,7 @@ pub(super) fn declare<'a>(
     };
     check_memory(gpu, &method, frame.view.size)?;
     check_splatting(gpu, &method.settings)?;
+    check_loops(gpu, &method)?;
     let sources = lights::declare(graph, frame, &maps, &method);
     let shaded = match method.settings.culling {
         LightCulling::Splatting => splat::declare(graph, frame, gbuffer, &method, sources),
@@ -181,6 +182,23 @@ fn check_splatting(gpu: &Gpu, settings: &StochasticLightCulling) -> Result<(), R
         LightCulling::Splatting if !splat::is_possible(gpu) => wrong("needs an adapter that blends 32-bit floats"),
         _ => Ok(()),
     }
+}
+
+/// lavapipe ends all loops of a thread after 65,535 turns together, without a word: the sum over all lights would lack
+/// some. A ray takes up to some hundred turns.
+fn check_loops(gpu: &Gpu, method: &Method) -> Result<(), RenderError> {
+    const MOST: u64 = 65_535;
+    let unculled = method.settings.culling == LightCulling::None && gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let a_light = if casts_rays(&method.settings) { 256 } else { 1 };
+    let turns = 2 * u64::from(method.lights) * a_light;
+    if !unculled || turns <= MOST {
+        return Ok(());
+    }
+    Err(RenderError::LightCulling(format!(
+        "all {} lights of a pixel take up to {turns} turns of a loop, which software drivers end after {MOST}: use a \
+         larger `slc.interleave`, a smaller `slc.rsm_size`, or no shadow rays",
+        method.lights
+    )))
 }
 
 /// A texture of four floats a pixel.

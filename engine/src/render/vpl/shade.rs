@@ -24,6 +24,10 @@ pub(crate) struct ShadeUniform {
 /// Pixels times lights of one submit: a submit of a second may cost the device on desktop drivers. Rays take longer.
 const PAIRS_A_SUBMIT: u64 = 1 << 27;
 const RAYS_A_SUBMIT: u64 = 1 << 23;
+/// Lights of one dispatch. lavapipe ends all loops of a thread after 65,535 turns together, without a word, and a ray
+/// takes some hundred of them in a large scene.
+const LIGHTS_A_DISPATCH: u64 = 1 << 15;
+const RAYS_A_DISPATCH: u64 = 1 << 7;
 /// Ranges of a buffer begin at multiples of this many lights: 48 bytes times 16 are three times 256.
 const ALIGNMENT: u32 = 16;
 
@@ -81,7 +85,11 @@ impl Work<'_> {
         let range = range(self.state, self.frame.settings.virtual_light)?;
         let [width, height] = self.frame.view.size.map(u64::from);
         let rays = self.state.settings.visibility == VirtualVisibility::ShadowRays;
-        let most = if rays { RAYS_A_SUBMIT } else { PAIRS_A_SUBMIT } / (width * height);
+        let (submit, dispatch) = match rays {
+            true => (RAYS_A_SUBMIT, RAYS_A_DISPATCH),
+            false => (PAIRS_A_SUBMIT, LIGHTS_A_DISPATCH),
+        };
+        let most = (submit / (width * height)).min(dispatch);
         let most_bound = cx.gpu.limits.max_storage_buffer_binding_size / size_of::<VirtualLight>() as u64;
         let step = (most.min(most_bound).min(1 << 24) as u32 / ALIGNMENT).max(1) * ALIGNMENT;
         let counts = cx.counts();
