@@ -121,6 +121,24 @@ fn a_closed_room_fills_with_light_as_the_series_says() {
 }
 
 #[test]
+fn surfaces_that_lie_within_each_other_reflect_light_once() {
+    // Panels half sunk into the ceiling: their upper faces and what they cover are in the dark, a few centimetres from
+    // the light. Each of them has the irradiance of its cell, but the light is lost only once.
+    let gpu = gpu();
+    let settings = settings(Bounces::Count(8));
+    let plain = mean(&room(0.8, settings.clone()).render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let mut stage = room(0.8, settings);
+    for x in [-1.0, 1.0] {
+        for z in [-1.0, 1.0] {
+            let panel = Shape::Box { size: Vec3::new(1.9, 0.06, 1.9).into() };
+            stage.add(panel, Vec3::splat(0.8), Affine3A::from_translation(Vec3::new(x, 0.5 * ROOM.y - 0.01, z)));
+        }
+    }
+    let panelled = mean(&stage.render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    assert!((panelled / plain - 1.0).abs() < 0.06, "{panelled} with panels, {plain} without");
+}
+
+#[test]
 fn two_runs_give_the_same_bits_and_so_does_a_run_without_any_reuse() {
     let gpu = gpu();
     let stage = room(0.5, settings(Bounces::Converged));

@@ -4,7 +4,7 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed, nearest_axis}
+#import lightwell::sweep::{Balance, Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, lattice_place, corner, corner_weight, node_index}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {
@@ -31,8 +31,11 @@ struct Emit {
 // Six vectors a cell, for each of those axes: F/h² [W/m²] and whether it leaves in all directions alike; mean normal.
 // One mean for all would send the light of two walls that meet into neither.
 @group(0) @binding(11) var<storage, read_write> emission: array<vec4f>;
-// Sixteen a bounce: emitted flux (RGB) and what the surfaces received of it, high and low words each.
+// Six a bounce: emitted flux (RGB), high and low words each.
 @group(0) @binding(12) var<storage, read_write> totals: array<atomic<i32>>;
+// Share of what surfels claim of the bounce before that they reflect, by the nodes of a lattice.
+@group(0) @binding(13) var<storage, read> shares: array<f32>;
+@group(0) @binding(14) var<uniform> balance: Balance;
 
 fn inside(cell: vec3f) -> bool {
     return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
@@ -117,33 +120,31 @@ fn from_emissive(@builtin(global_invocation_id) thread: vec3u, @builtin(num_work
     from_surfel(surfel, surfel.emissive * (3.14159265 * surfel.area));
 }
 
-fn total(bounce: u32, first: u32, channel: u32) -> f32 {
-    let at = 16u * bounce + first + 2u * channel;
-    return from_fixed(atomicLoad(&totals[at]), atomicLoad(&totals[at + 1u]));
+fn share_at(position: vec3f) -> f32 {
+    let place = lattice_place(balance, (position - volume.origin) / volume.cell);
+    var sum = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        sum += corner_weight(place, i) * shares[node_index(balance, corner(place, i))];
+    }
+    return sum;
 }
 
-// Reflected light: F = ρ·A·E. All surfaces together receive no more than was sent out, so that no bounce gains.
+// Reflected light: F = ρ·A·E, of which all surfels together have no more than the light lost on them.
 @compute @workgroup_size(64)
 fn from_bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
     if index >= arrayLength(&surfels) {
         return;
     }
-    var limit = vec3f(1.0);
-    for (var channel = 0u; channel < 3u; channel++) {
-        let sent = total(emit.bounce - 1u, 0u, channel);
-        let arrived = total(emit.bounce - 1u, 6u, channel);
-        limit[channel] = min(1.0, sent / max(arrived, 1.0));
-    }
     let surfel = surfels[index];
-    from_surfel(surfel, surfel.albedo * received[index].rgb * limit * surfel.area);
+    from_surfel(surfel, surfel.albedo * received[index].rgb * (share_at(surfel.position) * surfel.area));
 }
 
 fn add_to_totals(channel: u32, flux: f32) {
     if flux > 0.0 {
         let f = to_fixed(flux);
-        atomicAdd(&totals[16u * emit.bounce + 2u * channel], f.x);
-        atomicAdd(&totals[16u * emit.bounce + 2u * channel + 1u], f.y);
+        atomicAdd(&totals[6u * emit.bounce + 2u * channel], f.x);
+        atomicAdd(&totals[6u * emit.bounce + 2u * channel + 1u], f.y);
     }
 }
 

@@ -1,7 +1,7 @@
 // Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::sweep::{Surfel, to_fixed, from_fixed}
+#import lightwell::sweep::Surfel
 #import lightwell::sweep_lookup::irradiance
 #import lightwell::view::View
 #import lightwell::volume::Volume
@@ -18,15 +18,13 @@ struct Lookup {
     cascade: Cascade,
     is_first: u32,         // the finest: starts the sum
     is_last: u32,          // the coarsest: takes all that is left
-    bounce: u32,
-    scale: f32,            // power of two that turns flux [W] into fixed point
+    padding: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> lookup: Lookup;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Irradiance [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> totals: array<atomic<i32>>;
 @group(0) @binding(6) var<uniform> view: View;
 @group(0) @binding(7) var base_color: texture_2d<u32>;
 @group(0) @binding(8) var normal: texture_2d<u32>;
@@ -60,13 +58,8 @@ fn blend(so_far: vec4f, point: vec3f, n: vec3f) -> vec4f {
     return vec4f(so_far.rgb + w * irradiance(lookup.cascade.volume, point, n), so_far.a - w);
 }
 
-var<workgroup> arrived: array<atomic<i32>, 6>;
-
 @compute @workgroup_size(64)
-fn at_surfels(
-    @builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
     if index < arrayLength(&surfels) {
         let surfel = surfels[index];
@@ -78,19 +71,6 @@ fn at_surfels(
             e = blend(e, surfel.position, surfel.normal);
         }
         received[index] = e;
-        for (var channel = 0u; channel < 3u; channel++) {
-            let flux = to_fixed(min(e[channel] * surfel.area * lookup.scale, 3.5e13));
-            atomicAdd(&arrived[2u * channel], flux.x);
-            atomicAdd(&arrived[2u * channel + 1u], flux.y);
-        }
-    }
-    workgroupBarrier();
-    if lookup.is_last != 0u && local < 3u {
-        let sum = from_fixed(atomicLoad(&arrived[2u * local]), atomicLoad(&arrived[2u * local + 1u]));
-        let fixed = to_fixed(sum);
-        let first = 16u * lookup.bounce + 6u + 2u * local;
-        atomicAdd(&totals[first], fixed.x);
-        atomicAdd(&totals[first + 1u], fixed.y);
     }
 }
 

@@ -18,7 +18,7 @@ struct Sum {
 @group(0) @binding(5) var<storage, read_write> all_facing: array<f32>;
 
 fn sent(bounce: u32, channel: u32) -> f32 {
-    let at = 16u * bounce + 2u * channel;
+    let at = 6u * bounce + 2u * channel;
     return from_fixed(totals[at], totals[at + 1u]);
 }
 

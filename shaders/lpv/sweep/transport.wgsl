@@ -24,12 +24,14 @@ struct Slice {
 @group(0) @binding(3) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(4) var<storage, read> emission: array<vec4f>;
 // L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u.
+// and, in the fourth place, the flux that the cell took out of the light, without regard to colour [W/m²].
 @group(0) @binding(5) var<storage, read> before: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
 // Irradiance [W/m²] by cell, normal and channel: for +x −x +y −y +z −z, and for the normals of the surfaces that look
 // their light up in the cell, by nearest axis. For its own normal a surface gets the exact cosine integral over all
 // directions. Spherical harmonics of order 3 would give it 9 % of the light that only grazes it and 6 % of what comes
-// from behind, its own included, which can be ten times all that it receives.
+// from behind, its own included, which can be ten times all that it receives. Behind the irradiance of all cells `axes`
+// holds what each took out of the light [W/m²].
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
 @group(0) @binding(8) var<storage, read_write> facing: array<f32>;
 // Radiance that enters from outside along each direction [W/(m² sr)].
@@ -127,6 +129,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let count = 4u * slice.quarter;
     let group = (2u * A + sense) * count;
     let stride = u32(size[U] * size[V]);
+    let size_product = volume.cells.x * volume.cells.y * volume.cells.z;
     let front = sense * count * stride;
     let at = u32(v * size[U] + u);
 
@@ -162,6 +165,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var facing_x = vec3f(0.0);
     var facing_y = vec3f(0.0);
     var facing_z = vec3f(0.0);
+    var lost = 0.0;
 
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let side_u = quadrant & 1u;
@@ -192,6 +196,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let base = front + i * stride;
             let outside = border[group + i].rgb;
             var arriving = outside;
+            var sent = outside;
             if has_past {
                 var left = outside;
                 var low = outside;
@@ -202,8 +207,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 let tau_u = open(face_u, d);
                 let tau_v = open(face_v, d);
                 let tau_uv = 0.5 * (open(face_u_at_vm, d) * tau_v + open(face_v_at_um, d) * tau_u);
-                arriving = straight * before[base + at].rgb + (s.x * (1.0 - s.y) * tau_u) * left
-                    + ((1.0 - s.x) * s.y * tau_v) * low + (s.x * s.y * tau_uv) * corner;
+                let own_column = before[base + at];
+                lost += own_column.a;
+                left *= s.x * (1.0 - s.y);
+                low *= (1.0 - s.x) * s.y;
+                corner *= s.x * s.y;
+                sent = straight * own_column.rgb + left + low + corner;
+                arriving = straight * own_column.rgb + tau_u * left + tau_v * low + tau_uv * corner;
                 // What reaches the downwind face of the cell before, less what the cell itself sends out, and before
                 // the seal: the irradiance of a surface that closes that face.
                 var w = direction.w * arriving;
@@ -223,10 +233,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 let alpha = min(1.0, sqrt(max(0.0, squared * trace)) * inverse);
                 let entering = open(ahead, d) * arriving;
                 var leaving = (1.0 - alpha) * entering;
+                let taken = sent - leaving;
                 if own.is_lit {
                     leaving += emitted(own, d);
                 }
-                after[base + at] = vec4f(leaving, 0.0);
+                after[base + at] = vec4f(leaving, direction.w * abs(d[A]) * (taken.r + taken.g + taken.b));
             }
         }
     }
@@ -239,6 +250,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         add_axis(first + 9u, my);
         add_axis(first + 12u, pz);
         add_axis(first + 15u, mz);
+        axes[18u * size_product + cell] += lost;
         add_facing(9u * cell, facing_x);
         add_facing(9u * cell + 3u, facing_y);
         add_facing(9u * cell + 6u, facing_z);

@@ -3,6 +3,7 @@
 use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
 use super::Level;
+use super::balance::BalanceUniform;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
@@ -24,7 +25,7 @@ pub(crate) struct EmitUniform {
 }
 
 /// Bytes of the sums of a bounce: see `totals` of `lpv/sweep/emit.wgsl`.
-const TOTAL_BYTES: u64 = 64;
+const TOTAL_BYTES: u64 = 24;
 
 /// Where light comes from.
 pub(super) struct Sources<'s, 'a> {
@@ -45,8 +46,19 @@ pub(super) struct Step {
     pub index: usize,
     /// 0: light straight from the lights.
     pub bounce: u32,
-    /// Irradiance of the surfels in the bounce before.
-    pub received: Option<Handle<Buffer>>,
+    /// What the surfels received in the bounce before.
+    pub received: Option<Received>,
+}
+
+/// Light of a bounce at the surfels.
+#[derive(Clone, Copy)]
+pub(super) struct Received {
+    /// Irradiance of each \[W/m²\].
+    pub irradiance: Handle<Buffer>,
+    /// Share of it that they reflect, by nodes of a lattice.
+    pub shares: Handle<Buffer>,
+    /// The lattice.
+    pub balance: BalanceUniform,
 }
 
 /// The buffer of the flux of all bounces.
@@ -116,7 +128,8 @@ pub(super) fn declare<'a>(
         }
     }
     if let Some(received) = step.received {
-        pass.read(received);
+        pass.read(received.irradiance);
+        pass.read(received.shares);
     }
     let buffers = Buffers {
         surfels: sources.surfels,
@@ -160,7 +173,7 @@ pub(super) fn declare<'a>(
 struct Buffers {
     surfels: Handle<Buffer>,
     opacity: Handle<Buffer>,
-    received: Option<Handle<Buffer>>,
+    received: Option<Received>,
     sums: Handle<Buffer>,
     emission: Handle<Buffer>,
     totals: Handle<Buffer>,
@@ -202,17 +215,21 @@ fn from_surfels(
     uniforms: &Uniforms,
     buffers: &Buffers,
 ) -> Result<(), PassError> {
-    let [surfels, sums, totals] = [buffers.surfels, buffers.sums, buffers.totals].map(|h| cx.buffer(h).clone());
-    let received = buffers.received.map(|handle| cx.buffer(handle).clone());
+    let [surfels, sums] = [buffers.surfels, buffers.sums].map(|h| cx.buffer(h).clone());
+    let received = buffers.received.map(|r| {
+        let balance = cx.gpu.uniform("balance", &r.balance);
+        (cx.buffer(r.irradiance).clone(), cx.buffer(r.shares).clone(), balance)
+    });
     let mut bindings = vec![
         ("volume", Binding::Buffer(&uniforms.volume)),
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("surfels", Binding::Buffer(&surfels)),
         ("sums", Binding::Buffer(&sums)),
     ];
-    if let Some(received) = &received {
+    if let Some((received, shares, balance)) = &received {
         bindings.push(("received", Binding::Buffer(received)));
-        bindings.push(("totals", Binding::Buffer(&totals)));
+        bindings.push(("shares", Binding::Buffer(shares)));
+        bindings.push(("balance", Binding::Buffer(balance)));
     }
     cx.counts().injections += u64::from(count);
     cx.dispatch(&ComputeKey::new("lpv/sweep/emit.wgsl", entry), &bindings, linear_groups(count))

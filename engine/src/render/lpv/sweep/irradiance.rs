@@ -10,6 +10,7 @@ use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::world::Clpv;
 use encase::ShaderType;
+use glam::UVec2;
 use wgpu::BufferUsages;
 
 /// `Lookup` of `lpv/sweep/irradiance.wgsl`.
@@ -18,17 +19,15 @@ pub(crate) struct LookupUniform {
     cascade: CascadeUniform,
     is_first: u32,
     is_last: u32,
-    bounce: u32,
-    scale: f32,
+    padding: UVec2,
 }
 
-fn lookup(levels: &[Level], index: usize, fade_cells: f32, bounce: u32, scale: f32) -> LookupUniform {
+fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
     LookupUniform {
         cascade: CascadeUniform::new(&levels[index].volume, fade_cells),
         is_first: u32::from(index == 0),
         is_last: u32::from(index + 1 == levels.len()),
-        bounce,
-        scale,
+        padding: UVec2::ZERO,
     }
 }
 
@@ -40,7 +39,6 @@ pub(super) fn at_surfels<'a>(
     graph: &mut Graph<'a>,
     sources: &Sources<'_, 'a>,
     levels: &[Level],
-    totals: &mut Handle<Buffer>,
     bounce: u32,
 ) -> Handle<Buffer> {
     let name = format!("receive, bounce {}", bounce + 1);
@@ -59,14 +57,12 @@ pub(super) fn at_surfels<'a>(
     for opacity in &opacities {
         pass.read(*opacity);
     }
-    *totals = pass.write(*totals);
-    let (received, totals) = (pass.write(received), *totals);
-    let scale = sources.scale;
+    let received = pass.write(received);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
-    pass.key(&(keys, bounce, scale.to_bits()));
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE, bounce, scale)).collect();
+    pass.key(&(keys, bounce));
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE)).collect();
     pass.execute(move |cx| {
-        let [surfels, target, totals] = [surfels, received, totals].map(|handle| cx.buffer(handle).clone());
+        let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
         for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
             let opacity = cx.buffer(*opacity).clone();
             let lookup = cx.gpu.uniform("lookup", lookup);
@@ -80,7 +76,6 @@ pub(super) fn at_surfels<'a>(
                     ("opacity", Binding::Buffer(&opacity)),
                     ("surfels", Binding::Buffer(&surfels)),
                     ("received", Binding::Buffer(&target)),
-                    ("totals", Binding::Buffer(&totals)),
                 ],
                 linear_groups(count),
             )?;
@@ -124,7 +119,7 @@ pub(super) fn relight<'a>(
     let keys: Vec<_> = levels.iter().map(|level| (level.volume.key(), level.volume.fade_key())).collect();
     let fade = settings.border_fade.max(0.0);
     pass.key(&(keys, fade.to_bits(), frame.view_key()));
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, fade, 0, 1.0)).collect();
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, fade)).collect();
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;

@@ -8,6 +8,7 @@
 //! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
 //! emissive surfels. All lengths in the shaders are in cells.
 
+mod balance;
 mod directions;
 mod emit;
 mod grid;
@@ -19,7 +20,10 @@ mod transport;
 pub use grid::volumes;
 
 #[cfg(test)]
-pub(crate) use self::{emit::EmitUniform, irradiance::LookupUniform, transport::SliceUniform, transport::SumUniform};
+pub(crate) use self::{
+    balance::BalanceUniform, emit::EmitUniform, irradiance::LookupUniform, transport::SliceUniform,
+    transport::SumUniform,
+};
 
 use super::volume::Volume;
 use super::{Field, Indirect};
@@ -96,7 +100,7 @@ pub(super) fn declare<'a>(
     let source =
         emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale: emit::scale(frame, &rsms, &levels) };
     for bounce in 0..bounces.swept {
-        let received = (bounce > 0).then(|| irradiance::at_surfels(graph, &source, &levels, &mut totals, bounce - 1));
+        let received = (bounce > 0).then(|| received(graph, &source, &levels, bounce - 1));
         for index in (0..levels.len()).rev() {
             emit::declare(graph, frame, &source, &mut levels, &mut totals, emit::Step { index, bounce, received });
             let directions = &directions[usize::from(bounce > 0)];
@@ -115,6 +119,19 @@ pub(super) fn declare<'a>(
         let buffers = [level.sum.axes, level.sum.facing, level.opacity];
         Indirect { radiance, field: Field::Swept { volume: level.volume, buffers } }
     }))
+}
+
+/// What the surfels have of a bounce.
+fn received<'a>(
+    graph: &mut Graph<'a>,
+    source: &emit::Sources<'_, 'a>,
+    levels: &[Level],
+    bounce: u32,
+) -> emit::Received {
+    let irradiance = irradiance::at_surfels(graph, source, levels, bounce);
+    let whole = &levels[levels.len() - 1];
+    let shares = balance::declare(graph, source, whole, irradiance, bounce);
+    emit::Received { irradiance, shares, balance: balance::BalanceUniform::new(&whole.volume, source.scale) }
 }
 
 /// The maps of all lights, with texels small enough for the finest cells.

@@ -49,7 +49,8 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, index: usize
     let desc = |bytes: u64| BufferDesc::new(bytes * u64::from(volume.cell_count()), usage);
     let emission = graph.buffer(format!("emission, cascade {index}"), desc(96));
     let bounce = Irradiance {
-        axes: graph.buffer(format!("axes of a bounce, cascade {index}"), desc(72)),
+        // A bounce's holds what the cells took out of the light too.
+        axes: graph.buffer(format!("axes of a bounce, cascade {index}"), desc(76)),
         facing: graph.buffer(format!("facing of a bounce, cascade {index}"), desc(36)),
     };
     let sum = Irradiance {
