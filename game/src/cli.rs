@@ -7,6 +7,7 @@ pub use bench::{BenchArgs, Bounces, Sweep};
 pub use sheet::SheetArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use lightwell::render::debug::DebugView;
 use serde::Deserialize;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -123,6 +124,9 @@ pub struct LookArgs {
     /// Instant radiosity: draw the ways of the first N particles of every source over the image
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     pub particle_paths: u32,
+    /// What is drawn over display images.
+    #[command(flatten)]
+    pub debug: DebugArgs,
     /// Camera by name [default: the scene's primary camera]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -132,6 +136,27 @@ pub struct LookArgs {
     /// file lists; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
     pub sets: Vec<(String, String)>,
+}
+
+/// What is drawn over display images.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub struct DebugArgs {
+    /// Draw over the image (PNG and window): lights, cameras, cascades, coverage, light, blockers, voxels, bvh,
+    /// virtual-lights, directions; several with commas
+    #[arg(long = "debug", value_name = "NAME", value_delimiter = ',')]
+    pub views: Vec<DebugView>,
+    /// Light volume whose cells `light`, `blockers` and `voxels` show; 0 is the finest
+    #[arg(long = "debug-cascade", value_name = "N", default_value_t = 0)]
+    pub cascade: u32,
+    /// Level of the ray hierarchy that `bvh` shows; 0 is the box around everything
+    #[arg(long = "debug-level", value_name = "N", default_value_t = 8)]
+    pub bvh_level: u32,
+}
+
+impl Default for DebugArgs {
+    fn default() -> Self {
+        Self { views: Vec::new(), cascade: 0, bvh_level: 8 }
+    }
 }
 
 /// Settings of path tracing.
@@ -224,6 +249,13 @@ pub enum Only {
     Normal,
     /// Distance along the view direction
     Depth,
+}
+
+impl Only {
+    /// Whether it shows light, rather than what the surfaces are.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Total | Self::Direct | Self::Indirect)
+    }
 }
 
 const COMPARE_HELP: &str = "\

@@ -5,6 +5,7 @@
 mod output;
 
 pub mod bench;
+pub mod beside;
 mod capture;
 pub mod cli;
 mod commands;

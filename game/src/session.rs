@@ -1,5 +1,6 @@
 //! A loaded scene with the device that draws it: load, set the time, draw, read back.
 
+use crate::beside::Comparison;
 use crate::cli::{Common, Gi, LookArgs, Only};
 use crate::editor::Files;
 use crate::scene_path;
@@ -10,11 +11,13 @@ use lightwell::files::{self, LoadOptions, SceneInfo, load_scene};
 use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
+use lightwell::render::debug::DebugSettings;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
 use lightwell::render::slc::{ACCEPTED, TESTED};
 use lightwell::render::{DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneId, SceneView};
 use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,8 +53,9 @@ pub struct Session {
     look: LookArgs,
     library: AssetLibrary,
     loaded: Loaded,
-    renderer: Renderer,
+    pub(crate) renderer: Renderer,
     display: DisplaySettings,
+    pub(crate) comparison: Comparison,
 }
 
 /// What an editor works on.
@@ -64,6 +68,8 @@ pub struct Parts<'a> {
     pub look: &'a mut LookArgs,
     /// How light becomes what the screen shows.
     pub display: &'a mut DisplaySettings,
+    /// The reference beside the picture.
+    pub comparison: &'a mut Comparison,
     /// What the renderer sees.
     pub scene: &'a Scene,
 }
@@ -89,6 +95,7 @@ impl Session {
             loaded,
             renderer,
             display: DisplaySettings::default(),
+            comparison: Comparison::default(),
         })
     }
 
@@ -120,6 +127,7 @@ impl Session {
             loaded,
             renderer,
             display: DisplaySettings::default(),
+            comparison: Comparison::default(),
         })
     }
 
@@ -184,6 +192,7 @@ impl Session {
             files: Files { library: &mut self.library, options: &self.options, path: &self.path },
             look: &mut self.look,
             display: &mut self.display,
+            comparison: &mut self.comparison,
             scene: &self.loaded.scene,
         }
     }
@@ -226,12 +235,10 @@ impl Session {
         Ok(gpu::read_layer_f32(&self.gpu, texture, mip, layer)?)
     }
 
-    /// Samples a pixel of the path-traced image that is shown, so far and when it is finished.
+    /// Samples a pixel of the path-traced image that is on its way, so far and when it is finished.
     pub fn tracing(&self) -> Option<(u32, u32)> {
-        match (self.render_settings(true).gi, self.renderer.tracer()) {
-            (GiMethod::Reference(settings), Some(tracer)) => Some((tracer.samples(), settings.samples)),
-            _ => None,
-        }
+        let tracer = self.renderer.tracer().filter(|_| self.traces())?;
+        Some((tracer.samples(), self.look.trace.spp))
     }
 
     /// File of the scene.
@@ -303,13 +310,21 @@ impl Session {
             display,
             mlaa: false,
             show: self.display,
+            beside: None,
+            debug: DebugSettings {
+                views: self.look.debug.views.iter().copied().collect(),
+                cascade: self.look.debug.cascade,
+                bvh_level: self.look.debug.bvh_level,
+                outlined: Vec::new(),
+            },
         }
     }
 
     /// Settings of a frame that is looked at: with smooth edges, unless they are not wanted or a layer is shown.
     pub fn display_settings(&self) -> RenderSettings {
         let mlaa = !self.look.no_mlaa && self.look.only == Only::Total;
-        RenderSettings { mlaa, ..self.render_settings(true) }
+        let beside = self.comparison.beside(&self.look.trace);
+        RenderSettings { mlaa, beside, ..self.render_settings(true) }
     }
 
     /// What `--bounces` and `--seed` ask of the path tracer.
@@ -346,12 +361,24 @@ impl Session {
         Ok((Tracing { gpu: &self.gpu, tracer }, key))
     }
 
-    /// Whether the last frame shows a path-traced image that more samples will make better.
+    /// Whether more samples will make the path-traced image better.
     pub fn is_tracing(&self) -> bool {
-        match (self.render_settings(true).gi, self.renderer.tracer()) {
-            (GiMethod::Reference(settings), Some(tracer)) => tracer.samples() < settings.samples,
-            _ => false,
-        }
+        self.tracing().is_some_and(|(samples, target)| samples < target)
+    }
+
+    /// Whether frames go on tracing, as the picture or beside it.
+    fn traces(&self) -> bool {
+        self.look.only.is_light() && (self.look.gi == Some(Gi::Reference) || self.comparison.on)
+    }
+
+    /// Whether the reference is traced beside a drawn picture.
+    pub fn compares(&self) -> bool {
+        self.comparison.on && self.look.gi != Some(Gi::Reference)
+    }
+
+    /// All files that the scene was made from, besides its own.
+    pub fn files(&self) -> BTreeSet<PathBuf> {
+        self.library.files()
     }
 
     /// A key of all that a traced image of this view depends on, the same in every process.

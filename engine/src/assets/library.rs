@@ -1,7 +1,7 @@
 //! The cache of loaded assets.
 
 use super::{AssetError, Gltf, ImportFault, ImportSettings, Mesh, Sampling, Shape, Texture};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,6 +15,7 @@ pub struct AssetLibrary {
     textures: HashMap<TextureKey, Arc<Texture>>,
     models: HashMap<PathBuf, Arc<Gltf>>,
     imported: HashMap<(PathBuf, String), Arc<Gltf>>,
+    noted: BTreeSet<PathBuf>,
 }
 
 impl AssetLibrary {
@@ -90,6 +91,21 @@ impl AssetLibrary {
         let imported = Arc::new(settings.apply(Gltf::clone(model))?);
         self.imported.insert(key, imported.clone());
         Ok(imported)
+    }
+
+    /// Remembers a file that something was made from beside the assets, such as a prefab, for [`AssetLibrary::files`].
+    pub fn note(&mut self, path: impl AsRef<Path>) {
+        self.noted.insert(identity(path.as_ref()));
+    }
+
+    /// All files that something was made from: textures, models with their buffers and images, and what was noted.
+    pub fn files(&self) -> BTreeSet<PathBuf> {
+        let textures = self.textures.keys().map(|(path, ..)| path.clone());
+        let models = self.models.iter().flat_map(|(path, model)| {
+            let beside = model.files.iter().map(|file| identity(file));
+            std::iter::once(path.clone()).chain(beside)
+        });
+        textures.chain(models).chain(self.noted.iter().cloned()).collect()
     }
 
     /// Loads everything anew that came from this file: textures, models, and models that refer to it as an image or

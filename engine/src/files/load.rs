@@ -21,7 +21,7 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     let (document, file) = Document::read::<SceneFile>(path)?;
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
     let info = SceneInfo::new(&document, &file);
-    let image = environment_image(&document, &file.settings)?;
+    let image = environment_image(&document, &file.settings, library)?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
     let mut loader = Loader::new(library, options, GameWorld::new(), info, path);
     for (i, entity) in file.entities.iter().enumerate() {
@@ -39,11 +39,17 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
 }
 
 /// Loads the sky's image, if the settings ask for one.
-fn environment_image(document: &Document, settings: &SceneSettings) -> Result<Option<EnvironmentImage>, FileError> {
+fn environment_image(
+    document: &Document,
+    settings: &SceneSettings,
+    library: &mut AssetLibrary,
+) -> Result<Option<EnvironmentImage>, FileError> {
     let Some(environment @ Environment::Image { file, rotation, intensity }) = &settings.environment else {
         return Ok(None);
     };
-    let map = SkyMap::load(&document.folder().join(file), *intensity, rotation.to_radians()).map_err(|fault| {
+    let path = document.folder().join(file);
+    library.note(&path);
+    let map = SkyMap::load(&path, *intensity, rotation.to_radians()).map_err(|fault| {
         let at = [key("settings"), key("environment")];
         let kind = if matches!(fault, AssetError::Io { .. }) { Kind::MissingFile } else { Kind::BadValue };
         let help = "name an equirectangular .hdr or .exr file, its path relative to this scene's file";
@@ -371,6 +377,7 @@ impl Loader<'_> {
         Validator::prefab(&file).map_err(|fault| fault_error(&document, *fault))?;
         let context = Rc::new(Context { document, materials: file.materials, is_root: false });
         let prefab = Rc::new((context, file.entities));
+        self.library.note(&identity);
         self.prefabs.insert(identity.clone(), prefab.clone());
         Ok((identity, prefab))
     }

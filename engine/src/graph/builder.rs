@@ -174,6 +174,16 @@ impl<'a> Graph<'a> {
         }
     }
 
+    /// The last version so far of what bears this name; none if there is no such resource with content. For tools,
+    /// which look at what other passes made.
+    pub fn latest<K: Kind>(&self, name: &str) -> Option<Handle<K>> {
+        let index = self.resources.iter().position(|resource| resource.name == name)?;
+        let resource = &self.resources[index];
+        let number = resource.writers.len();
+        let fits = resource.has_content(number) && K::IS_TEXTURE == matches!(resource.desc, ResourceDesc::Texture(_));
+        fits.then(|| Handle::new(self.id, Version { resource: index, number }))
+    }
+
     pub(super) fn declare<K: Kind>(&mut self, name: String, desc: ResourceDesc, storage: Storage) -> Handle<K> {
         if self.resources.iter().any(|resource| resource.name == name) {
             self.errors.push(GraphError::DuplicateResource { resource: name.clone() });

@@ -11,9 +11,16 @@ pub struct Texture;
 pub struct Buffer;
 
 /// The kinds of resources: [`Texture`] and [`Buffer`].
-pub trait Kind: Copy + sealed::Sealed {}
-impl Kind for Texture {}
-impl Kind for Buffer {}
+pub trait Kind: Copy + sealed::Sealed {
+    /// Whether it is the kind of textures.
+    const IS_TEXTURE: bool;
+}
+impl Kind for Texture {
+    const IS_TEXTURE: bool = true;
+}
+impl Kind for Buffer {
+    const IS_TEXTURE: bool = false;
+}
 
 mod sealed {
     pub trait Sealed {}

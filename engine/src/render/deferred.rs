@@ -10,15 +10,18 @@
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
 
 use super::blend::{self, Source};
+use super::compare;
 use super::compose::{self, Lights, RADIANCE};
+use super::debug::{self, DebugView};
 use super::frame::Frame;
+use super::gbuffer::GBuffer;
 use super::gpu_scene::GpuScene;
 use super::lpv::sweep::GpuSurfels;
 use super::post::mlaa;
 use super::post::tone_map::{self, DISPLAY};
 use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
-use super::settings::{GiMethod, Layer, ReferenceSettings, RenderSettings};
+use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
 use super::{ambient, direct, gbuffer, lpv, slc};
 use crate::gpu::Gpu;
@@ -129,10 +132,25 @@ impl Renderer {
         if casts_rays(scene, settings) {
             self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?;
         }
+        let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
+        let tracer = match &beside {
+            Some(beside) => {
+                let tracer = self.tracer.get_or_insert_with(|| PathTracer::new(gpu));
+                tracer.begin(gpu, scene, view, &beside.reference.trace)?;
+                Some(tracer)
+            }
+            None => None,
+        };
         let (gpu_scene, surfels, rays) = (&self.gpu_scene, &self.surfels, self.rays.as_ref());
         let frame = Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds };
         let mut graph = Graph::new(seed(gpu));
-        self.has_blended = declare(&mut graph, &frame, gpu)?;
+        let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
+        let shown = match (beside, tracer) {
+            (Some(beside), Some(tracer)) => declare_beside(&mut graph, settings, radiance, tracer, &beside),
+            _ => radiance,
+        };
+        finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer)));
+        self.has_blended = has_blended;
         execute(gpu, graph, &mut self.targets, settings)
     }
 
@@ -153,9 +171,8 @@ impl Renderer {
         tracer.begin(gpu, scene, view, &reference.trace)?;
         let mut graph = Graph::new(seed(gpu));
         graph.skip("gbuffer", "the path tracer finds what the camera sees by itself");
-        let radiance =
-            reference::declare(&mut graph, tracer, settings.only, reference.samples, reference.samples_a_frame);
-        finish(&mut graph, settings, radiance, view.size);
+        let radiance = reference::declare(&mut graph, tracer, RADIANCE, settings.only, reference);
+        finish(&mut graph, settings, radiance, radiance, view.size, None);
         execute(gpu, graph, &mut self.targets, settings)
     }
 
@@ -226,8 +243,16 @@ fn seed(gpu: &Gpu) -> u64 {
     hasher.finish()
 }
 
-/// Declares the frame; true if it draws blended surfaces.
-fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<bool, RenderError> {
+/// What a frame has before it is shown.
+struct Drawn {
+    gbuffer: GBuffer,
+    radiance: Handle<Texture>,
+    /// Whether there are blended surfaces in it.
+    has_blended: bool,
+}
+
+/// Declares everything up to the radiance.
+fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Drawn, RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
     let only = frame.settings.only;
     let has_blended = blend::is_needed(graph, frame);
@@ -272,19 +297,42 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<bo
     {
         radiance = vpl::declare_paths(graph, frame, &gbuffer, state, radiance);
     }
-    finish(graph, frame.settings, radiance, frame.view.size);
-    Ok(has_blended)
+    Ok(Drawn { gbuffer, radiance, has_blended })
 }
 
-/// Asks for the radiance, and for the display image where it is wanted.
-fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture>, size: [u32; 2]) {
+/// The reference goes on, and is shown with what was drawn.
+fn declare_beside<'a>(
+    graph: &mut Graph<'a>,
+    settings: &RenderSettings,
+    radiance: Handle<Texture>,
+    tracer: &'a mut PathTracer,
+    beside: &Beside,
+) -> Handle<Texture> {
+    let traced = reference::declare(graph, tracer, "traced radiance", settings.only, &beside.reference);
+    compare::declare(graph, radiance, traced, beside.shown)
+}
+
+/// Asks for the radiance, and where it is wanted for the display image of `shown`, with what is drawn over it.
+fn finish<'a>(
+    graph: &mut Graph<'a>,
+    settings: &RenderSettings,
+    radiance: Handle<Texture>,
+    shown: Handle<Texture>,
+    size: [u32; 2],
+    drawn: Option<(&Frame<'a>, &GBuffer)>,
+) {
     graph.output(radiance);
     if settings.display {
-        let mut display = tone_map::declare(graph, settings, radiance, size);
+        let mut display = tone_map::declare(graph, settings, shown, size);
         if settings.mlaa {
             display = mlaa::declare(graph, display, size);
         } else {
             graph.skip("mlaa", "anti-aliasing is off");
+        }
+        match drawn {
+            _ if settings.debug.is_empty() => {}
+            Some((frame, gbuffer)) => display = debug::declare(graph, frame, gbuffer, display),
+            None => graph.skip("debug", "a path-traced frame has no depth to draw over; use a drawn method"),
         }
         graph.output(display);
     } else {
@@ -292,8 +340,11 @@ fn finish(graph: &mut Graph, settings: &RenderSettings, radiance: Handle<Texture
     }
 }
 
-/// Whether indirect light casts shadow rays.
+/// Whether indirect light casts shadow rays, or the ray hierarchy is shown.
 fn casts_rays(scene: &Scene, settings: &RenderSettings) -> bool {
+    if settings.display && settings.debug.shows(DebugView::Bvh) {
+        return true;
+    }
     let shows_indirect = matches!(settings.only, Layer::Total | Layer::Indirect);
     shows_indirect && settings.gi == GiMethod::Slc && slc::casts_rays(&slc::settings(scene))
 }

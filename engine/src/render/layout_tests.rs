@@ -1,7 +1,9 @@
 //! Structs that Rust writes and WGSL reads are the same size on both sides.
 
 use super::blend::BlendUniform;
+use super::compare::CompareUniform;
 use super::compose::ComposeUniform;
+use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
 use super::direct::Region;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
@@ -72,5 +74,10 @@ fn rust_and_wgsl_agree_on_every_struct() {
     }
     check(&gpu, 96, "slc/lights.wgsl", "VirtualLight");
     check(&gpu, 64, "slc/range.wgsl", "LightRange");
+    check(&gpu, CompareUniform::min_size().get(), "compare.wgsl", "Compare");
+    check(&gpu, size_of::<Line>() as u64, "debug/lines.wgsl", "Line");
+    check(&gpu, CellsUniform::min_size().get(), "debug/cells.wgsl", "Cells");
+    check(&gpu, CoverageUniform::min_size().get(), "debug/coverage.wgsl", "Coverage");
+    check(&gpu, PointsUniform::min_size().get(), "debug/points.wgsl", "Points");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

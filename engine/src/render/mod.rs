@@ -2,6 +2,7 @@
 
 mod ambient;
 mod blend;
+mod compare;
 mod compose;
 pub mod debug;
 mod deferred;
@@ -28,4 +29,4 @@ pub use deferred::{RenderError, Renderer};
 pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};
 pub use ray_scene::{RayError, RayScene};
-pub use settings::{DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, ToneMap};
+pub use settings::{Beside, DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, Shown, ToneMap};

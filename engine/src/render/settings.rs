@@ -1,5 +1,6 @@
 //! How a frame is to be drawn.
 
+use super::debug::DebugSettings;
 use super::reference::TraceSettings;
 
 /// Method of indirect light.
@@ -72,6 +73,25 @@ pub enum ToneMap {
     Linear,
 }
 
+/// The reference beside the drawn image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// What is traced, and how far.
+    pub reference: ReferenceSettings,
+    /// What the display image shows of it.
+    pub shown: Shown,
+}
+
+/// How two images are shown in one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shown {
+    /// The drawn image on the left of this share of the width, the traced one on the right: 0 shows the traced image
+    /// alone, 1 the drawn one.
+    Wipe(f32),
+    /// Drawn minus traced: red too bright, blue too dark, in full colour at a mean error of this much [W/(m² sr)].
+    Difference(f32),
+}
+
 /// Choices of the display step. They never touch a measured image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisplaySettings {
@@ -105,6 +125,11 @@ pub struct RenderSettings {
     pub mlaa: bool,
     /// How the display image is made.
     pub show: DisplaySettings,
+    /// Goes on tracing the reference with every frame, and shows it beside what is drawn. Never touches the radiance
+    /// image.
+    pub beside: Option<Beside>,
+    /// What is drawn over the display image.
+    pub debug: DebugSettings,
 }
 
 impl Default for RenderSettings {
@@ -119,6 +144,8 @@ impl Default for RenderSettings {
             display: true,
             mlaa: false,
             show: DisplaySettings::default(),
+            beside: None,
+            debug: DebugSettings::default(),
         }
     }
 }

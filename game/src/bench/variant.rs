@@ -153,6 +153,7 @@ impl Variant {
             no_mlaa: true,
             virtual_light: None,
             particle_paths: 0,
+            debug: cli::DebugArgs::default(),
             trace: TraceArgs { spp: self.spp, bounces: self.bounces, seed: 0 },
             camera: camera.map(str::to_owned),
             sets: self.sets.clone(),

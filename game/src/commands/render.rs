@@ -21,6 +21,9 @@ const SAVE_EVERY: Duration = Duration::from_secs(30);
 /// # Errors
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
+    if !args.look.debug.views.is_empty() && (args.aa > 1 || extension_is(&args.output, "exr")) {
+        bail!("--debug draws over what a screen shows: write a .png file, without --aa");
+    }
     let mut session = Session::headless(&args.scene, &args.look, common)?;
     let shot = Shot { size: args.size, aa: args.aa, linear: extension_is(&args.output, "exr") };
     let Some(frames) = args.frames.clone() else {

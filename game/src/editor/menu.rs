@@ -5,7 +5,8 @@ use super::gizmo::Mode;
 use super::keys::{Action, act, text_of};
 use super::layout::{ERROR, PANES};
 use super::stage::{Request, Stage};
-use egui::{Button, Panel, RichText, Ui};
+use egui::{Button, DragValue, Panel, RichText, Ui};
+use lightwell::render::debug::DebugView;
 
 /// The bar on top.
 pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
@@ -15,6 +16,7 @@ pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             ui.menu_button("Edit", |ui| edit(ui, editor, stage));
             ui.menu_button("Add", |ui| super::hierarchy::add_menu(ui, editor, stage, None));
             ui.menu_button("Panels", |ui| panels(ui, editor));
+            ui.menu_button("Debug", |ui| debug(ui, stage));
             ui.separator();
             play(ui, editor, stage);
             ui.separator();
@@ -102,6 +104,29 @@ pub fn edit_entries(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     if ui.add_enabled(is_instance, Button::new("Break the prefab")).on_hover_text(help).clicked() {
         let result = editor.break_prefab(stage);
         editor.told(result);
+        ui.close();
+    }
+}
+
+/// What is drawn over the picture.
+fn debug(ui: &mut Ui, stage: &mut Stage) {
+    let debug = &mut stage.look.debug;
+    for view in DebugView::ALL {
+        let mut on = debug.views.contains(&view);
+        let response = ui.checkbox(&mut on, view.name().replace('-', " ")).on_hover_text(view.help());
+        if response.changed() {
+            debug.views.retain(|known| *known != view);
+            debug.views.extend(on.then_some(view));
+        }
+    }
+    ui.separator();
+    ui.horizontal(|ui| {
+        ui.add(DragValue::new(&mut debug.cascade).range(0..=3).prefix("light volume "))
+            .on_hover_text("whose cells light, blockers and voxels show; 0 is the finest");
+        ui.add(DragValue::new(&mut debug.bvh_level).range(0..=48).prefix("bvh level "));
+    });
+    if ui.button("None").clicked() {
+        debug.views.clear();
         ui.close();
     }
 }

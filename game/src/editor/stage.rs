@@ -3,6 +3,7 @@
 use super::camera::FlyCamera;
 use super::clock::PlayClock;
 use super::console::Record;
+use crate::beside::{Comparison, LiveError};
 use crate::cli::LookArgs;
 use lightwell::assets::AssetLibrary;
 use lightwell::files::{EditContext, LoadOptions};
@@ -40,6 +41,8 @@ pub struct Stage<'a> {
     pub look: &'a mut LookArgs,
     /// How light becomes what the screen shows.
     pub display: &'a mut DisplaySettings,
+    /// The reference beside the picture.
+    pub comparison: &'a mut Comparison,
     /// The clock of play.
     pub clock: &'a mut PlayClock,
     /// The camera that is flown.
@@ -68,8 +71,10 @@ pub struct Facts<'a> {
     pub image: Option<egui::TextureId>,
     /// Size of the last image \[pixels\].
     pub image_size: [u32; 2],
-    /// State of the path tracer, while it is shown.
+    /// State of the path tracer, while it runs.
     pub tracing: Option<Tracing>,
+    /// Error of the picture against the running reference.
+    pub live_error: Option<LiveError>,
     /// Name of the adapter.
     pub adapter: &'a str,
 }

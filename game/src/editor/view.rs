@@ -3,10 +3,11 @@
 use super::Editor;
 use super::camera::Pose;
 use super::commands::relative_to;
-use super::gizmo::{self, Lens, Mode};
+use super::gizmo::{self, Lens};
 use super::stage::{Request, Stage};
+use crate::beside::Mode;
 use bevy_ecs::prelude::{Entity, With};
-use egui::{Color32, CornerRadius, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
+use egui::{Color32, CornerRadius, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
 use glam::{Affine3A, Vec3};
 use lightwell::files;
 use lightwell::scene::{Aabb, SceneCamera, SceneId};
@@ -16,7 +17,7 @@ use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
 #[derive(Debug)]
 pub struct View {
     /// Which handle is shown.
-    pub mode: Mode,
+    pub mode: gizmo::Mode,
     /// Handles along the entity's own axes.
     pub local: bool,
     /// Handles move in steps.
@@ -38,7 +39,7 @@ pub struct View {
 impl Default for View {
     fn default() -> Self {
         Self {
-            mode: Mode::Move,
+            mode: gizmo::Mode::Move,
             local: false,
             snap: false,
             drag: None,
@@ -87,11 +88,40 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     }
     bounds(&painter, editor, stage, &lens);
     let signs = signs(&painter, editor, stage, &lens);
-    let held = gizmo::show(ui, &painter, editor, stage, &lens, &response);
+    let wiping = wipe(ui, stage, rect);
+    let held = wiping || gizmo::show(ui, &painter, editor, stage, &lens, &response);
     if !held {
         look(ui, stage, &scene_camera, &response);
         click(ui, editor, stage, rect, &response, &signs);
     }
+}
+
+/// The line between the drawn and the path-traced picture, which can be dragged; whether it is held.
+fn wipe(ui: &Ui, stage: &mut Stage, rect: Rect) -> bool {
+    if !stage.comparison.on || stage.comparison.mode != Mode::Wipe {
+        return false;
+    }
+    let x = rect.left() + stage.comparison.share * rect.width();
+    let grip = Rect::from_center_size(pos2(x, rect.center().y), [12.0, rect.height()].into());
+    let response =
+        ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+    super::widgets::named(&response, "Wipe line");
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        stage.comparison.share = ((at.x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
+    }
+    let painter = ui.painter_at(rect);
+    painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::from_black_alpha(120)));
+    painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::WHITE));
+    let label = |dx: f32, align, text: &str| {
+        let at = pos2(x + dx, rect.top() + 8.0);
+        let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(13.0), Color32::WHITE);
+        let place = egui::Align2([align, egui::Align::TOP]).anchor_size(at, galley.size());
+        painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(140));
+        painter.galley(place.min, galley, Color32::WHITE);
+    };
+    label(-8.0, egui::Align::Max, "drawn");
+    label(8.0, egui::Align::Min, "path traced");
+    response.dragged() || response.hovered()
 }
 
 /// Looks around by drags.
@@ -188,6 +218,21 @@ impl Editor {
         let point = Vec3::from(view.translation) - Vec3::from(view.matrix3.z_axis) * distance;
         // Whole centimetres read better.
         (point * 100.0).round() / 100.0
+    }
+}
+
+impl Editor {
+    /// Identities of the primitives that get an outline: the selection with all below it.
+    pub fn outlined(&self, world: &GameWorld) -> Vec<u32> {
+        if self.hidden {
+            return Vec::new();
+        }
+        let parts = self.selected(world).into_iter().flat_map(|(_, entity)| world.subtree(entity));
+        let drawn = parts.filter(|entity| world.ecs.get::<MeshRenderer>(*entity).is_some());
+        let mut ids: Vec<u32> = drawn.filter_map(|entity| Some(world.id(entity)?.0 as u32)).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids
     }
 }
 

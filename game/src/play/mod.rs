@@ -3,6 +3,7 @@
 mod export;
 mod headless;
 mod memory;
+mod meter;
 mod player;
 mod screen;
 mod ui;

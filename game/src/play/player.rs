@@ -2,6 +2,7 @@
 
 use super::export::Job;
 use super::memory::{self, Memory};
+use super::meter::Meter;
 use super::screen::Screen;
 use super::ui::{Painted, UiSurface};
 use super::watch::SceneWatcher;
@@ -48,6 +49,7 @@ pub struct Player {
     repaint_at: Option<Instant>,
     ended: bool,
     pub(super) job: Option<Job>,
+    meter: Meter,
 }
 
 impl Player {
@@ -86,6 +88,7 @@ impl Player {
             repaint_at: None,
             ended: false,
             job: None,
+            meter: Meter::default(),
         };
         player.recall();
         player.opened();
@@ -223,6 +226,7 @@ impl Player {
             files: parts.files,
             look: parts.look,
             display: parts.display,
+            comparison: parts.comparison,
             clock: &mut self.clock,
             camera: &mut self.camera,
             facts: Facts {
@@ -236,6 +240,7 @@ impl Player {
                 image,
                 image_size,
                 tracing,
+                live_error: self.meter.error,
                 adapter: &adapter,
             },
         };
@@ -371,12 +376,18 @@ impl Player {
             let limit = self.session.gpu.limits.max_texture_dimension_2d;
             let view = SceneView { camera, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
             let mut settings = self.session.display_settings();
+            settings.debug.outlined = self.editor.outlined(self.session.world());
             if let GiMethod::Reference(reference) = &mut settings.gi {
                 // One sample a frame: the image gets better while it is looked at.
                 reference.samples_a_frame = 1;
             }
-            self.session.render(&view, &settings)
+            let report = self.session.render(&view, &settings)?;
+            self.meter.read(&mut self.session, &view)?;
+            Ok(report)
         });
+        if let Some(later) = self.meter.due() {
+            self.repaint_at = Some(self.repaint_at.map_or(later, |at| at.min(later)));
+        }
         self.stale |= self.session.is_tracing();
         match result {
             Ok(report) => {

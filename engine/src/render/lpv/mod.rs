@@ -13,10 +13,11 @@ mod relight;
 pub mod sweep;
 mod volume;
 
+pub(super) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
 #[cfg(test)]
-pub(crate) use self::{blockers::CameraSamplesUniform, propagate::PropagationUniform, volume::VolumeUniform};
+pub(crate) use self::{blockers::CameraSamplesUniform, propagate::PropagationUniform};
 pub(crate) use relight::RelightUniform;
 
 use super::deferred::RenderError;
@@ -182,7 +183,7 @@ fn dispatch_rsm(
 }
 
 /// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
-fn linear_groups(items: u32) -> [u32; 3] {
+pub(super) fn linear_groups(items: u32) -> [u32; 3] {
     let groups = items.div_ceil(64).max(1);
     let x = groups.min(32_768);
     [x, groups.div_ceil(x), 1]

@@ -38,7 +38,7 @@ pub(crate) struct VolumeUniform {
 }
 
 impl Volume {
-    pub(super) fn uniform(&self) -> VolumeUniform {
+    pub(in crate::render) fn uniform(&self) -> VolumeUniform {
         VolumeUniform { origin: self.origin, cell: self.cell, cells: self.cells, padding: 0 }
     }
 
@@ -58,7 +58,7 @@ impl Volume {
     }
 
     /// All that the content of the volume depends on, for cache keys.
-    pub(super) fn key(&self) -> ([u32; 4], [u32; 3]) {
+    pub(in crate::render) fn key(&self) -> ([u32; 4], [u32; 3]) {
         (self.origin.extend(self.cell).to_array().map(f32::to_bits), self.cells.to_array())
     }
 

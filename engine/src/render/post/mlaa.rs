@@ -13,7 +13,10 @@ pub fn declare(graph: &mut Graph, image: Handle<Texture>, [width, height]: [u32;
     let desc = |format| TextureDesc::d2(width, height, format, USAGE);
     let edges = graph.texture("mlaa edges", desc(TextureFormat::R32Uint));
     let weights = graph.texture("mlaa weights", desc(TextureFormat::Rgba16Float));
-    let display = graph.retained_texture(DISPLAY, desc(TextureFormat::Rgba8Unorm));
+    let mut shown = desc(TextureFormat::Rgba8Unorm);
+    // Overlays are drawn into it.
+    shown.usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
+    let display = graph.retained_texture(DISPLAY, shown);
     let size = [width, height];
     let edges = pass(graph, ["mlaa edges", "edges_main"], &[("image", image)], ("edges_out", edges), size);
     let weights = pass(graph, ["mlaa weights", "weights_main"], &[("edges", edges)], ("weights_out", weights), size);

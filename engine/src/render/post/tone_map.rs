@@ -2,7 +2,7 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::settings::{Layer, RenderSettings, ToneMap};
+use crate::render::settings::{Beside, Layer, RenderSettings, Shown, ToneMap};
 use encase::ShaderType;
 
 /// Name of the retained display image.
@@ -25,10 +25,14 @@ pub fn declare(
     radiance: Handle<Texture>,
     [width, height]: [u32; 2],
 ) -> Handle<Texture> {
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    // Overlays are drawn into it.
+    let usage = wgpu::TextureUsages::STORAGE_BINDING
+        | wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::RENDER_ATTACHMENT;
     let name = if settings.mlaa { TONE_MAPPED } else { DISPLAY };
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
-    let automatic = (settings.show.auto_exposure && settings.only.is_light())
+    let is_difference = matches!(settings.beside, Some(Beside { shown: Shown::Difference(_), .. }));
+    let automatic = (settings.show.auto_exposure && settings.only.is_light() && !is_difference)
         .then(|| super::auto_exposure::declare(graph, radiance));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
@@ -41,6 +45,8 @@ pub fn declare(
     let exposure = if wanted.is_finite() { wanted.clamp(-60.0, 60.0) } else { 0.0 };
     // The constants of `post/tone_map.wgsl`.
     let (mode, scale) = match settings.only {
+        // Its values are the colours of a scale.
+        _ if is_difference && settings.only.is_light() => (1, 1.0),
         Layer::Total | Layer::Direct | Layer::Indirect => match settings.show.tone_map {
             ToneMap::Neutral => (0, exposure.exp2()),
             ToneMap::Filmic => (3, exposure.exp2()),

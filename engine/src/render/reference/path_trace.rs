@@ -4,9 +4,8 @@ use super::{Estimate, TraceSettings};
 use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::measure::Image;
-use crate::render::compose::RADIANCE;
 use crate::render::ray_scene::{RayError, RayScene};
-use crate::render::settings::Layer;
+use crate::render::settings::{Layer, ReferenceSettings};
 use crate::render::sky::GpuSky;
 use crate::scene::{Scene, SceneView};
 use encase::ShaderType;
@@ -327,15 +326,16 @@ pub(in crate::render) fn dispatch_rays(
     Ok(())
 }
 
-/// Declares the pass that goes on tracing and shows what there is: the frame's radiance. At most `a_frame` samples a
+/// Declares the pass that goes on tracing and shows what there is as a retained image of that name. At most `a_frame` samples a
 /// pixel are added, until there are `samples`.
 pub(crate) fn declare<'a>(
     graph: &mut Graph<'a>,
     tracer: &'a mut PathTracer,
+    name: &str,
     layer: Layer,
-    samples: u32,
-    a_frame: u32,
+    settings: &ReferenceSettings,
 ) -> Handle<Texture> {
+    let (samples, a_frame) = (settings.samples, settings.samples_a_frame);
     let (size, key) = tracer
         .progress
         .as_ref()
@@ -343,7 +343,7 @@ pub(crate) fn declare<'a>(
     let [width, height] = size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
-    let radiance = graph.retained_texture(RADIANCE, desc);
+    let radiance = graph.retained_texture(name, desc);
     let done = tracer.samples();
     let more = samples.max(1).saturating_sub(done).min(a_frame.max(1));
     let mut pass = graph.pass("reference");

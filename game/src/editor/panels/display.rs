@@ -27,6 +27,8 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     });
     camera(ui, stage);
     ui.separator();
+    super::tracer::error(ui, stage);
+    ui.separator();
     let display = &mut *stage.display;
     let response = ui.add(Slider::new(&mut display.exposure, -10.0..=10.0).text("Exposure [stops]").max_decimals(2));
     response.on_hover_text("in stops on top of the scene's own exposure; twice as bright each");

@@ -11,6 +11,7 @@ use super::clock::PlayClock;
 use super::console::Record;
 use super::stage::{Facts, Files, Request, Stage};
 use super::{Editor, Pane};
+use crate::beside::{Comparison, LiveError};
 use crate::cli::LookArgs;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -34,6 +35,8 @@ struct Desk {
     path: PathBuf,
     look: LookArgs,
     display: DisplaySettings,
+    comparison: Comparison,
+    live_error: Option<LiveError>,
     clock: PlayClock,
     camera: FlyCamera,
     report: FrameReport,
@@ -84,6 +87,8 @@ impl Desk {
             path: path.to_owned(),
             look: LookArgs::default(),
             display: DisplaySettings::default(),
+            comparison: Comparison::default(),
+            live_error: None,
             clock: PlayClock::new(&settings),
             camera: FlyCamera::default(),
             report: FrameReport::default(),
@@ -116,6 +121,7 @@ impl Desk {
             files: Files { library: &mut self.library, options: &self.options, path: &self.path },
             look: &mut self.look,
             display: &mut self.display,
+            comparison: &mut self.comparison,
             clock: &mut self.clock,
             camera: &mut self.camera,
             facts: Facts {
@@ -129,6 +135,7 @@ impl Desk {
                 image: None,
                 image_size: [640, 400],
                 tracing: None,
+                live_error: self.live_error,
                 adapter: "none",
             },
         };

@@ -1,8 +1,10 @@
 //! The other panels.
 
 use super::*;
+use crate::beside::{LayerError, Mode};
 use crate::cli::{Gi, Only};
 use egui::{Key, Modifiers};
+use lightwell::render::debug::DebugView;
 
 #[test]
 fn light_and_layer_are_chosen() {
@@ -25,9 +27,26 @@ fn the_path_tracer_is_started_and_stopped() {
     bench.state_mut().clock.playing = true;
     open(&mut bench, Pane::PathTracer);
     click(&mut bench, "Start");
-    assert_eq!((bench.state().look.gi, bench.state().clock.playing), (Some(Gi::Reference), false));
+    assert_eq!((bench.state().comparison.on, bench.state().clock.playing), (true, false));
+    assert!(bench.query_by_label("The reference begins.").is_some());
+    let layer = |nrmse| LayerError { nrmse, bias: -0.02, noise: 0.004 };
+    bench.state_mut().live_error = Some(LiveError { samples: 16, total: layer(0.031), indirect: layer(0.125) });
+    bench.run_steps(2);
+    for text in ["Error against 16 samples", "3.1 %", "12.5 %"] {
+        assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
+    }
+    open(&mut bench, Pane::Display);
+    assert!(bench.query_all_by_label("12.5 %").next().is_some(), "beside the settings too");
+    open(&mut bench, Pane::PathTracer);
+    let line = place_of(&bench, "Wipe line");
+    drag(&mut bench, line, line + egui::vec2(-60.0, 0.0));
+    let share = bench.state().comparison.share;
+    assert!(share < 0.45 && !bench.state().camera.is_free(), "the line moves and not the camera: {share}");
+    click(&mut bench, "difference");
+    assert_eq!(bench.state().comparison.mode, Mode::Difference);
+    assert!(bench.query_by_label("Wipe line").is_none());
     click(&mut bench, "Stop");
-    assert_eq!(bench.state().look.gi, None);
+    assert!(!bench.state().comparison.on);
 }
 
 #[test]
@@ -130,4 +149,17 @@ fn a_target_is_asked_for_and_shown() {
     bench.state_mut().editor.set_target(Err("it is gone".into()));
     bench.run_steps(2);
     assert!(bench.query_by_label("it is gone").is_some());
+}
+
+#[test]
+fn debug_views_are_switched_in_the_menu() {
+    let (mut bench, _folder) = bench();
+    click(&mut bench, "Debug");
+    click(&mut bench, "lights");
+    click(&mut bench, "virtual lights");
+    assert_eq!(bench.state().look.debug.views, [DebugView::Lights, DebugView::VirtualLights]);
+    click(&mut bench, "lights");
+    assert_eq!(bench.state().look.debug.views, [DebugView::VirtualLights]);
+    click(&mut bench, "None");
+    assert!(bench.state().look.debug.views.is_empty());
 }

@@ -33,7 +33,7 @@ use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::rsm::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv, SceneLight};
-use crate::world::{Bounces, Clpv};
+use crate::world::{Bounces, Clpv, Quality};
 use directions::Directions;
 use glam::Vec3;
 
@@ -132,6 +132,11 @@ fn received<'a>(
     let whole = &levels[levels.len() - 1];
     let shares = balance::declare(graph, source, whole, irradiance, bounce);
     emit::Received { irradiance, shares, balance: balance::BalanceUniform::new(&whole.volume, source.scale) }
+}
+
+/// The directions that light is swept along when it comes straight from the lights.
+pub fn directions(quality: Quality) -> Vec<Vec3> {
+    Directions::of(quality).values.iter().map(|&[x, y, z, _]| Vec3::new(x, y, z)).collect()
 }
 
 /// The maps of all lights, with texels small enough for the finest cells.

@@ -1,0 +1,147 @@
+//! The cells of a light volume: light and blockers by direction as spheres, and voxels in the colour of their surfaces.
+
+use super::overlay::{self, DEPTH, Draw};
+use super::{DebugView, skip};
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::render::lpv::{Volume, VolumeUniform, linear_groups};
+use crate::scene::Surfel;
+use encase::ShaderType;
+use wgpu::{BufferUsages, TextureUsages};
+
+/// `Cells` of `debug/cells.wgsl`.
+#[derive(Clone, Copy, ShaderType)]
+pub(crate) struct CellsUniform {
+    volume: VolumeUniform,
+    content: u32,
+    scale: f32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+/// What a buffer holds: the constants of `debug/cells.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    LightHarmonics = 0,
+    LightAxes = 1,
+    Blockers = 2,
+    Opacity = 3,
+    VoxelsOfBlockers = 4,
+    VoxelsOfSurfels = 5,
+}
+
+impl Content {
+    fn is_voxels(self) -> bool {
+        matches!(self, Self::VoxelsOfBlockers | Self::VoxelsOfSurfels)
+    }
+
+    fn is_on_corners(self) -> bool {
+        matches!(self, Self::Blockers | Self::VoxelsOfBlockers)
+    }
+}
+
+/// Declares the pass; the result is the display image with the cells.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    view: DebugView,
+    volumes: &[Volume],
+    display: Handle<Texture>,
+) -> Handle<Texture> {
+    let level = (frame.settings.debug.cascade as usize).min(volumes.len().saturating_sub(1));
+    let found = volumes.get(level).and_then(|volume| Some((volume, find(graph, view, level)?)));
+    let Some((volume, (content, buffer))) = found else {
+        return skip(graph, view, "the method of indirect light fills no such volume", display);
+    };
+    let exposure = frame.settings.exposure + frame.settings.show.exposure;
+    let uniform = CellsUniform {
+        volume: volume.uniform(),
+        content: content as u32,
+        scale: if exposure.is_finite() { exposure.clamp(-60.0, 60.0).exp2() } else { 1.0 },
+        pad_a: 0,
+        pad_b: 0,
+    };
+    let buffer = match content {
+        Content::VoxelsOfSurfels => declare_sums(graph, buffer, volume, uniform),
+        _ => buffer,
+    };
+    let [width, height] = frame.view.size;
+    let name = format!("debug {view}");
+    let own = TextureDesc::d2(width, height, DEPTH, TextureUsages::RENDER_ATTACHMENT);
+    let own = graph.texture(format!("{name}, depth"), own);
+    let mut pass = graph.pass(name);
+    let depth = gbuffer.depth;
+    pass.read(depth);
+    pass.read(buffer);
+    let (display, own) = (pass.write(display), pass.write(own));
+    pass.key(&(frame.view_key(), volume.key(), content as u32, uniform.scale.to_bits()));
+    let instances = if content.is_on_corners() { volume.corner_count() } else { volume.cell_count() };
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let (view, uniform) = (frame.view_uniform(cx.gpu), cx.gpu.uniform("cells", &uniform));
+        let (depth, target, own) = (cx.view(depth), cx.view(display), cx.view(own));
+        let data = cx.buffer(buffer).clone();
+        let bindings = [
+            ("view", Binding::Buffer(&view)),
+            ("cells", Binding::Buffer(&uniform)),
+            ("data", Binding::Buffer(&data)),
+            ("depth", Binding::Texture(&depth)),
+        ];
+        let draw = Draw {
+            shader: "debug/cells.wgsl",
+            bindings: &bindings,
+            target: &target,
+            depth: Some(&own),
+            vertices: if content.is_voxels() { 36 } else { 6 },
+            instances,
+        };
+        overlay::draw(cx, &draw)
+    });
+    display
+}
+
+/// The buffer of the frame that holds what the view shows.
+fn find(graph: &Graph, view: DebugView, level: usize) -> Option<(Content, Handle<Buffer>)> {
+    let buffer = |content: Content, name: &str| Some((content, graph.latest::<Buffer>(name)?));
+    let blockers = format!("blockers, cascade {level}");
+    match view {
+        DebugView::Light => buffer(Content::LightHarmonics, &format!("propagate, cascade {level}"))
+            .or_else(|| buffer(Content::LightAxes, &format!("axes, cascade {level}"))),
+        DebugView::Blockers => buffer(Content::Blockers, &blockers)
+            .or_else(|| buffer(Content::Opacity, &format!("opacity, cascade {level}"))),
+        DebugView::Voxels => {
+            buffer(Content::VoxelsOfBlockers, &blockers).or_else(|| buffer(Content::VoxelsOfSurfels, "surfels"))
+        }
+        _ => None,
+    }
+}
+
+/// Declares the sums of the surfels in each cell.
+fn declare_sums(graph: &mut Graph, surfels: Handle<Buffer>, volume: &Volume, uniform: CellsUniform) -> Handle<Buffer> {
+    let bytes = 16 * u64::from(volume.cell_count());
+    let sums = graph.buffer("voxels", BufferDesc::new(bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST));
+    let mut pass = graph.pass("voxels");
+    pass.read(surfels);
+    let sums = pass.write(sums);
+    pass.key(&volume.key());
+    pass.execute(move |cx| {
+        let [source, target] = [surfels, sums].map(|handle| cx.buffer(handle).clone());
+        cx.encoder().clear_buffer(&target, 0, None);
+        let uniform = cx.gpu.uniform("cells", &uniform);
+        let count = (source.size() / size_of::<Surfel>() as u64) as u32;
+        cx.counts().injections += u64::from(count);
+        cx.dispatch(
+            &ComputeKey::new("debug/cells.wgsl", "scatter"),
+            &[
+                ("cells", Binding::Buffer(&uniform)),
+                ("surfels", Binding::Buffer(&source)),
+                ("sums", Binding::Buffer(&target)),
+            ],
+            linear_groups(count),
+        )
+    });
+    sums
+}

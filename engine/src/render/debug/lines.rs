@@ -1,0 +1,89 @@
+//! Batches of lines over the image, dim where a surface lies before them.
+
+use super::overlay::{self, Draw};
+use super::shapes::{self, Line};
+use super::{DebugView, cascade_color};
+use crate::gpu::Binding;
+use crate::graph::{Graph, Handle, Texture};
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::render::lpv::{Volume, sweep};
+use crate::world::Transport;
+use glam::Vec3;
+
+/// Most lines of the ray hierarchy: twelve a box.
+const MOST_BVH_LINES: usize = 12 << 14;
+
+/// Declares the pass, if any view asks for lines; the result is the display image with them.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    volumes: &[Volume],
+    display: Handle<Texture>,
+) -> Handle<Texture> {
+    let views = [DebugView::Lights, DebugView::Cameras, DebugView::Cascades, DebugView::Bvh, DebugView::Directions];
+    if !views.iter().any(|view| frame.settings.debug.shows(*view)) {
+        return display;
+    }
+    let lines = collect(frame, volumes);
+    if lines.is_empty() {
+        graph.skip("debug lines", "the scene has nothing of what is to be shown");
+        return display;
+    }
+    let mut pass = graph.pass("debug lines");
+    let depth = gbuffer.depth;
+    pass.read(depth);
+    let display = pass.write(display);
+    pass.key(&(frame.view_key(), bytemuck::cast_slice::<Line, u8>(&lines)));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let (view, batch) = (frame.view_uniform(gpu), gpu.storage("lines", &lines, wgpu::BufferUsages::empty()));
+        let (depth, target) = (cx.view(depth), cx.view(display));
+        let bindings =
+            [("view", Binding::Buffer(&view)), ("lines", Binding::Buffer(&batch)), ("depth", Binding::Texture(&depth))];
+        let instances = lines.len() as u32;
+        let shader = "debug/lines.wgsl";
+        overlay::draw(cx, &Draw { shader, bindings: &bindings, target: &target, depth: None, vertices: 6, instances })
+    });
+    display
+}
+
+fn collect(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
+    let (scene, debug) = (frame.scene, &frame.settings.debug);
+    let mut lines = Vec::new();
+    if debug.shows(DebugView::Lights) {
+        lines.extend(scene.lights.iter().flat_map(|light| shapes::light_lines(light, &frame.bounds)));
+    }
+    if debug.shows(DebugView::Cameras) {
+        let [width, height] = frame.view.size.map(|edge| edge as f32);
+        let depth = 0.2 * frame.bounds.size().length().max(1.0);
+        let eye = frame.view.camera.world_from_view;
+        // From the place of the eye itself its pyramid would be the frame of the picture.
+        let others = scene.cameras.iter().filter(|camera| !camera.world_from_view.abs_diff_eq(eye, 1e-4));
+        lines.extend(others.flat_map(|camera| shapes::camera_lines(camera, width / height.max(1.0), depth)));
+    }
+    if debug.shows(DebugView::Cascades) {
+        let boxes = volumes.iter().enumerate();
+        lines.extend(boxes.flat_map(|(level, volume)| shapes::box_lines(&volume.bounds(), cascade_color(level))));
+    }
+    if let Some(rays) = frame.rays.filter(|_| debug.shows(DebugView::Bvh)) {
+        lines.extend(shapes::bvh_lines(&rays.bvh.bvh, debug.bvh_level, MOST_BVH_LINES));
+    }
+    if debug.shows(DebugView::Directions) {
+        lines.extend(directions(frame, volumes));
+    }
+    lines
+}
+
+fn directions(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
+    let (Some(clpv), Some(volume)) = (&frame.scene.clpv, volumes.last()) else { return Vec::new() };
+    let directions = match clpv.settings.transport {
+        Transport::Sweep => sweep::directions(clpv.settings.quality),
+        // Light goes on to the six neighbours.
+        Transport::Diffusion => [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]).collect(),
+    };
+    let bounds = volume.bounds();
+    shapes::direction_lines(&directions, bounds.center(), 0.3 * bounds.size().min_element())
+}
