@@ -90,7 +90,10 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
     };
     let result = write().map_err(|e| failed("cannot write beside it", &e)).and_then(|()| {
         if path.exists() {
-            std::fs::copy(path, with_suffix(".bak"))
+            // In one step too: a backup that is cut off would be none.
+            let copy = with_suffix(&format!(".{}.bak.tmp", std::process::id()));
+            std::fs::copy(path, &copy)
+                .and_then(|_| std::fs::rename(&copy, with_suffix(".bak")))
                 .map_err(|e| failed("cannot keep the file before as backup", &e))?;
         }
         std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e))

@@ -23,7 +23,8 @@ pub struct Record {
 
 /// Keeps a message that was logged, if it is grave enough to be printed or is one of our own.
 pub fn hear(record: &log::Record, printed: bool) {
-    if printed || is_ours(record.metadata()) {
+    // Traces are for other programs.
+    if record.level() < log::Level::Trace && (printed || is_ours(record.metadata())) {
         keep(record.level(), record.target(), record.args().to_string());
     }
 }

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 pub enum Dialog {
     /// Edits would be lost.
     Unsaved(Request),
-    /// The scene's file changed on disk while there are edits.
-    Changed,
+    /// The scene's file, or the named part of it, changed on disk while there are edits.
+    Changed(Option<String>),
     /// Under which name to save.
     SaveAs(String),
     /// Which scene to play.
@@ -67,7 +67,7 @@ pub fn show(context: &Context, editor: &mut Editor, stage: &mut Stage) {
         ui.set_width(460.0);
         match &mut dialog {
             Dialog::Unsaved(request) => unsaved(ui, editor, request),
-            Dialog::Changed => changed(ui, editor),
+            Dialog::Changed(part) => changed(ui, editor, part.as_deref()),
             Dialog::SaveAs(text) => save_as(ui, editor, text),
             Dialog::Open(text) => open(ui, editor, text),
             Dialog::Prefab(text) => prefab(ui, editor, stage, text),
@@ -77,7 +77,7 @@ pub fn show(context: &Context, editor: &mut Editor, stage: &mut Stage) {
     // Escape or a click beside it closes it; an answer may have asked the next question.
     if !response.inner && !response.should_close() && editor.dialog.is_none() {
         editor.dialog = Some(dialog);
-    } else if editor.dialog.is_none() && before == Dialog::Changed && !response.inner {
+    } else if editor.dialog.is_none() && matches!(before, Dialog::Changed(_)) && !response.inner {
         editor.dialog = Some(before);
     }
 }
@@ -101,12 +101,20 @@ fn unsaved(ui: &mut Ui, editor: &mut Editor, request: &Request) -> bool {
     done
 }
 
-fn changed(ui: &mut Ui, editor: &mut Editor) -> bool {
-    ui.heading("The scene's files were changed by another program");
+fn changed(ui: &mut Ui, editor: &mut Editor, part: Option<&str>) -> bool {
+    ui.heading(format!("{} was changed by another program", part.unwrap_or("The scene's file")));
     ui.label("There are changes here that are not saved, too.");
     let mut done = false;
     ui.horizontal(|ui| {
-        if ui.button("Keep mine").on_hover_text("the next save overwrites the file; a backup is kept").clicked() {
+        let help = match part {
+            Some(_) => "it is read when the scene is loaded the next time",
+            None => "the next save overwrites the file; a backup is kept",
+        };
+        if ui.button("Keep mine").on_hover_text(help).clicked() {
+            done = true;
+        }
+        if part.is_some() && ui.button("Save mine and load it").clicked() {
+            editor.requests.extend([Request::Save, Request::Reload]);
             done = true;
         }
         if ui.button("Load the file").on_hover_text("what was changed here is lost").clicked() {

@@ -24,6 +24,15 @@ pub struct Hierarchy {
     pub find: bool,
 }
 
+#[cfg(test)]
+impl Hierarchy {
+    /// Opens every branch.
+    pub fn open_all(&mut self, world: &GameWorld) {
+        let all = world.roots().into_iter().flat_map(|root| world.subtree(root));
+        self.open.extend(all.filter_map(|entity| world.id(entity)));
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Row {
     id: SceneId,

@@ -5,7 +5,8 @@ use super::gizmo::Mode;
 use super::keys::{Action, act, text_of};
 use super::layout::{ERROR, PANES};
 use super::stage::{Request, Stage};
-use egui::{Button, DragValue, Panel, RichText, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Button, DragValue, Panel, PopupCloseBehavior, RichText, Ui};
 use lightwell::render::debug::DebugView;
 
 /// The bar on top.
@@ -15,8 +16,10 @@ pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             ui.menu_button("File", |ui| file(ui, editor, stage));
             ui.menu_button("Edit", |ui| edit(ui, editor, stage));
             ui.menu_button("Add", |ui| super::hierarchy::add_menu(ui, editor, stage, None));
-            ui.menu_button("Panels", |ui| panels(ui, editor));
-            ui.menu_button("Debug", |ui| debug(ui, stage));
+            // Several things are switched at a time here.
+            let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+            MenuButton::new("Panels").config(stays.clone()).ui(ui, |ui| panels(ui, editor));
+            MenuButton::new("Debug").config(stays).ui(ui, |ui| debug(ui, stage));
             ui.separator();
             play(ui, editor, stage);
             ui.separator();

@@ -209,10 +209,10 @@ impl Editor {
         }
     }
 
-    /// The scene's file changed on disk: asks if that would lose edits.
-    pub fn file_changed(&mut self) -> Option<Request> {
+    /// The scene's file changed on disk, or the named part of it: asks if that would lose edits.
+    pub fn file_changed(&mut self, part: Option<String>) -> Option<Request> {
         if self.history.is_dirty() {
-            self.dialog = Some(Dialog::Changed);
+            self.dialog = Some(Dialog::Changed(part));
             return None;
         }
         Some(Request::Reload)

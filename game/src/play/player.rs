@@ -5,7 +5,7 @@ use super::memory::{self, Memory};
 use super::meter::Meter;
 use super::screen::Screen;
 use super::ui::{Painted, UiSurface};
-use super::watch::SceneWatcher;
+use super::watch::{Change, SceneWatcher};
 use crate::cli::{Common, PlayArgs};
 use crate::editor::camera::FlyCamera;
 use crate::editor::clock::PlayClock;
@@ -50,6 +50,8 @@ pub struct Player {
     ended: bool,
     pub(super) job: Option<Job>,
     meter: Meter,
+    /// Version of the history up to which parts are watched.
+    followed: u64,
 }
 
 impl Player {
@@ -69,7 +71,7 @@ impl Player {
         let ui = UiSurface::new(&gpu, &window, screen.format());
         let session = Session::open(gpu, &args.scene, &args.look, common)?;
         let mut player = Self {
-            watcher: SceneWatcher::new(session.path()),
+            watcher: SceneWatcher::new(session.path(), &session.files()),
             clock: PlayClock::new(&session.settings()),
             window,
             session,
@@ -89,6 +91,7 @@ impl Player {
             ended: false,
             job: None,
             meter: Meter::default(),
+            followed: 0,
         };
         player.recall();
         player.opened();
@@ -163,9 +166,13 @@ impl Player {
     pub fn poll(&mut self) -> bool {
         // The library logs what it reloads and what is broken; the panels show the latter.
         self.stale |= !self.session.gpu.shaders.poll().is_empty();
-        if self.watcher.changed() {
+        // Edits may have brought models and prefabs.
+        if std::mem::replace(&mut self.followed, self.editor.history.version) != self.editor.history.version {
+            self.watcher.follow(&self.session.files());
+        }
+        if let Some(change) = self.watcher.changed() {
             self.stale = true;
-            if let Some(request) = self.editor.file_changed() {
+            if let Some(request) = self.editor.file_changed(part_name(&change)) {
                 self.answer(request);
             }
         }
@@ -192,7 +199,14 @@ impl Player {
         self.clock.advance(elapsed);
         let mut frame = FrameRecorder::begin();
         let (painted, requests) = frame.span("interface", |_| self.interface());
-        requests.into_iter().for_each(|request| self.answer(request));
+        for request in requests {
+            let is_save = request == Request::Save;
+            self.answer(request);
+            // What would lose edits waits for them to be saved, under whatever name.
+            if is_save && self.editor.history.is_dirty() {
+                break;
+            }
+        }
         self.continue_export();
         frame.span("update", |_| self.session.set_ticks(self.clock.ticks()));
         let wanted = if self.editor.view.is_shown { self.editor.view.size } else { [0; 2] };
@@ -309,7 +323,7 @@ impl Player {
         match self.session.save_as(path) {
             Ok(()) => {
                 self.note();
-                self.watcher = SceneWatcher::new(path);
+                self.watcher = SceneWatcher::new(path, &self.session.files());
                 self.editor.history.mark_saved();
                 self.memory.played(path);
                 self.editor.recent.clone_from(&self.memory.recent);
@@ -321,11 +335,17 @@ impl Player {
     }
 
     fn reload(&mut self) {
+        let world = self.session.world();
+        let selected: Vec<String> = self.editor.selected(world).iter().map(|(_, e)| world.path(*e)).collect();
         self.scene_error = match self.session.reload() {
             Ok(()) => {
                 self.clock.follow(&self.session.settings());
                 self.editor.loaded();
+                let world = self.session.world();
+                let found = selected.iter().filter_map(|path| world.id(world.find(path)?));
+                self.editor.selection = found.collect();
                 self.watcher.saved();
+                self.watcher.follow(&self.session.files());
                 self.editor.tell("the scene was loaded anew", false);
                 None
             }
@@ -340,7 +360,7 @@ impl Player {
         self.note();
         match self.session.open_other(path) {
             Ok(()) => {
-                self.watcher = SceneWatcher::new(path);
+                self.watcher = SceneWatcher::new(path, &self.session.files());
                 self.clock = PlayClock::new(&self.session.settings());
                 self.editor.loaded();
                 self.scene_error = None;
@@ -430,5 +450,13 @@ impl Player {
             errors.extend(self.frame_error.clone());
         }
         errors
+    }
+}
+
+/// The file that changed, if it is not the scene's own.
+fn part_name(change: &Change) -> Option<String> {
+    match change {
+        Change::Scene => None,
+        Change::Part(path) => path.file_name().map(|name| name.to_string_lossy().into_owned()),
     }
 }

@@ -5,6 +5,22 @@ use std::time::Duration;
 use winit::event::WindowEvent;
 use winit::window::Window;
 
+/// Log of where every widget with a name is, for programs that drive the window from outside: with
+/// `RUST_LOG=lightwell::widgets=trace`.
+const WIDGETS: &str = "lightwell::widgets";
+
+fn tell_widgets(update: &egui::accesskit::TreeUpdate, scale: f32) {
+    for (_, node) in &update.nodes {
+        let name = node.label().or(node.value());
+        if let Some((name, bounds)) = name.zip(node.bounds()) {
+            let [x0, y0, x1, y1] =
+                [bounds.x0, bounds.y0, bounds.x1, bounds.y1].map(|edge| (edge * f64::from(scale)).round());
+            log::trace!(target: WIDGETS, "{x0} {y0} {x1} {y1} {:?} {name}", node.role());
+        }
+    }
+    log::trace!(target: WIDGETS, "frame");
+}
+
 /// egui on a window.
 pub struct UiSurface {
     /// egui.
@@ -68,7 +84,14 @@ impl UiSurface {
     /// Runs the interface once.
     pub fn run(&mut self, window: &Window, contents: impl FnMut(&mut egui::Ui)) -> Painted {
         let input = self.state.take_egui_input(window);
-        let output = self.context.run_ui(input, contents);
+        let tells = log::log_enabled!(target: WIDGETS, log::Level::Trace);
+        if tells {
+            self.context.enable_accesskit();
+        }
+        let mut output = self.context.run_ui(input, contents);
+        if let Some(update) = output.platform_output.accesskit_update.take().filter(|_| tells) {
+            tell_widgets(&update, output.pixels_per_point);
+        }
         self.state.handle_platform_output(window, output.platform_output);
         let repaint = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
         Painted { shapes: output.shapes, textures: output.textures_delta, scale: output.pixels_per_point, repaint }

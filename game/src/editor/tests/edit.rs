@@ -221,14 +221,14 @@ fn unsaved_edits_are_asked_for() {
 #[test]
 fn a_changed_file_loses_no_edits() {
     let (mut bench, _folder) = bench();
-    assert_eq!(bench.state_mut().editor.file_changed(), Some(Request::Reload), "nothing would be lost");
+    assert_eq!(bench.state_mut().editor.file_changed(None), Some(Request::Reload), "nothing would be lost");
     bench.state_mut().select("Lamp");
     press(&mut bench, Modifiers::NONE, Key::Delete);
-    assert_eq!(bench.state_mut().editor.file_changed(), None);
+    assert_eq!(bench.state_mut().editor.file_changed(None), None);
     bench.run_steps(2);
     click(&mut bench, "Keep mine");
     assert!(bench.state().requests.is_empty() && bench.state().editor.history.is_dirty());
-    bench.state_mut().editor.file_changed();
+    bench.state_mut().editor.file_changed(None);
     bench.run_steps(2);
     click(&mut bench, "Load the file");
     assert_eq!(bench.state().requests, [Request::Reload]);

@@ -73,8 +73,11 @@ const SCENE: &str = r#"Scene(
 
 impl Desk {
     fn new(path: &Path) -> Self {
+        Self::with_options(path, LoadOptions::default())
+    }
+
+    fn with_options(path: &Path, options: LoadOptions) -> Self {
         let mut library = AssetLibrary::new();
-        let options = LoadOptions::default();
         let world = load_scene(path, &mut library, &options).unwrap();
         let settings = world.ecs.resource::<SceneSettings>().clone();
         let mut desk = Self {

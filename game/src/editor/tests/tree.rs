@@ -113,6 +113,44 @@ fn prefabs_are_made_instanced_and_broken() {
     assert_eq!(Desk::new(&path).text(), text);
 }
 
+/// A file that the system hands over.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_file(bench: &mut Bench, path: &Path) {
+    bench.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path.to_owned())));
+    bench.run_steps(3);
+}
+
+#[test]
+fn files_dropped_on_the_window_are_added_played_or_refused() {
+    let (mut bench, folder) = bench();
+    let before = bench.state().text();
+    let prefab = folder.path().join("cup.prefab.ron");
+    std::fs::write(&prefab, "Prefab(entities: [(name: \"Cup\", mesh: Cylinder())])").unwrap();
+    drop_file(&mut bench, &prefab);
+    assert!(bench.state().world.find("cup/Cup").is_some());
+    assert_eq!(bench.state().editor.selection, [bench.state().id("cup")]);
+    press(&mut bench, Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.state().text(), before);
+    drop_file(&mut bench, &folder.path().join("notes.txt"));
+    assert_eq!(bench.state().text(), before);
+    assert!(bench.query_by_label_contains("`notes.txt` is no .glb").is_some());
+    let scene = folder.path().join("other.scene.ron");
+    drop_file(&mut bench, &scene);
+    assert_eq!(bench.state().requests, [Request::Open(scene)]);
+}
+
 #[test]
 fn dropped_files_are_added_or_refused() {
     let (mut bench, folder) = bench();
