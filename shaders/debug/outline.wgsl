@@ -28,7 +28,7 @@ fn is_outlined(id: u32) -> bool {
 }
 
 @compute @workgroup_size(8, 8)
-fn select(@builtin(global_invocation_id) thread: vec3u) {
+fn mark(@builtin(global_invocation_id) thread: vec3u) {
     if any(thread.xy >= textureDimensions(object)) {
         return;
     }

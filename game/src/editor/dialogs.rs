@@ -211,6 +211,10 @@ fn export_ui(ui: &mut Ui, editor: &mut Editor, export: &mut Export, folder: &mut
 fn path_field(ui: &mut Ui, text: &mut String) -> bool {
     let response = ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
     super::widgets::named(&response, "Path");
+    // Typing can begin at once.
+    if ui.memory(|memory| memory.focused().is_none()) {
+        response.request_focus();
+    }
     response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter))
 }
 

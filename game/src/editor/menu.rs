@@ -172,7 +172,9 @@ fn play(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     }
     let length = stage.clock.length_seconds();
     let mut seconds = stage.clock.seconds();
-    let slider = egui::Slider::new(&mut seconds, 0.0..=length.unwrap_or(60.0)).suffix(" s").max_decimals(2);
+    // Rounded as text alone: a slider that rounds the value has changed it, and would stop the play.
+    let slider = egui::Slider::new(&mut seconds, 0.0..=length.unwrap_or(60.0)).suffix(" s");
+    let slider = slider.custom_formatter(|value, _| format!("{value:.2}"));
     let response = ui.add(slider).on_hover_text("time of the animation; the saved scene is the pose without it");
     super::widgets::named(&response, "Time");
     if response.changed() {

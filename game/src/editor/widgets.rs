@@ -464,14 +464,17 @@ fn suffix(note: &Note) -> String {
     }
 }
 
-/// A number to drag; gives it if it changed.
-fn drag(ui: &mut Ui, label: &str, now: f64, note: &Note) -> Option<f64> {
+/// Most decimals that are shown.
+const DECIMALS: usize = 5;
+
+/// A number to drag, of up to so many decimals; gives it if it changed.
+fn drag(ui: &mut Ui, label: &str, now: f64, note: &Note, decimals: usize) -> Option<f64> {
     let mut value = now;
     let speed = match &note.range {
         Some(range) => (range.end() - range.start()) / 200.0,
         None => (now.abs() * 0.01).max(0.005),
     };
-    let mut drag = DragValue::new(&mut value).speed(speed).max_decimals(5).suffix(suffix(note));
+    let mut drag = DragValue::new(&mut value).speed(speed).max_decimals(decimals).suffix(suffix(note));
     if let Some(range) = &note.range {
         drag = drag.range(range.clone()).clamp_existing_to_range(false);
     }
@@ -482,7 +485,7 @@ fn drag(ui: &mut Ui, label: &str, now: f64, note: &Note) -> Option<f64> {
 }
 
 fn number(ui: &mut Ui, name: &str, value: &mut Value, note: &Note, single: bool) -> bool {
-    let changed = drag(ui, &title(name), value.number().unwrap_or_default(), note);
+    let changed = drag(ui, &title(name), value.number().unwrap_or_default(), note, DECIMALS);
     if let Some(new) = changed {
         *value = Value::literal(float(new, single));
     }
@@ -502,7 +505,7 @@ fn numbers(ui: &mut Ui, name: &str, value: &mut Value, note: &Note, whole: bool)
     let plain = Note { unit: None, ..note.clone() };
     for (index, number) in now.iter_mut().enumerate() {
         let label = format!("{} {}", title(name), AXES.get(index).unwrap_or(&"more"));
-        if let Some(new) = drag(ui, &label, *number, &plain) {
+        if let Some(new) = drag(ui, &label, *number, &plain, if whole { 0 } else { DECIMALS }) {
             *number = if whole { new.round() } else { new };
             changed = true;
         }

@@ -5,6 +5,7 @@ use crate::commands::render::numbered;
 use crate::editor::Export;
 use anyhow::{Context, Result, bail};
 use lightwell::measure;
+use lightwell::render::RenderSettings;
 use lightwell::scene::SceneView;
 use std::process::Command;
 
@@ -43,7 +44,7 @@ impl Player {
             .with_context(|| format!("cannot make the folder {}", export.folder.display()))?;
         self.session.set_seconds(job.next as f64 / f64::from(export.rate.max(1)));
         let view = SceneView { camera: self.eye()?, size: export.size, jitter: [0.0; 2] };
-        let settings = self.session.render_settings(true);
+        let settings = RenderSettings { beside: None, ..self.session.display_settings() };
         self.session.render(&view, &settings)?;
         let (size, rgb) = self.session.display_bytes()?;
         let path = numbered(&export.folder.join("frame.png"), job.next + 1);

@@ -35,7 +35,7 @@ pub(super) fn declare<'a>(
         let [object, blended, target] = [object, blended, mask].map(|handle| cx.view(handle));
         cx.counts().texels += u64::from(width) * u64::from(height);
         cx.dispatch(
-            &ComputeKey::new("debug/outline.wgsl", "select"),
+            &ComputeKey::new("debug/outline.wgsl", "mark"),
             &[
                 ("outlined", Binding::Buffer(&ids)),
                 ("object", Binding::Texture(&object)),

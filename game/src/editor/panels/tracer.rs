@@ -97,7 +97,7 @@ fn settings(ui: &mut Ui, stage: &mut Stage) {
             }
             match &mut trace.bounces {
                 Some(bounces) => drop(ui.add(DragValue::new(bounces).range(0..=64))),
-                None => drop(ui.weak("as many as the light makes")),
+                None => drop(ui.weak("unbounded")),
             }
         });
         ui.end_row();

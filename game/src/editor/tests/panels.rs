@@ -152,6 +152,15 @@ fn a_target_is_asked_for_and_shown() {
 }
 
 #[test]
+fn play_goes_on_at_times_that_need_many_digits() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().clock.seek(1.0 / 30.0);
+    bench.state_mut().clock.playing = true;
+    bench.run_steps(3);
+    assert!(bench.state().clock.playing && bench.state().clock.ticks() > 0);
+}
+
+#[test]
 fn debug_views_are_switched_in_the_menu() {
     let (mut bench, _folder) = bench();
     click(&mut bench, "Debug");
