@@ -43,6 +43,29 @@ fn the_hierarchy_beats_brute_force_on_sponza() {
     assert!(each(all) > 500.0 * each(tests));
 }
 
+/// Object by object a simulation takes B·N/(1−ρ) tests, where no particle is lost; through the hierarchy a ray takes
+/// about as many tests whatever N.
+#[test]
+fn tests_of_a_simulation_follow_the_report() {
+    let mut stage = Stage::open(&root().join("scenes/cornell.scene.ron"), None, [16; 2]);
+    let settings = RenderSettings { gi: GiMethod::Vpl, only: Layer::Indirect, display: false, ..Default::default() };
+    let objects = stage.scene.primitives.iter().filter(|primitive| primitive.casts_shadow).count() as f64;
+    eprintln!("     N    B·N/(1−ρ)   objects one by one   boxes and triangles of the hierarchy");
+    for particles in [64, 256, 1024, 4096] {
+        let [brute, hierarchy] = [ParticleCasts::BruteForce, ParticleCasts::Hierarchy].map(|casts| {
+            stage.scene.vpl = Some(InstantRadiosity { particles, casts, ..Default::default() });
+            stage.draw(&settings, [0.0; 2]);
+            let shot = stage.renderer().virtual_lights().expect("they were asked for").particles();
+            (shot.casts, shot.reflectance)
+        });
+        let predicted = objects * f64::from(particles) / (1.0 - brute.1);
+        let (found, tree) = (brute.0.objects as f64, hierarchy.0);
+        eprintln!("{particles:>6} {predicted:>12.0} {found:>20.0} {:>20} and {}", tree.boxes, tree.triangles);
+        // Particles that leave by the open side, or meet black, go no further.
+        assert!((0.5..1.02).contains(&(found / predicted)), "{found} tests, {predicted} by the formula");
+    }
+}
+
 #[test]
 fn one_pass_beats_a_pass_for_every_light() {
     let mut stage = Stage::open(&root().join("scenes/cornell.scene.ron"), None, [64; 2]);

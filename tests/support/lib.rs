@@ -87,6 +87,18 @@ impl Stage {
         self.read(self.renderer.display())
     }
 
+    /// What draws it, with what it kept of the last frame.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// Mean of the last channel of a retained texture.
+    pub fn mean_alpha(&self, name: &str) -> f64 {
+        let texture = self.renderer.target(name).expect("a retained texture");
+        let pixels = read_texture_f32(&self.gpu, texture).expect("readable").rgba;
+        pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / pixels.len() as f64
+    }
+
     fn read(&self, texture: Option<&wgpu::Texture>) -> Image {
         let pixels = read_texture_f32(&self.gpu, texture.expect("a frame")).expect("readable");
         let image = Image::from_rgba(pixels.width, pixels.height, &pixels.rgba).expect("all pixels");
