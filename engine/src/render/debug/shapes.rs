@@ -16,7 +16,7 @@ pub struct Line {
     pub color: u32,
     /// The other end \[m\].
     pub to: [f32; 3],
-    /// Width [pixels].
+    /// Width \[pixels\].
     pub width: f32,
 }
 
