@@ -9,6 +9,7 @@
 #import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
 #import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
 #ifdef SWEPT
+#import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::sweep_lookup::irradiance
 #import lightwell::volume::Volume
 #endif
@@ -89,10 +90,14 @@ fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
     return sum;
 }
 
-fn indirect_light(s: Sampled, position: vec3f) -> vec3f {
+fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
     let albedo = s.base.rgb * (1.0 - s.metallic);
 #ifdef SWEPT
-    return albedo * irradiance(swept, position, s.normal) / 3.14159265;
+    let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
+    let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
+    let around = irradiance(swept, position, lobe_direction(s.normal, to_eye, s.roughness));
+    let kept = 1.0 - max(share.r, max(share.g, share.b));
+    return (kept * albedo * irradiance(swept, position, s.normal) + share * around) / 3.14159265;
 #endif
 #ifdef PROPAGATED
     return albedo * propagated_irradiance(position, s.normal) / 3.14159265;
@@ -118,7 +123,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let to_eye = normalize(view.eye - in.position);
     var radiance = direct_light(s, in.position, to_eye);
     if blend.is_first != 0u {
-        radiance += indirect_light(s, in.position);
+        radiance += indirect_light(s, in.position, to_eye);
     }
     if blend.has_emission != 0u {
         radiance += s.emissive;

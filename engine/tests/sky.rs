@@ -116,3 +116,30 @@ fn swept_as_integrated() {
         assert!((found / f64::from(expected) - 1.0).abs() < 0.05, "{mean:?}, expected {expected}");
     }
 }
+
+/// Under an even sky a mirror of any roughness looks as bright as the sky, times what it reflects of it.
+#[test]
+fn glossy_surfaces_reflect_an_even_sky() {
+    let gpu = gpu();
+    for (metallic, roughness) in [(1.0, 0.2), (1.0, 0.7), (0.0, 0.3)] {
+        let mut stage = Stage::new(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 16);
+        let color = Vec3::splat(if metallic > 0.0 { 0.8 } else { 0.0 });
+        let material = lightwell::assets::Material {
+            base_color: color.extend(1.0),
+            metallic,
+            roughness,
+            ..lightwell::assets::Material::new("mirror")
+        };
+        stage.add_material(Shape::Plane { size: [8.0; 2], subdivisions: [1; 2] }, material, Affine3A::IDENTITY);
+        let cell_size = CellSize::Meters(0.5);
+        stage.clpv(Vec3::new(0.0, 2.0, 0.0), Clpv { cells: [24, 12, 24], cell_size, ..Clpv::default() });
+        stage.scene.sky = Vec3::ONE;
+        stage.scene.revisions.settings += 1;
+        let middle = |image: &Image| f64::from(image.pixels()[8 + 8 * 16][1]);
+        let (found, traced) = (drawn(&gpu, &stage, Layer::Indirect), trace(&gpu, &stage, 256).indirect());
+        let (found, traced) = (middle(&found), middle(&traced));
+        println!("metallic {metallic}, roughness {roughness}: {found:.3}, traced {traced:.3}");
+        assert!(traced > 0.02);
+        assert!((found / traced - 1.0).abs() < 0.15 || (found - traced).abs() < 0.03, "{found}, traced {traced}");
+    }
+}

@@ -23,7 +23,7 @@ use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
-use super::{ambient, direct, gbuffer, lpv, slc};
+use super::{ambient, direct, gbuffer, gloss, lpv, slc};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
@@ -283,7 +283,7 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Dr
         lights.indirect = slc::declare(graph, frame, &gbuffer, gpu)?;
     } else {
         let indirect = lpv::declare(graph, frame, &gbuffer)?;
-        lights.indirect = indirect.as_ref().map(|indirect| indirect.radiance);
+        lights.indirect = indirect.as_ref().map(|i| gloss::declare(graph, frame, &gbuffer, &i.field, i.radiance));
         field = indirect.map(|indirect| Source::Field(Box::new(indirect.field)));
     }
     if has_blended {

@@ -9,6 +9,7 @@ mod deferred;
 mod direct;
 pub mod frame;
 mod gbuffer;
+mod gloss;
 pub mod gpu_scene;
 #[cfg(test)]
 mod layout_tests;

@@ -24,7 +24,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "balance"] },
-    Stage { name: "REL", what: "relight", passes: &["relight"] },
+    Stage { name: "REL", what: "relight", passes: &["relight", "gloss"] },
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",
@@ -41,6 +41,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "FLT", what: "cross bilateral filter", passes: &["slc filter"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
+    Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
     Stage { name: "TON", what: "tone map", passes: &["tone map"] },
 ];
