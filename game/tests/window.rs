@@ -163,25 +163,26 @@ impl<'a> Window<'a> {
         self.widgets().into_iter().rev().find(|(_, known)| known == name).unwrap().0
     }
 
-    /// The picture as the screen shows it, once it stands still.
-    fn picture(&self) -> Image {
+    /// The picture as the screen shows it.
+    fn shot(&self) -> Image {
         let Place([left, top, right, bottom]) = self.place("Picture");
         let area = format!("{}x{}+{left}+{top}", right - left, bottom - top);
         let file = self.folder.join("screen.png");
-        let take = || {
-            self.display.run("import", &["-window", "root", "-crop", &area, "+repage", file.to_str().unwrap()]);
-            read_image(&file).unwrap()
-        };
+        self.display.run("import", &["-window", "root", "-crop", &area, "+repage", file.to_str().unwrap()]);
+        read_image(&file).unwrap()
+    }
+
+    /// The picture once it is as wanted and has stood still for some seconds; the last one if that never comes.
+    fn picture(&self, is_wanted: impl Fn(&Image) -> bool) -> Image {
         let start = Instant::now();
-        let mut last = take();
-        loop {
-            std::thread::sleep(Duration::from_millis(700));
-            let now = take();
-            if now == last || start.elapsed() > PATIENCE {
-                return now;
-            }
+        let (mut last, mut still) = (self.shot(), 0);
+        while (still < 4 || !is_wanted(&last)) && start.elapsed() < PATIENCE {
+            std::thread::sleep(Duration::from_millis(800));
+            let now = self.shot();
+            still = if now == last { still + 1 } else { 0 };
             last = now;
         }
+        last
     }
 
     fn kill(mut self) {
@@ -226,18 +227,18 @@ fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
     window.wait_for("the light in the inspector", |all| all.iter().any(|(_, name)| name == "Intensity"));
     let [x, y] = view.at(0.5, 0.98);
     window.move_to([x, y]);
-    let lit = window.picture();
+    let lit = window.picture(|_| true);
 
     // Less green: the light turns to purple.
     let green = window.place("Color y").at(0.5, 0.5);
     window.drag(green, -300);
     window.move_to([x, y]);
-    let purple = window.picture();
+    let purple = window.picture(|now| difference(&lit, now) > 0.005);
     let changed = difference(&lit, &purple);
     assert!(changed > 0.005, "the light of another colour changes the picture by {changed}");
 
     window.key("ctrl+z");
-    let undone = difference(&lit, &window.picture());
+    let undone = difference(&lit, &window.picture(|now| difference(&lit, now) < 0.02 * changed));
     assert!(undone < 0.02 * changed, "undo leaves a difference of {undone}");
     assert_eq!(read(), before, "nothing was saved");
 
