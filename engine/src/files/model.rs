@@ -219,13 +219,15 @@ fn complete(world: &mut GameWorld, path: &Path) {
         world.ecs.entity_mut(entity).insert((Transform::from(transform), camera, source));
     }
     if world.ecs.query::<&Light>().iter(&world.ecs).next().is_none() {
-        log::warn!("{}: the file has no light; a directional light is added", path.display());
+        log::warn!("{}: the file has no light; a directional light and an even sky are added", path.display());
         let transform = TransformFile {
             translation: bounds.center() + Vec3::Y * bounds.size().length(),
             rotation: Some(Rotation::Euler(Vec3::new(-55.0, 30.0, 0.0))),
             ..Default::default()
         };
         let light = Light { kind: LightKind::Directional, intensity: 3.0, ..Default::default() };
+        // Metals show nothing but what surrounds them: alone with a lamp they are black.
+        world.ecs.resource_mut::<SceneSettings>().sky = Vec3::splat(0.4);
         let entity = world.spawn("default light", None);
         let components = OverrideFile { transform: Some(transform), light: Some(light.clone()), ..Default::default() };
         let source = Source { components, origin: Origin::File, ..model_source() };

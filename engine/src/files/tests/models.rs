@@ -1,7 +1,7 @@
 //! glTF models in scenes and as scenes.
 
 use super::*;
-use crate::world::{Camera, Clpv, GlobalTransform, Light, LightKind, MeshRenderer};
+use crate::world::{Camera, Clpv, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings};
 use glam::Vec3;
 
 /// A binary glTF of two triangles: node `Root` (moved up by 1) with child `Leaf` (moved right by 2), both drawn.
@@ -51,6 +51,7 @@ fn a_bare_model_opens_as_a_scene_with_camera_light_and_volumes() {
     assert_eq!(all::<Clpv>(&mut world), [Clpv::default()]);
     assert_eq!(all::<Camera>(&mut world).len(), 1);
     // The camera sees all of the model.
+    assert!(world.ecs.resource::<SceneSettings>().sky.min_element() > 0.0, "metals need something to mirror");
     let camera = at(&world, "framing camera").unwrap();
     let view = crate::scene::SceneView {
         camera: crate::scene::SceneCamera {
@@ -80,6 +81,7 @@ fn cameras_and_lights_of_a_model_are_kept() {
     folder.write("m.glb", &glb(nodes, "0,2,3", extra));
     let mut world = folder.load("m.glb").unwrap();
     assert!(at(&world, "framing camera").is_none() && at(&world, "default light").is_none());
+    assert_eq!(world.ecs.resource::<SceneSettings>().sky, Vec3::ZERO, "light as the file has it");
     assert!(matches!(all::<Light>(&mut world)[..], [Light { kind: LightKind::Point, intensity: 7.0, .. }]));
     assert!((all::<Camera>(&mut world)[0].fov - 1f32.to_degrees()).abs() < 1e-4);
     let mut scene = folder.load("a.scene.ron").unwrap();
