@@ -83,20 +83,7 @@ impl Session {
         let gpu = gpu.into();
         let path = scene_path::find(scene)?;
         let options = LoadOptions { models: common.models.clone() };
-        let mut library = AssetLibrary::new();
-        let loaded = load(&path, &mut library, &options, look)?;
-        let renderer = Renderer::new(&gpu);
-        Ok(Self {
-            gpu,
-            path,
-            options,
-            look: look.clone(),
-            library,
-            loaded,
-            renderer,
-            display: DisplaySettings::default(),
-            comparison: Comparison::default(),
-        })
+        Self::with(gpu, path, options, AssetLibrary::new(), look)
     }
 
     /// Opens a device without a window, and loads a scene as [`Session::open`] does.
@@ -114,8 +101,16 @@ impl Session {
     /// # Errors
     /// As [`Session::open`].
     pub fn again(&self, look: &LookArgs) -> Result<Self> {
-        let (gpu, path, options) = (self.gpu.clone(), self.path.clone(), self.options.clone());
-        let mut library = self.library.clone();
+        Self::with(self.gpu.clone(), self.path.clone(), self.options.clone(), self.library.clone(), look)
+    }
+
+    fn with(
+        gpu: Arc<Gpu>,
+        path: PathBuf,
+        options: LoadOptions,
+        mut library: AssetLibrary,
+        look: &LookArgs,
+    ) -> Result<Self> {
         let loaded = load(&path, &mut library, &options, look)?;
         let renderer = Renderer::new(&gpu);
         Ok(Self {
