@@ -10,7 +10,7 @@
 #import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
 #ifdef SWEPT
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
-#import lightwell::sweep_lookup::irradiance
+#import lightwell::sweep_lookup::{irradiance, irradiance_around}
 #import lightwell::volume::Volume
 #endif
 #ifdef PROPAGATED
@@ -95,7 +95,7 @@ fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
 #ifdef SWEPT
     let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
     let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
-    let around = irradiance(swept, position, lobe_direction(s.normal, to_eye, s.roughness));
+    let around = irradiance_around(swept, position, s.normal, lobe_direction(s.normal, to_eye, s.roughness));
     let kept = 1.0 - max(share.r, max(share.g, share.b));
     return (kept * albedo * irradiance(swept, position, s.normal) + share * around) / 3.14159265;
 #endif

@@ -28,6 +28,8 @@ const DEPTH: u32 = 5u;
 @group(0) @binding(6) var direct: texture_2d_array<f32>;
 @group(0) @binding(7) var indirect: texture_2d<f32>;
 @group(0) @binding(9) var sky: texture_2d<f32>;
+// What surfaces reflect of the sky, where the indirect method has no light of it.
+@group(0) @binding(11) var sky_light: texture_2d<f32>;
 // Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
 @group(0) @binding(10) var blended: texture_2d<f32>;
 @group(0) @binding(8) var radiance: texture_storage_2d<rgba32float, write>;
@@ -54,7 +56,8 @@ fn shown(pixel: vec2u) -> vec3f {
         textureLoad(direct, pixel, 0, 0).r, textureLoad(direct, pixel, 1, 0).r, textureLoad(direct, pixel, 2, 0).r,
     );
     let emitted = decode_radiance(textureLoad(emissive, pixel, 0).xy);
-    let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb;
+    let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb
+        + textureLoad(sky_light, min(pixel, textureDimensions(sky_light) - 1u), 0).rgb;
     switch compose.layer {
         case DIRECT: { return reflected + emitted; }
         case INDIRECT: { return bounced; }

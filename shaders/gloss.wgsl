@@ -1,9 +1,10 @@
 // Gloss: what GGX lobes reflect of the swept light, and the diffuse reflection without what they took. Irradiance about
 // the lobe's direction over π stands for the radiance in the lobe: right for even light, too blurred for smooth surfaces.
+// What a sky's image adds to that is made before (`sky_reflection.wgsl`).
 
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::gbuffer::{decode_surface, world_position}
-#import lightwell::sweep_lookup::irradiance
+#import lightwell::sweep_lookup::irradiance_around
 #import lightwell::view::View
 #import lightwell::volume::Volume
 
@@ -14,6 +15,7 @@
 @group(0) @binding(6) var object: texture_2d<u32>;
 @group(0) @binding(7) var depth: texture_depth_2d;
 @group(0) @binding(8) var diffuse: texture_2d<f32>;
+@group(0) @binding(10) var sky: texture_2d<f32>;
 @group(0) @binding(9) var indirect: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 8)
@@ -33,9 +35,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let to_eye = normalize(view.eye - point);
             let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
             let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
-            let around = irradiance(swept, point, lobe_direction(s.normal, to_eye, s.roughness));
+            let around = irradiance_around(swept, point, s.normal, lobe_direction(s.normal, to_eye, s.roughness));
             let kept = 1.0 - max(share.r, max(share.g, share.b));
-            radiance = min(kept * radiance + share * around * 0.318309886, vec3f(1e32));
+            let image = textureLoad(sky, min(pixel, textureDimensions(sky) - 1u), 0).rgb;
+            let in_lobe = max(around * 0.318309886 + image, vec3f(0.0));
+            radiance = min(kept * radiance + share * in_lobe, vec3f(1e32));
         }
     }
     textureStore(indirect, pixel, vec4f(radiance, 1.0));

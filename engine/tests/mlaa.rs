@@ -8,7 +8,8 @@ use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, read_texture};
 use lightwell::measure::srgb_decode;
-use lightwell::render::{GiMethod, RenderSettings, Renderer};
+use lightwell::render::{GiMethod, MlaaEdges, RenderSettings, Renderer};
+use std::sync::Arc;
 use support::{Stage, gpu};
 
 const EDGE: u32 = 96;
@@ -73,4 +74,55 @@ fn straight_edges_keep_their_bits() {
     let gpu = gpu();
     let stage = slanted(0.0);
     assert!(display(&gpu, &stage, false).0 == display(&gpu, &stage, true).0, "a pixel has changed");
+}
+
+/// Two boxes of different colour, in front of a camera that is rolled: see `matrix`.
+fn pair(degrees: f32, places: [Affine3A; 2]) -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 1.0), Vec3::ZERO, EDGE);
+    let roll = Affine3A::from_quat(Quat::from_rotation_z(degrees.to_radians()));
+    for (place, color) in places.into_iter().zip([Vec3::new(0.6, 0.5, 0.4), Vec3::new(0.05, 0.1, 0.3)]) {
+        let material = Material { emissive: color, ..Material::diffuse("lamp", Vec3::ZERO) };
+        stage.add_material(Shape::Box { size: [8.0, 8.0, 0.1] }, material, roll * place);
+    }
+    stage
+}
+
+/// Depth finds outlines, normals find corners, and only colours find a seam within a plane.
+#[test]
+fn each_mode_finds_its_own_edges() {
+    let gpu = gpu();
+    let shifted = |x: f32, z: f32| Affine3A::from_translation(Vec3::new(x, 0.0, z));
+    let turned = |degrees: f32| Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians()));
+    let cases = [
+        ("outline", [shifted(4.0, 0.0), shifted(0.0, -0.5)], [true, true, false]),
+        ("corner", [turned(-40.0), turned(40.0)], [true, false, true]),
+        ("seam", [shifted(4.0, 0.0), shifted(-4.0, 0.0)], [true, false, false]),
+    ];
+    for (name, places, expected) in cases {
+        let stage = pair(20.0, places);
+        let plain = display(&gpu, &stage, false).0;
+        for (by, expected) in [MlaaEdges::Color, MlaaEdges::Depth, MlaaEdges::Normal].into_iter().zip(expected) {
+            let changed = changed(&gpu, &stage, by, &plain);
+            println!("{name} by {by:?}: {changed} pixels");
+            // The edge crosses some hundred pixels.
+            assert_eq!(changed > 50, expected, "{name} by {by:?}: {changed} pixels");
+            assert!(expected || changed == 0, "{name} by {by:?}: {changed} pixels");
+        }
+    }
+    // What stands before something of nearly its colour has an outline too.
+    let mut stage = pair(20.0, [shifted(4.0, 0.0), shifted(0.0, -0.5)]);
+    let material = |value| Arc::new(Material { emissive: Vec3::splat(value), ..Material::diffuse("lamp", Vec3::ZERO) });
+    (stage.scene.primitives[0].material, stage.scene.primitives[1].material) = (material(0.3), material(0.33));
+    let plain = display(&gpu, &stage, false).0;
+    assert_eq!(changed(&gpu, &stage, MlaaEdges::Color, &plain), 0);
+    assert!(changed(&gpu, &stage, MlaaEdges::Depth, &plain) > 50);
+}
+
+/// Pixels that smoothing changes.
+fn changed(gpu: &Gpu, stage: &Stage, by: MlaaEdges, plain: &[u8]) -> usize {
+    let mut renderer = Renderer::new(gpu);
+    let settings = RenderSettings { gi: GiMethod::None, mlaa: true, mlaa_edges: by, ..Default::default() };
+    stage.render_with(gpu, &mut renderer, &settings);
+    let smooth = read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap();
+    smooth.chunks(4).zip(plain.chunks(4)).filter(|(a, b)| a != b).count()
 }

@@ -103,6 +103,18 @@ pub struct PlayArgs {
     pub look: LookArgs,
 }
 
+/// What tells an edge that is smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Edges {
+    /// Colours as displayed
+    #[default]
+    Color,
+    /// Depth: outlines of what stands before something
+    Depth,
+    /// Normals: where surfaces of different directions meet
+    Normal,
+}
+
 /// Choices that change the picture.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LookArgs {
@@ -115,6 +127,9 @@ pub struct LookArgs {
     /// Leave the edges of display images as they are drawn (measured images always do: EXR, --aa, layers)
     #[arg(long)]
     pub no_mlaa: bool,
+    /// What tells the edges that are smoothed
+    #[arg(long, value_enum, default_value_t = Edges::Color)]
+    pub mlaa_edges: Edges,
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,

@@ -1,7 +1,7 @@
 //! A loaded scene with the device that draws it: load, set the time, draw, read back.
 
 use crate::beside::Comparison;
-use crate::cli::{Common, Gi, LookArgs, Only};
+use crate::cli::{Common, Edges, Gi, LookArgs, Only};
 use crate::editor::Files;
 use crate::scene_path;
 use crate::set;
@@ -14,7 +14,7 @@ use lightwell::measure::Image;
 use lightwell::render::debug::DebugSettings;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
 use lightwell::render::slc::{ACCEPTED, TESTED};
-use lightwell::render::{DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
+use lightwell::render::{DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneId, SceneView};
 use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
 use std::collections::BTreeSet;
@@ -304,6 +304,11 @@ impl Session {
             particle_paths: self.look.particle_paths,
             display,
             mlaa: false,
+            mlaa_edges: match self.look.mlaa_edges {
+                Edges::Color => MlaaEdges::Color,
+                Edges::Depth => MlaaEdges::Depth,
+                Edges::Normal => MlaaEdges::Normal,
+            },
             show: self.display,
             beside: None,
             debug: DebugSettings {

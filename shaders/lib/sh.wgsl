@@ -18,3 +18,12 @@ fn sh_basis(d: vec3f) -> vec4f {
 fn sh_cosine_lobe(n: vec3f) -> vec4f {
     return vec4f(COSINE_ZERO * BAND_ZERO, COSINE_ONE * BAND_ONE * vec3f(n.y, n.z, n.x));
 }
+
+// Bands 0 to 2 in a unit direction.
+fn sh_basis_nine(d: vec3f) -> array<f32, 9> {
+    return array<f32, 9>(
+        BAND_ZERO, BAND_ONE * d.y, BAND_ONE * d.z, BAND_ONE * d.x,
+        1.0925484 * d.x * d.y, 1.0925484 * d.y * d.z, 0.31539157 * (3.0 * d.z * d.z - 1.0),
+        1.0925484 * d.x * d.z, 0.5462742 * (d.x * d.x - d.y * d.y),
+    );
+}

@@ -74,9 +74,29 @@ fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
     return open;
 }
 
+// Irradiance where solids smaller than a cell fill the cells before a surface, so that no light is known there: that of
+// the next cell further out that is clear of them. Capitals and feet of columns were black in places otherwise.
+fn beyond(volume: Volume, base: vec3f, n: vec3f, d: vec3f) -> vec3f {
+    let last = vec3f(volume.cells) - 1.0;
+    let axis = nearest_axis(n);
+    var cell = clamp(base, vec3f(0.0), last);
+    for (var i = 0u; i < 2u; i++) {
+        cell[axis] = clamp(cell[axis] + sign(n[axis]), 0.0, last[axis]);
+        if clearance(cell_index(volume, vec3u(cell))) > 0.1 {
+            break;
+        }
+    }
+    return of_cell(cell_index(volume, vec3u(cell)), d);
+}
+
 // Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
 // it leaves the cell, so that its mean place is the surface.
 fn irradiance(volume: Volume, point: vec3f, n: vec3f) -> vec3f {
+    return irradiance_around(volume, point, n, n);
+}
+
+// Irradiance before a surface with normal n, for another direction d.
+fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f) -> vec3f {
     let x = (point - volume.origin) / volume.cell;
     let at = x + 0.5 * n - 0.5;
     let low = floor(at);
@@ -96,14 +116,13 @@ fn irradiance(volume: Volume, point: vec3f, n: vec3f) -> vec3f {
             let passed = select(open, vec3f(1.0), cell == base);
             let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
             if clear > 0.0 {
-                sum += clear * of_cell(index, n);
+                sum += clear * of_cell(index, d);
                 weights += clear;
             }
         }
     }
     if weights < 1e-3 {
-        let nearest = vec3u(clamp(floor(x + 0.5 * n), vec3f(0.0), vec3f(volume.cells) - 1.0));
-        return of_cell(cell_index(volume, nearest), n);
+        return beyond(volume, base, n, d);
     }
     return sum / weights;
 }

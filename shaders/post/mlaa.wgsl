@@ -2,6 +2,11 @@
 // from half a pixel aside at each end that the outline turns at, to the edge itself in the middle of the run. What of a
 // pixel lies beyond that line takes the colour of the neighbour across the edge. Areas are computed as in Jimenez et al.
 // 2011 ("Practical morphological anti-aliasing"), but in closed form instead of from a texture.
+//   BY_DEPTH, BY_NORMAL   what tells edges; neither: the colours
+
+#ifdef BY_NORMAL
+#import lightwell::gbuffer::decode_normal
+#endif
 
 @group(0) @binding(0) var image: texture_2d<f32>;
 @group(0) @binding(1) var edges_out: texture_storage_2d<r32uint, write>;
@@ -9,33 +14,69 @@
 @group(0) @binding(3) var weights_out: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(4) var weights: texture_2d<f32>;
 @group(0) @binding(5) var display: texture_storage_2d<rgba8unorm, write>;
+@group(0) @binding(6) var depth: texture_depth_2d;
+@group(0) @binding(7) var normal: texture_2d<u32>;
 
 // Least difference of a channel, as displayed, that makes an edge.
 const THRESHOLD: f32 = 0.1;
+// Least step of the distance, as a part of it, that makes an edge.
+const DEPTH_STEP: f32 = 0.01;
+// Cosine of the least angle between normals that makes an edge: 20°.
+const NORMAL_COSINE: f32 = 0.94;
 // How far a run is followed each way [pixels].
 const REACH: i32 = 32;
 
 const TOP: u32 = 1u;
 const LEFT: u32 = 2u;
 
-fn differ(a: vec3f, b: vec3f) -> bool {
-    let d = abs(a - b);
+#ifdef BY_DEPTH
+
+fn depth_at(at: vec2i) -> f32 {
+    return textureLoad(depth, clamp(at, vec2i(0), vec2i(textureDimensions(depth)) - 1), 0);
+}
+
+// Reversed depth is linear in the image over a plane, and nearly one over the distance: what two pixels differ by beyond
+// the slope of either side, as a part of the nearer, is the step between two surfaces.
+fn is_edge(at: vec2i, to: vec2i) -> bool {
+    let here = depth_at(at);
+    let there = depth_at(at + to);
+    let slopes = vec2f(here - depth_at(at - to), depth_at(at + 2 * to) - there);
+    let step = abs(there - here - slopes);
+    return min(step.x, step.y) > DEPTH_STEP * max(here, there);
+}
+
+#else ifdef BY_NORMAL
+
+fn is_edge(at: vec2i, to: vec2i) -> bool {
+    let is_there = vec2<bool>(textureLoad(depth, at, 0) > 0.0, textureLoad(depth, at + to, 0) > 0.0);
+    if !all(is_there) {
+        return any(is_there);
+    }
+    let cosine = dot(decode_normal(textureLoad(normal, at, 0)), decode_normal(textureLoad(normal, at + to, 0)));
+    return cosine < NORMAL_COSINE;
+}
+
+#else
+
+fn is_edge(at: vec2i, to: vec2i) -> bool {
+    let d = abs(textureLoad(image, at, 0).rgb - textureLoad(image, at + to, 0).rgb);
     return max(d.r, max(d.g, d.b)) >= THRESHOLD;
 }
+
+#endif
 
 // Which of a pixel's edges, to the pixel above and to the left, are edges of the picture.
 @compute @workgroup_size(8, 8)
 fn edges_main(@builtin(global_invocation_id) thread: vec3u) {
     let at = vec2i(thread.xy);
-    if any(thread.xy >= textureDimensions(image)) {
+    if any(thread.xy >= textureDimensions(edges_out)) {
         return;
     }
-    let here = textureLoad(image, at, 0).rgb;
     var found = 0u;
-    if at.y > 0 && differ(here, textureLoad(image, at - vec2i(0, 1), 0).rgb) {
+    if at.y > 0 && is_edge(at, vec2i(0, -1)) {
         found |= TOP;
     }
-    if at.x > 0 && differ(here, textureLoad(image, at - vec2i(1, 0), 0).rgb) {
+    if at.x > 0 && is_edge(at, vec2i(-1, 0)) {
         found |= LEFT;
     }
     textureStore(edges_out, at, vec4u(found, 0u, 0u, 0u));

@@ -14,6 +14,7 @@ mod shape_mesh;
 #[cfg(test)]
 mod shape_tests;
 mod sky_map;
+mod sky_reflection;
 mod texture;
 
 pub use self::clip::{Between, Clip, Curve, NodeCurves};
@@ -31,6 +32,7 @@ pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub use sky_map::SkyMap;
+pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Sampling, Texture, Wrap};
 
 use std::path::Path;

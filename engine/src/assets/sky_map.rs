@@ -29,8 +29,8 @@ pub struct SkyMap {
     pub texels: Vec<Vec3>,
     /// How far the map is turned about the vertical, counter-clockwise seen from above \[rad\].
     pub turn: f32,
-    /// What [`SkyMap::around`] was last asked, and its answer.
-    around: Mutex<(Vec<Vec3>, Vec<Vec3>)>,
+    /// What [`SkyMap::around`] was asked, and its answers.
+    around: Mutex<Vec<(Vec<Vec3>, Vec<Vec3>)>>,
 }
 
 impl SkyMap {
@@ -69,8 +69,13 @@ impl SkyMap {
         Ok(map)
     }
 
+    /// The same sky, not turned.
+    pub(super) fn plain(&self) -> Self {
+        Self::new([self.width, self.height], self.texels.clone(), 0.0)
+    }
+
     /// The same sky with half the texels along each edge.
-    fn halved(&self) -> Self {
+    pub(super) fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let at = |x: u32, y: u32| self.texels[(y.min(self.height - 1) * self.width + x.min(self.width - 1)) as usize];
         let mean = |i: u32| {
@@ -113,7 +118,7 @@ impl SkyMap {
 
     /// Direction, radiance and solid angle of patches that make up the sky: its texels, those of narrow maps in
     /// several parts.
-    fn patches(&self) -> impl Iterator<Item = (Vec3, Vec3, f32)> + '_ {
+    pub(super) fn patches(&self) -> impl Iterator<Item = (Vec3, Vec3, f32)> + '_ {
         let parts = 128u32.div_ceil(self.width);
         (0..self.height).flat_map(move |row| {
             let angle = self.solid_angle(row) / parts as f32;
@@ -129,10 +134,14 @@ impl SkyMap {
     pub fn around(&self, directions: &[Vec3]) -> Vec<Vec3> {
         // A poisoned lock holds a whole answer or an old one, and both are told apart by the question.
         let mut known = self.around.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if known.0 != directions {
-            *known = (directions.to_vec(), self.gathered_around(directions));
+        if let Some((_, answer)) = known.iter().find(|(asked, _)| asked == directions) {
+            return answer.clone();
         }
-        known.1.clone()
+        let answer = self.gathered_around(directions);
+        // A few sets of directions are in use at a time.
+        known.truncate(3);
+        known.insert(0, (directions.to_vec(), answer.clone()));
+        answer
     }
 
     fn gathered_around(&self, directions: &[Vec3]) -> Vec<Vec3> {

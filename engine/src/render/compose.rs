@@ -27,6 +27,8 @@ pub struct Lights {
     pub direct: Option<Handle<Texture>>,
     /// Radiance from the indirect method.
     pub indirect: Option<Handle<Texture>>,
+    /// Radiance from the sky, where the indirect method has none of it.
+    pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
     pub blended: Option<Handle<Texture>>,
 }
@@ -42,7 +44,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let radiance = graph.retained_texture(RADIANCE, desc);
     let mut pass = graph.pass("compose");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect).chain(lights.blended) {
+    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect).chain(lights.sky).chain(lights.blended)
+    {
         pass.read(input);
     }
     let radiance = pass.write(radiance);
@@ -57,6 +60,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         frame.view_key(),
         lights.direct.is_some(),
         lights.indirect.is_some(),
+        lights.sky.is_some(),
         lights.blended.is_some(),
     ));
     let frame = frame.clone();
@@ -65,6 +69,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         let [base_color, normal, emissive, depth] = inputs.map(|handle| cx.view(handle));
         let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
         let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
         cx.counts().texels += u64::from(width) * u64::from(height);
@@ -82,6 +87,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
                 ("depth", Binding::Texture(&depth)),
                 ("direct", Binding::Texture(&direct)),
                 ("indirect", Binding::Texture(&indirect)),
+                ("sky_light", Binding::Texture(&sky_light)),
                 ("blended", Binding::Texture(&blended)),
                 ("sky", Binding::Texture(frame.gpu_scene.sky())),
                 ("radiance", Binding::Texture(&target)),
@@ -93,7 +99,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
 }
 
 /// One texel of exact zero, so that a frame with a skipped term runs the same shader as one without.
-fn zero_texture(gpu: &Gpu, layers: u32) -> wgpu::TextureView {
+pub(super) fn zero_texture(gpu: &Gpu, layers: u32) -> wgpu::TextureView {
     let format = if layers == 1 { wgpu::TextureFormat::Rgba32Float } else { wgpu::TextureFormat::R32Float };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("zero"),

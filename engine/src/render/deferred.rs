@@ -4,6 +4,7 @@
 //! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
 //!      ├─ shadow (a map a light) ┘                           │
 //!      ├─ rsm ─ inject ─ propagate ─────────────── relight ──┤
+//!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      └─ blend (blended surfaces, over all others) ─────────┘
 //! ```
 //! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
@@ -23,7 +24,7 @@ use super::ray_scene::{RayError, RayScene};
 use super::reference::{self, PathTracer, TraceError};
 use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
-use super::{ambient, direct, gbuffer, gloss, lpv, slc};
+use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
 use crate::gpu::Gpu;
 use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
@@ -122,6 +123,9 @@ impl Renderer {
         }
         self.gpu_scene.update(gpu, scene);
         let bounds = scene.bounds();
+        if shows_indirect(settings) && sky_light::is_mirrored(scene) {
+            self.gpu_scene.update_sky_reflections(gpu, scene);
+        }
         if let Some(cell) = finest_cell(scene, view, settings, &bounds)? {
             self.surfels.update(gpu, scene, cell);
         }
@@ -271,7 +275,7 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Dr
     } else {
         graph.skip("direct", "the layer that is shown holds no direct light");
     }
-    if !matches!(only, Layer::Total | Layer::Indirect) {
+    if !shows_indirect(frame.settings) {
         graph.skip("clpv", "the layer that is shown holds no indirect light");
     } else if frame.settings.gi == GiMethod::None {
         graph.skip("clpv", "indirect light is switched off");
@@ -283,12 +287,20 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Dr
         lights.indirect = slc::declare(graph, frame, &gbuffer, gpu)?;
     } else {
         let indirect = lpv::declare(graph, frame, &gbuffer)?;
-        lights.indirect = indirect.as_ref().map(|i| gloss::declare(graph, frame, &gbuffer, &i.field, i.radiance));
-        field = indirect.map(|indirect| Source::Field(Box::new(indirect.field)));
+        lights.indirect = indirect.as_ref().map(|i| gloss::declare(graph, frame, &gbuffer, i, gloss::Names::ALL));
+        field = indirect.map(|indirect| indirect.field);
     }
+    let sky = sky_light::declare(graph, frame, &gbuffer);
+    lights.sky = sky.as_ref().map(|sky| sky.radiance);
     if has_blended {
-        let mean = |indirect| Source::Ambient(ambient::declare(graph, &gbuffer, indirect));
-        let source = field.or_else(|| lights.indirect.map(mean));
+        let sources = [lights.indirect, lights.sky].into_iter().flatten().collect::<Vec<_>>();
+        let source = match (field, sky) {
+            (Some(field), None) => Some(Source::Field(Box::new(field))),
+            (None, Some(sky)) if lights.indirect.is_none() => Some(Source::Field(Box::new(sky.field))),
+            // Light from two places, or at the pixels alone.
+            _ if sources.is_empty() => None,
+            _ => Some(Source::Ambient(ambient::declare(graph, &gbuffer, &sources))),
+        };
         lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, lamps, source));
     }
     let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
@@ -325,7 +337,7 @@ fn finish<'a>(
     if settings.display {
         let mut display = tone_map::declare(graph, settings, shown, size);
         if settings.mlaa {
-            display = mlaa::declare(graph, display, size);
+            display = mlaa::declare(graph, display, size, settings.mlaa_edges, drawn.map(|(_, gbuffer)| gbuffer));
         } else {
             graph.skip("mlaa", "anti-aliasing is off");
         }
@@ -345,8 +357,12 @@ fn casts_rays(scene: &Scene, settings: &RenderSettings) -> bool {
     if settings.display && settings.debug.shows(DebugView::Bvh) {
         return true;
     }
-    let shows_indirect = matches!(settings.only, Layer::Total | Layer::Indirect);
-    shows_indirect && settings.gi == GiMethod::Slc && slc::casts_rays(&slc::settings(scene))
+    shows_indirect(settings) && settings.gi == GiMethod::Slc && slc::casts_rays(&slc::settings(scene))
+}
+
+/// Whether the layer that is shown holds indirect light.
+fn shows_indirect(settings: &RenderSettings) -> bool {
+    matches!(settings.only, Layer::Total | Layer::Indirect)
 }
 
 /// Edge of the finest cells that light is swept through, if it is \[m\].
@@ -356,9 +372,11 @@ fn finest_cell(
     settings: &RenderSettings,
     bounds: &Aabb,
 ) -> Result<Option<f32>, RenderError> {
-    let shows_indirect = matches!(settings.only, Layer::Total | Layer::Indirect);
+    if sky_light::is_needed(scene, settings) {
+        return Ok(Some(lpv::sweep::sky::volume(bounds).cell));
+    }
     let swept = scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
-    let (Some(clpv), GiMethod::Clpv, true) = (swept, settings.gi, shows_indirect) else { return Ok(None) };
+    let (Some(clpv), GiMethod::Clpv, true) = (swept, settings.gi, shows_indirect(settings)) else { return Ok(None) };
     Ok(lpv::sweep::volumes(clpv, bounds, view)?.first().map(|volume| volume.cell))
 }
 

@@ -15,6 +15,7 @@ use super::ray_scene::{Emitter, RayLight, RayMaterial};
 use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
+use super::sky_light::ReflectionUniform;
 use super::slc::{CullingUniform, PlaceUniform};
 use super::vpl::{LetterUniform, MainLightUniform, MapPlaceUniform, ShadeUniform, VirtualLight};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
@@ -42,6 +43,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct.wgsl", "Light");
     check(&gpu, Region::min_size().get(), "direct.wgsl", "Region");
     check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
+    check(&gpu, ReflectionUniform::min_size().get(), "sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "blend.wgsl", "Blend");
     check(&gpu, RsmViewUniform::min_size().get(), "rsm.wgsl", "RsmView");
     check(&gpu, RsmLayerUniform::min_size().get(), "lpv/inject.wgsl", "RsmLayer");

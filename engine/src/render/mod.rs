@@ -7,6 +7,7 @@ mod compose;
 pub mod debug;
 mod deferred;
 mod direct;
+mod environment;
 pub mod frame;
 mod gbuffer;
 mod gloss;
@@ -23,6 +24,7 @@ pub mod rsm;
 mod settings;
 mod shadow;
 mod sky;
+mod sky_light;
 pub mod slc;
 pub mod vpl;
 
@@ -30,4 +32,6 @@ pub use deferred::{RenderError, Renderer};
 pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};
 pub use ray_scene::{RayError, RayScene};
-pub use settings::{Beside, DisplaySettings, GiMethod, Layer, ReferenceSettings, RenderSettings, Shown, ToneMap};
+pub use settings::{
+    Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap,
+};

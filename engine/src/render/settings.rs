@@ -103,6 +103,18 @@ pub struct DisplaySettings {
     pub auto_exposure: bool,
 }
 
+/// What tells an edge of the picture that is smoothed (thesis 5.7).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MlaaEdges {
+    /// Colours as displayed: all edges that show, those within textures too.
+    #[default]
+    Color,
+    /// Depth: outlines of what stands before something, whatever the colours. Blended surfaces have none.
+    Depth,
+    /// Normals: where surfaces of different directions meet, in front of one another or in a corner.
+    Normal,
+}
+
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -123,6 +135,8 @@ pub struct RenderSettings {
     pub display: bool,
     /// Smooth the edges of the display image (morphological anti-aliasing). Never touches the radiance image.
     pub mlaa: bool,
+    /// What tells those edges. A path-traced frame has colours alone.
+    pub mlaa_edges: MlaaEdges,
     /// How the display image is made.
     pub show: DisplaySettings,
     /// Goes on tracing the reference with every frame, and shows it beside what is drawn. Never touches the radiance
@@ -143,6 +157,7 @@ impl Default for RenderSettings {
             particle_paths: 0,
             display: true,
             mlaa: false,
+            mlaa_edges: MlaaEdges::default(),
             show: DisplaySettings::default(),
             beside: None,
             debug: DebugSettings::default(),

@@ -1,18 +1,31 @@
-//! The sky's map on the device.
+//! The sky on the device: its map, and what glossy surfaces reflect of it.
 
 use crate::assets::{AssetId, SkyMap};
 use crate::gpu::Gpu;
 use crate::scene::Scene;
+use glam::Vec4;
 
 /// The map as `lib/sky.wgsl` reads it; a single black texel where there is none.
 pub(super) struct GpuSky {
     map: Option<AssetId>,
     view: wgpu::TextureView,
+    reflections: Option<SkyReflections>,
+}
+
+/// What glossy surfaces reflect of a map, as `sky_reflection.wgsl` reads it.
+pub(super) struct SkyReflections {
+    /// A level for each roughness, below one another.
+    pub levels: wgpu::TextureView,
+    /// Of the first level \[texels\].
+    pub size: [u32; 2],
+    /// Harmonics of the irradiance of open surfaces.
+    pub irradiance: [Vec4; 9],
 }
 
 impl GpuSky {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self { map: None, view: upload(gpu, 2, 1, &[[0.0, 0.0, 0.0, 1.0]; 2]) }
+        let view = upload(gpu, "sky", 2, 1, &[[0.0, 0.0, 0.0, 1.0]; 2]);
+        Self { map: None, view, reflections: None }
     }
 
     /// Uploads the scene's map, unless it is the one that is there.
@@ -22,9 +35,16 @@ impl GpuSky {
             return;
         }
         *self = match map {
-            Some(map) => Self { map: Some(map.id), view: table(gpu, map) },
+            Some(map) => Self { map: Some(map.id), view: table(gpu, map), reflections: None },
             None => Self::new(gpu),
         };
+    }
+
+    /// Makes what glossy surfaces reflect, unless it is there.
+    pub(super) fn update_reflections(&mut self, gpu: &Gpu, scene: &Scene) {
+        if let (None, Some(map)) = (&self.reflections, scene.sky_map.as_deref()) {
+            self.reflections = Some(reflections(gpu, map));
+        }
     }
 
     /// Whether the sky differs by direction.
@@ -35,16 +55,38 @@ impl GpuSky {
     pub(super) fn view(&self) -> &wgpu::TextureView {
         &self.view
     }
+
+    pub(super) fn reflections(&self) -> Option<&SkyReflections> {
+        self.reflections.as_ref()
+    }
+}
+
+fn reflections(gpu: &Gpu, map: &SkyMap) -> SkyReflections {
+    let levels = map.reflections();
+    let (width, height) = levels.first().map_or((1, 1), |level| (level.width, level.height));
+    let mut texels = Vec::new();
+    for level in &levels {
+        for row in level.texels.chunks_exact(level.width as usize) {
+            texels.extend(row.iter().map(|texel| texel.extend(0.0).to_array()));
+            texels.resize(texels.len() + (width - level.width) as usize, [0.0; 4]);
+        }
+    }
+    let rows = levels.iter().map(|level| level.height).sum();
+    SkyReflections {
+        levels: upload(gpu, "sky reflections", width, rows, &texels),
+        size: [width, height],
+        irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
+    }
 }
 
 fn table(gpu: &Gpu, map: &SkyMap) -> wgpu::TextureView {
-    upload(gpu, map.width + 1, map.height, &map.table())
+    upload(gpu, "sky", map.width + 1, map.height, &map.table())
 }
 
-fn upload(gpu: &Gpu, width: u32, height: u32, texels: &[[f32; 4]]) -> wgpu::TextureView {
+fn upload(gpu: &Gpu, label: &str, width: u32, height: u32, texels: &[[f32; 4]]) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("sky"),
+        label: Some(label),
         size,
         mip_level_count: 1,
         sample_count: 1,

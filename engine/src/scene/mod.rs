@@ -95,6 +95,8 @@ pub struct Scene {
     pub sky: Vec3,
     /// Radiance of the sky by direction, if it is not the same everywhere.
     pub sky_map: Option<Arc<SkyMap>>,
+    /// Whether the sky lights the scene where the method of indirect light has no light of it.
+    pub sky_light: bool,
     /// Revisions.
     pub revisions: Revisions,
 }

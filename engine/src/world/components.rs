@@ -286,6 +286,9 @@ pub struct SceneSettings {
     /// A sky that differs by direction, in place of the constant one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<super::Environment>,
+    /// Whether the sky lights the scene where the method of indirect light brings no light of the sky itself: with
+    /// `none`, with the diffusion, and with light culling without shadow rays.
+    pub sky_light: bool,
     /// Display exposure as a power of two. Never touches a measured image.
     pub exposure: f32,
     /// Speed of the fly camera [m/s].
@@ -298,6 +301,14 @@ pub struct SceneSettings {
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { sky: Vec3::ZERO, environment: None, exposure: 0.0, move_speed: 3.0, duration: None, frame_rate: 30 }
+        Self {
+            sky: Vec3::ZERO,
+            environment: None,
+            sky_light: true,
+            exposure: 0.0,
+            move_speed: 3.0,
+            duration: None,
+            frame_rate: 30,
+        }
     }
 }

@@ -24,7 +24,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "balance"] },
-    Stage { name: "REL", what: "relight", passes: &["relight", "gloss"] },
+    Stage { name: "REL", what: "relight", passes: &["relight", "gloss", "sky reflection"] },
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",

@@ -31,6 +31,7 @@ pub enum Runs {
 }
 
 pub(super) const DIFFUSION: (&str, &str) = ("clpv.transport", "Diffusion");
+const NO_SKY: (&str, &str) = ("scene.sky_light", "false");
 const SWEEP: (&str, &str) = ("clpv.transport", "Sweep");
 const AUTO: (&str, &str) = ("clpv.cell_size", "Auto");
 const FIXED: (&str, &str) = ("clpv.placement", "Fixed");
@@ -44,7 +45,7 @@ const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
 #[rustfmt::skip]
 pub const METHODS: &[Method] = &[
-    Method { name: "none", gi: Gi::None, sets: &[], what: "direct light alone", runs: Runs::Always },
+    Method { name: "none", gi: Gi::None, sets: &[NO_SKY], what: "direct light alone", runs: Runs::Always },
     Method { name: "clpv", gi: Gi::Clpv, sets: &[DIFFUSION], what: "the thesis's propagation, in its settings for the scene if it has any", runs: Runs::Always },
     Method { name: "sweep low", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW], what: "sweep transport, low", runs: Runs::Always },
     Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM], what: "sweep transport, medium", runs: Runs::Always },
@@ -151,6 +152,7 @@ impl Variant {
             gi: Some(self.gi),
             only: cli::Only::Total,
             no_mlaa: true,
+            mlaa_edges: cli::Edges::default(),
             virtual_light: None,
             particle_paths: 0,
             debug: cli::DebugArgs::default(),

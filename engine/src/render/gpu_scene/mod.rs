@@ -10,7 +10,7 @@ mod texture;
 
 pub use blended::Side;
 
-use super::sky::GpuSky;
+use super::sky::{GpuSky, SkyReflections};
 use crate::assets::{AlphaMode, AssetId, Mesh, Vertex, VertexExtra};
 use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
@@ -327,6 +327,16 @@ impl GpuScene {
     /// The sky by direction; one black texel if it is the same everywhere.
     pub fn sky(&self) -> &wgpu::TextureView {
         self.sky.view()
+    }
+
+    /// What glossy surfaces reflect of a sky that differs by direction, once [`GpuScene::update_sky_reflections`] made it.
+    pub(in crate::render) fn sky_reflections(&self) -> Option<&SkyReflections> {
+        self.sky.reflections()
+    }
+
+    /// Makes what glossy surfaces reflect of the sky, unless it is there.
+    pub fn update_sky_reflections(&mut self, gpu: &Gpu, scene: &Scene) {
+        self.sky.update_reflections(gpu, scene);
     }
 
     /// Bytes of textures on the device.

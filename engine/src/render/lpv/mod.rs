@@ -40,6 +40,8 @@ pub(crate) struct Indirect {
     pub radiance: Handle<Texture>,
     /// Where it can be looked up at any point.
     pub field: Field,
+    /// The same of the sky's light alone, if that is wanted.
+    pub sky: Option<Field>,
 }
 
 /// Volumes of indirect light, as `lib/sweep_lookup.wgsl` and `lib/relight.wgsl` read them.
@@ -134,7 +136,7 @@ pub(crate) fn declare<'a>(
     }
     let uniform = relight::uniform(settings, &volumes);
     let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
-    Ok(Some(Indirect { radiance, field: Field::Propagated { uniform, lit } }))
+    Ok(Some(Indirect { radiance, field: Field::Propagated { uniform, lit }, sky: None }))
 }
 
 /// Runs an entry point for each texel of some layers of an RSM, into a buffer of fixed-point sums.

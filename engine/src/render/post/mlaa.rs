@@ -1,15 +1,24 @@
 //! Morphological anti-aliasing (Reshetov 2009; thesis 5.7): edges, blend weights, blend. Edges are found by colour in
-//! the tone-mapped image; colours are mixed in linear light and encoded last.
+//! the tone-mapped image, or by depth or normal in the G-buffer; colours are mixed in linear light and encoded last.
 
 use super::tone_map::DISPLAY;
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::gbuffer::GBuffer;
+use crate::render::settings::MlaaEdges;
 use wgpu::TextureFormat;
 
 const USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING.union(wgpu::TextureUsages::TEXTURE_BINDING);
 
-/// Declares the three passes; the result is the display image. Pixels that no edge touches keep their bits.
-pub fn declare(graph: &mut Graph, image: Handle<Texture>, [width, height]: [u32; 2]) -> Handle<Texture> {
+/// Declares the three passes; the result is the display image. Pixels that no edge touches keep their bits. Without a
+/// G-buffer edges are told by colour.
+pub fn declare(
+    graph: &mut Graph,
+    image: Handle<Texture>,
+    [width, height]: [u32; 2],
+    by: MlaaEdges,
+    gbuffer: Option<&GBuffer>,
+) -> Handle<Texture> {
     let desc = |format| TextureDesc::d2(width, height, format, USAGE);
     let edges = graph.texture("mlaa edges", desc(TextureFormat::R32Uint));
     let weights = graph.texture("mlaa weights", desc(TextureFormat::Rgba16Float));
@@ -18,16 +27,26 @@ pub fn declare(graph: &mut Graph, image: Handle<Texture>, [width, height]: [u32;
     shown.usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
     let display = graph.retained_texture(DISPLAY, shown);
     let size = [width, height];
-    let edges = pass(graph, ["mlaa edges", "edges_main"], &[("image", image)], ("edges_out", edges), size);
-    let weights = pass(graph, ["mlaa weights", "weights_main"], &[("edges", edges)], ("weights_out", weights), size);
+    let (source, define) = match (by, gbuffer) {
+        (MlaaEdges::Depth, Some(gbuffer)) => (vec![("depth", gbuffer.depth)], Some("BY_DEPTH")),
+        (MlaaEdges::Normal, Some(gbuffer)) => {
+            (vec![("normal", gbuffer.normal), ("depth", gbuffer.depth)], Some("BY_NORMAL"))
+        }
+        _ => (vec![("image", image)], None),
+    };
+    let names = ["mlaa edges", "edges_main"];
+    let edges = pass(graph, names, define, &source, ("edges_out", edges), size);
+    let names = ["mlaa weights", "weights_main"];
+    let weights = pass(graph, names, None, &[("edges", edges)], ("weights_out", weights), size);
     let inputs = [("image", image), ("weights", weights)];
-    pass(graph, ["mlaa blend", "blend_main"], &inputs, ("display", display), size)
+    pass(graph, ["mlaa blend", "blend_main"], None, &inputs, ("display", display), size)
 }
 
 /// Declares a pass by its name and entry point.
 fn pass(
     graph: &mut Graph,
     [name, entry]: [&'static str; 2],
+    define: Option<&'static str>,
     inputs: &[(&'static str, Handle<Texture>)],
     output: (&'static str, Handle<Texture>),
     [width, height]: [u32; 2],
@@ -38,7 +57,7 @@ fn pass(
         pass.read(*input);
     }
     let written = pass.write(output.1);
-    pass.key(&());
+    pass.key(&define);
     pass.execute(move |cx| {
         let views: Vec<_> = inputs.iter().map(|&(name, handle)| (name, cx.view(handle))).collect();
         let target = cx.view(written);
@@ -46,7 +65,11 @@ fn pass(
         bindings.push((output.0, Binding::Texture(&target)));
         cx.counts().texels += u64::from(width) * u64::from(height);
         let groups = [width.div_ceil(8), height.div_ceil(8), 1];
-        cx.dispatch(&ComputeKey::new("post/mlaa.wgsl", entry), &bindings, groups)
+        let mut key = ComputeKey::new("post/mlaa.wgsl", entry);
+        if let Some(define) = define {
+            key = key.def(define, ShaderDef::Flag(true));
+        }
+        cx.dispatch(&key, &bindings, groups)
     });
     written
 }

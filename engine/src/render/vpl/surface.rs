@@ -2,6 +2,7 @@
 
 use crate::assets::{AlphaMode, Texture, UvMap};
 use crate::bvh::{SceneBvh, vertex_indices, world_normal};
+use crate::render::environment::lobe_reflectance;
 use crate::scene::{Primitive, Scene, texel};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
@@ -147,16 +148,13 @@ fn with_material(primitive: &Primitive, place: &Place) -> Met {
 
 impl Met {
     /// Share of the light from a direction (cosine to the normal) that is reflected at all. The specular part is sent
-    /// out diffusely with the rest: its energy is kept, its direction is not. Split-sum fit of Karis 2014 ("Physically
-    /// based shading on mobile"); diffuse light loses Schlick's term averaged over the hemisphere, F0 + (F90−F0)/21.
+    /// out diffusely with the rest: its energy is kept, its direction is not. Diffuse light loses Schlick's term averaged
+    /// over the hemisphere, F0 + (F90−F0)/21.
     pub(super) fn reflectance(&self, cosine: f32) -> Vec3 {
         if self.normal_reflectance == Vec3::ZERO && self.grazing_reflectance <= 0.0 {
             return self.albedo;
         }
-        let r = self.roughness * Vec4::new(-1.0, -0.0275, -0.572, 0.022) + Vec4::new(1.0, 0.0425, 1.04, -0.04);
-        let a004 = (r.x * r.x).min((-9.28 * cosine.clamp(0.0, 1.0)).exp2()) * r.x + r.y;
-        let specular = self.normal_reflectance * (-1.04 * a004 + r.z)
-            + Vec3::splat(self.grazing_reflectance * (1.04 * a004 + r.w));
+        let specular = lobe_reflectance(self.normal_reflectance, self.grazing_reflectance, self.roughness, cosine);
         let largest = self.normal_reflectance.max_element();
         let lost = largest + (self.grazing_reflectance - largest) / 21.0;
         (self.albedo * (1.0 - lost) + specular).clamp(Vec3::ZERO, Vec3::ONE)

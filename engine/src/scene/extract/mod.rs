@@ -156,6 +156,7 @@ fn fresh_identity() -> u64 {
 /// Keeps the sky current; a map is made anew only if the environment changed.
 fn extract_sky(world: &World, scene: &mut Scene, known: &mut Option<Environment>, revisions: &mut Counter) {
     let settings = world.get_resource::<SceneSettings>();
+    scene.sky_light = settings.is_none_or(|s| s.sky_light);
     let environment = settings.and_then(|s| s.environment.clone());
     let loaded =
         world.get_resource::<EnvironmentImage>().filter(|image| Some(&image.environment) == environment.as_ref());

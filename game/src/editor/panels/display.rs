@@ -1,6 +1,6 @@
 //! Method of light, layer, exposure and tone map.
 
-use crate::cli::{Gi, Only};
+use crate::cli::{Edges, Gi, Only};
 use crate::editor::stage::Stage;
 use clap::ValueEnum;
 use egui::{Slider, Ui};
@@ -38,6 +38,18 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     choice(ui, "Tone map", &shown, |ui| {
         for tone_map in [ToneMap::Neutral, ToneMap::Filmic, ToneMap::Linear] {
             ui.selectable_value(&mut display.tone_map, tone_map, format!("{tone_map:?}"));
+        }
+    });
+    let look = &mut *stage.look;
+    let mut smooth = !look.no_mlaa;
+    ui.checkbox(&mut smooth, "Smooth edges").on_hover_text("morphological anti-aliasing of the picture");
+    look.no_mlaa = !smooth;
+    let shown = word_of(look.mlaa_edges);
+    choice(ui, "Edges by", &shown, |ui| {
+        for edges in Edges::value_variants() {
+            let help = edges.to_possible_value().and_then(|v| v.get_help().map(|h| h.to_string()));
+            let label = ui.selectable_value(&mut look.mlaa_edges, *edges, word_of(*edges));
+            label.on_hover_text(help.unwrap_or_default());
         }
     });
     if ui.button("Reset").clicked() {

@@ -25,7 +25,7 @@ pub(crate) struct EmitUniform {
 }
 
 /// Bytes of the sums of a bounce: see `totals` of `lpv/sweep/emit.wgsl`.
-const TOTAL_BYTES: u64 = 24;
+pub(super) const TOTAL_BYTES: u64 = 24;
 
 /// Where light comes from.
 pub(super) struct Sources<'s, 'a> {
@@ -112,8 +112,8 @@ pub(super) fn declare<'a>(
     let level = &mut levels[step.index];
     let volume = level.volume;
     let name = match step.bounce {
-        0 => format!("emit, cascade {}", step.index),
-        bounce => format!("emit, cascade {}, bounce {}", step.index, bounce + 1),
+        0 => format!("emit, {}", level.name),
+        bounce => format!("emit, {}, bounce {}", level.name, bounce + 1),
     };
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let sums = graph.buffer(format!("{name}, sums"), BufferDesc::new(144 * u64::from(volume.cell_count()), usage));

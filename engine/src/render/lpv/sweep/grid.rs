@@ -20,8 +20,7 @@ const MAX_CELLS: u32 = (128 << 20) / 176;
 pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<Volume>, RenderError> {
     let settings = &clpv.settings;
     if settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed {
-        let most = Most { cells: budget(settings.quality), slice: largest_slice(settings.quality) };
-        return Ok(vec![fitted(bounds, most)]);
+        return Ok(vec![around_scene(bounds, settings.quality)]);
     }
     let cells: u32 = settings.cells.iter().product();
     if cells > MAX_CELLS {
@@ -30,6 +29,11 @@ pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<
     }
     // The coarsest covers most; finer ones inside it are not swept.
     Ok(volume::volumes(clpv, bounds, view)?.split_off(settings.cascades.max(1) as usize - 1))
+}
+
+/// The finest grid of a quality that covers the scene.
+pub(super) fn around_scene(bounds: &Aabb, quality: Quality) -> Volume {
+    fitted(bounds, Most { cells: budget(quality), slice: largest_slice(quality) })
 }
 
 /// What a grid may have at most.

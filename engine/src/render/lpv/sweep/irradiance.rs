@@ -8,7 +8,6 @@ use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
-use crate::world::Clpv;
 use encase::ShaderType;
 use glam::UVec2;
 use wgpu::BufferUsages;
@@ -85,23 +84,32 @@ pub(super) fn at_surfels<'a>(
     received
 }
 
-/// Declares the light of the visible surfaces; the result is reflected radiance.
+/// What the pass at the visible surfaces and its image are called.
+pub(super) struct Names {
+    pub pass: &'static str,
+    pub image: &'static str,
+}
+
+/// Declares the light of the visible surfaces; the result is reflected radiance. `fade` is the width of the border
+/// between cascades \[cells\].
 pub(super) fn relight<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
-    settings: &Clpv,
+    names: Names,
+    fade: f32,
     levels: &[Level],
 ) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
-    let indirect = graph.retained_texture("indirect radiance", desc);
+    let indirect = graph.retained_texture(names.image, desc);
     let pixels = u64::from(width) * u64::from(height);
     // One level needs no memory between levels.
     let between = if levels.len() > 1 { pixels } else { 1 };
-    let partial = graph.buffer("relight, between cascades", BufferDesc::new(16 * between, BufferUsages::STORAGE));
-    let mut pass = graph.pass("relight");
+    let partial =
+        graph.buffer(format!("{}, between cascades", names.pass), BufferDesc::new(16 * between, BufferUsages::STORAGE));
+    let mut pass = graph.pass(names.pass);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
     for input in inputs {
         pass.read(input);
@@ -117,7 +125,6 @@ pub(super) fn relight<'a>(
     }
     let (indirect, partial) = (pass.write(indirect), pass.write(partial));
     let keys: Vec<_> = levels.iter().map(|level| (level.volume.key(), level.volume.fade_key())).collect();
-    let fade = settings.border_fade.max(0.0);
     pass.key(&(keys, fade.to_bits(), frame.view_key()));
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, fade)).collect();
     let frame = frame.clone();

@@ -14,6 +14,7 @@ mod emit;
 mod grid;
 mod irradiance;
 mod opacity;
+pub(in crate::render) mod sky;
 mod surfels;
 mod transport;
 
@@ -25,13 +26,14 @@ pub(crate) use self::{
     transport::SumUniform,
 };
 
+use super::Indirect;
 use super::volume::Volume;
-use super::{Field, Indirect};
 use crate::graph::{Buffer, Graph, Handle};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::rsm::{self, Rsm};
+use crate::render::sky_light;
 use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Quality};
 use directions::Directions;
@@ -50,6 +52,8 @@ const TAIL: f32 = 0.1;
 
 /// A cascade with what is in it so far.
 struct Level {
+    /// What the names of its passes and resources have for it.
+    name: String,
     volume: Volume,
     opacity: Handle<Buffer>,
     emission: Handle<Buffer>,
@@ -94,8 +98,9 @@ pub(super) fn declare<'a>(
     let mut totals = emit::totals(graph, bounces.swept);
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
-        let opacity = opacity::declare(graph, surfels, index, volume);
-        levels.push(transport::level(graph, opacity, index, volume));
+        let name = format!("cascade {index}");
+        let opacity = opacity::declare(graph, surfels, &name, volume);
+        levels.push(transport::level(graph, opacity, &name, volume));
     }
     let source =
         emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale: emit::scale(frame, &rsms, &levels) };
@@ -114,11 +119,11 @@ pub(super) fn declare<'a>(
             );
         }
     }
-    let radiance = irradiance::relight(graph, frame, gbuffer, settings, &levels);
-    Ok(levels.last().map(|level| {
-        let buffers = [level.sum.axes, level.sum.facing, level.opacity];
-        Indirect { radiance, field: Field::Swept { volume: level.volume, buffers } }
-    }))
+    let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
+    let radiance = irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels);
+    let sky = levels.last().filter(|_| sky_light::is_mirrored(frame.scene)).map(|level| (level.opacity, level.volume));
+    let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
+    Ok(levels.last().map(|level| Indirect { radiance, field: sky::field_of(level), sky }))
 }
 
 /// What the surfels have of a bounce.

@@ -14,10 +14,10 @@ const CELL_BYTES: u64 = 176;
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     surfels: Handle<Buffer>,
-    level: usize,
+    level: &str,
     volume: &Volume,
 ) -> Handle<Buffer> {
-    let name = format!("opacity, cascade {level}");
+    let name = format!("opacity, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
     let sums = graph.buffer(format!("{name}, fixed point"), desc.clone());

@@ -44,20 +44,20 @@ pub(super) struct Step {
 }
 
 /// The buffers of a cascade.
-pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, index: usize, volume: &Volume) -> Level {
+pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, volume: &Volume) -> Level {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = |bytes: u64| BufferDesc::new(bytes * u64::from(volume.cell_count()), usage);
-    let emission = graph.buffer(format!("emission, cascade {index}"), desc(96));
+    let emission = graph.buffer(format!("emission, {name}"), desc(96));
     let bounce = Irradiance {
         // A bounce's holds what the cells took out of the light too.
-        axes: graph.buffer(format!("axes of a bounce, cascade {index}"), desc(76)),
-        facing: graph.buffer(format!("facing of a bounce, cascade {index}"), desc(36)),
+        axes: graph.buffer(format!("axes of a bounce, {name}"), desc(76)),
+        facing: graph.buffer(format!("facing of a bounce, {name}"), desc(36)),
     };
     let sum = Irradiance {
-        axes: graph.retained_buffer(format!("axes, cascade {index}"), desc(72)),
-        facing: graph.retained_buffer(format!("facing, cascade {index}"), desc(36)),
+        axes: graph.retained_buffer(format!("axes, {name}"), desc(72)),
+        facing: graph.retained_buffer(format!("facing, {name}"), desc(36)),
     };
-    Level { volume: *volume, opacity, emission, bounce, sum }
+    Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum }
 }
 
 /// Bytes of a cell and direction of a front: light of both senses, RGB and one unused number.
@@ -74,7 +74,7 @@ pub(super) fn declare<'a>(
 ) {
     let level = &mut levels[step.index];
     let volume = level.volume;
-    let name = format!("sweep, cascade {}, bounce {}", step.index, step.bounce + 1);
+    let name = format!("sweep, {}, bounce {}", level.name, step.bounce + 1);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let front_bytes = FRONT_BYTES * u64::from(directions.group()) * u64::from(largest_slice(&volume));
     let fronts = [0, 1].map(|i| graph.buffer(format!("{name}, front {i}"), BufferDesc::new(front_bytes, usage)));

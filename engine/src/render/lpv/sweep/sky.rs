@@ -1,0 +1,66 @@
+//! Light of the sky alone: one sweep along few directions. Methods that bring no light of the sky take it from here, and
+//! glossy surfaces learn from it how much of the sky they see.
+
+use super::directions::Directions;
+use super::{BounceCount, Indirect, Level, emit, grid, irradiance, opacity, surfels, transport};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::render::frame::Frame;
+use crate::render::gbuffer::GBuffer;
+use crate::render::lpv::{Field, Volume};
+use crate::scene::Aabb;
+use crate::world::Quality;
+use wgpu::BufferUsages;
+
+/// What the names of its passes and resources have in place of a cascade's number.
+const NAME: &str = "sky";
+
+/// The grid: it covers the scene.
+pub(in crate::render) fn volume(bounds: &Aabb) -> Volume {
+    grid::around_scene(bounds, Quality::Low)
+}
+
+/// Declares all passes; the result is what diffuse surfaces reflect, with no bounce in between.
+pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer) -> Indirect {
+    let volume = volume(&frame.bounds);
+    let surfels = surfels::declare(graph, frame);
+    let opacity = opacity::declare(graph, surfels, NAME, &volume);
+    let level = level(graph, frame, opacity, &volume);
+    let field = field_of(&level);
+    let names = irradiance::Names { pass: "relight, sky", image: "sky radiance" };
+    let radiance = irradiance::relight(graph, frame, gbuffer, names, 0.0, &[level]);
+    Indirect { radiance, sky: Some(field.clone()), field }
+}
+
+/// Declares the sweep of the sky's light through a grid.
+pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, opacity: Handle<Buffer>, volume: &Volume) -> Level {
+    let mut level = transport::level(graph, opacity, NAME, volume);
+    let totals = no_sources(graph, &mut level);
+    let bounces = BounceCount { swept: 1, has_tail: false };
+    let step = transport::Step { index: 0, bounce: 0, bounces };
+    let mut levels = [level];
+    transport::declare(graph, frame, &Directions::of(Quality::Medium), &mut levels, totals, step);
+    let [level] = levels;
+    level
+}
+
+pub(super) fn field_of(level: &Level) -> Field {
+    Field::Swept { volume: level.volume, buffers: [level.sum.axes, level.sum.facing, level.opacity] }
+}
+
+/// Nothing inside the grid sends out light.
+fn no_sources(graph: &mut Graph<'_>, level: &mut Level) -> Handle<Buffer> {
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+    let totals = graph.buffer("flux, sky", BufferDesc::new(emit::TOTAL_BYTES, usage));
+    let mut pass = graph.pass("emit, sky");
+    let (emission, totals) = (pass.write(level.emission), pass.write(totals));
+    pass.key(&());
+    pass.execute(move |cx| {
+        for handle in [emission, totals] {
+            let buffer = cx.buffer(handle).clone();
+            cx.encoder().clear_buffer(&buffer, 0, None);
+        }
+        Ok(())
+    });
+    level.emission = emission;
+    totals
+}

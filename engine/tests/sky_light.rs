@@ -1,0 +1,202 @@
+//! Light of the sky under methods that bring none of their own, and the sky's image in glossy surfaces.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use glam::{Affine3A, Vec3};
+use lightwell::assets::{Material, Shape, SkyMap};
+use lightwell::gpu::Gpu;
+use lightwell::measure::{Image, compare};
+use lightwell::render::reference::{PathTracer, TraceSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::world::{Clpv, LightVisibility, Quality, StochasticLightCulling, Transport};
+use std::sync::Arc;
+use support::{Stage, gpu};
+
+const NAMES: [&str; 3] = ["none", "diffusion", "light culling without rays"];
+
+/// The stage under each method that has no light of the sky.
+fn each_method(stage: &mut Stage, mut test: impl FnMut(&str, &Stage, GiMethod)) {
+    stage.scene.sky_light = true;
+    for name in NAMES {
+        stage.scene.clpv = None;
+        let gi = match name {
+            "none" => GiMethod::None,
+            "diffusion" => {
+                stage.clpv(Vec3::ZERO, Clpv { transport: Transport::Diffusion, ..Clpv::default() });
+                GiMethod::Clpv
+            }
+            _ => GiMethod::Slc,
+        };
+        test(name, stage, gi);
+    }
+}
+
+fn set_sky(stage: &mut Stage, map: SkyMap) {
+    stage.scene.sky = map.mean();
+    stage.scene.sky_map = Some(Arc::new(map));
+    stage.scene.revisions.settings += 1;
+}
+
+fn floor(albedo: f32) -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 16);
+    stage.add(Shape::Plane { size: [8.0; 2], subdivisions: [1; 2] }, Vec3::splat(albedo), Affine3A::IDENTITY);
+    stage
+}
+
+fn drawn(gpu: &Gpu, stage: &Stage, gi: GiMethod, layer: Layer) -> Image {
+    let image = stage.render(gpu, gi, layer);
+    Image::from_rgba(image.width, image.height, &image.rgba).unwrap()
+}
+
+/// A white floor under an even sky is as bright as the sky, whatever the method.
+#[test]
+fn white_floor_under_an_even_sky() {
+    let gpu = gpu();
+    let mut stage = floor(1.0);
+    stage.scene.sky = Vec3::ONE;
+    each_method(&mut stage, |name, stage, gi| {
+        let mean = drawn(&gpu, stage, gi, Layer::Indirect).mean();
+        println!("{name}: {mean:.4}");
+        assert!((mean - 1.0).abs() < 0.02, "{name}: {mean}");
+        let direct = drawn(&gpu, stage, gi, Layer::Direct).mean();
+        assert_eq!(direct, 0.0, "{name}: the sky's light is no direct light");
+    });
+    stage.scene.sky_light = false;
+    assert_eq!(drawn(&gpu, &stage, GiMethod::None, Layer::Total).mean(), 0.0, "switched off");
+}
+
+/// An open floor gets the integral of a sky with a bright side.
+#[test]
+fn as_integrated() {
+    let gpu = gpu();
+    let mut stage = floor(0.5);
+    let map = SkyMap::gradient(Vec3::new(0.2, 0.5, 1.0), Vec3::new(1.0, 0.6, 0.3), Vec3::ZERO);
+    let expected = map.irradiance(Vec3::Y) * 0.5 / std::f32::consts::PI;
+    set_sky(&mut stage, map);
+    each_method(&mut stage, |name, stage, gi| {
+        let image = drawn(&gpu, stage, gi, Layer::Indirect);
+        for c in 0..3 {
+            let mean = image.pixels().iter().map(|p| p[c]).sum::<f32>() / image.pixels().len() as f32;
+            assert!((mean / expected[c] - 1.0).abs() < 0.06, "{name}: {mean}, expected {expected}");
+        }
+    });
+}
+
+/// No sky is seen in a closed room, and its light does not get in.
+#[test]
+fn closed_rooms_stay_dark() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 0.2, 0.9), Vec3::new(0.0, 0.0, -1.0), 32);
+    for axis in 0..3 {
+        for side in [-1.1, 1.1] {
+            let (mut at, mut size) = (Vec3::ZERO, Vec3::splat(2.4));
+            (at[axis], size[axis]) = (side, 0.2);
+            stage.add(Shape::Box { size: size.to_array() }, Vec3::splat(0.8), Affine3A::from_translation(at));
+        }
+    }
+    stage.scene.sky = Vec3::ONE;
+    each_method(&mut stage, |name, stage, gi| {
+        let mean = drawn(&gpu, stage, gi, Layer::Indirect).mean();
+        assert!(mean < 0.01, "{name}: {mean}");
+    });
+}
+
+/// Methods with a sky of their own do not get it twice.
+#[test]
+fn counted_once() {
+    let gpu = gpu();
+    let mut stage = floor(1.0);
+    stage.scene.sky = Vec3::ONE;
+    stage.scene.sky_light = true;
+    stage.clpv(Vec3::ZERO, Clpv::default());
+    stage.scene.slc =
+        Some(StochasticLightCulling { visibility: LightVisibility::ShadowRays, ..StochasticLightCulling::default() });
+    for gi in [GiMethod::Clpv, GiMethod::Vpl, GiMethod::Slc] {
+        let mut renderer = Renderer::new(&gpu);
+        let settings = RenderSettings { gi, only: Layer::Indirect, ..Default::default() };
+        let (image, report) = stage.render_with(&gpu, &mut renderer, &settings);
+        let mean = Image::from_rgba(image.width, image.height, &image.rgba).unwrap().mean();
+        assert!((mean - 1.0).abs() < 0.05, "{gi:?}: {mean}");
+        assert!(!report.passes.iter().any(|pass| pass.name.ends_with(", sky")), "{report}");
+    }
+}
+
+/// A sky of two halves and a bright band, each easy to tell in a mirror.
+fn halves() -> SkyMap {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("halves.exr");
+    let pixel = |i: u32| match (i % 64, i / 64) {
+        (_, 10..=13) => [3.0, 2.5, 2.0],
+        (0..=31, _) => [0.9, 0.2, 0.1],
+        _ => [0.1, 0.3, 0.8],
+    };
+    let image = Image::from_pixels(64, 32, (0..64 * 32).map(pixel).collect()).unwrap();
+    lightwell::measure::write_image(&path, &image).unwrap();
+    SkyMap::load(&path, 1.0, 0.4).unwrap()
+}
+
+/// The pixels that show what lies within a distance of the origin, without those at the outline.
+fn within(image: &Image, stage: &Stage, distance: f32) -> Image {
+    let [width, height] = stage.view.size;
+    let eye = stage.view.eye();
+    let keep = |(i, pixel): (usize, &[f32; 3])| {
+        let ray = stage.ray(i as u32 % width, i as u32 / width);
+        if eye.cross(ray).length() < distance { *pixel } else { [0.0; 3] }
+    };
+    Image::from_pixels(width, height, image.pixels().iter().enumerate().map(keep).collect()).unwrap()
+}
+
+/// Metals of several roughnesses show the image of the sky that the path tracer shows in them.
+#[test]
+fn metals_show_the_sky() {
+    let gpu = gpu();
+    for (roughness, most) in [(0.05, 0.12), (0.3, 0.2), (0.7, 0.12)] {
+        let mut stage = Stage::new(Vec3::new(0.0, 0.3, 1.4), Vec3::ZERO, 48);
+        let material =
+            Material { base_color: glam::Vec4::splat(0.9), metallic: 1.0, roughness, ..Material::new("metal") };
+        let sphere = Shape::Sphere { radius: 1.0, segments: 64, rings: 32 };
+        stage.add_material(sphere, material, Affine3A::IDENTITY);
+        set_sky(&mut stage, halves());
+        let mut tracer = PathTracer::new(&gpu);
+        tracer.begin(&gpu, &stage.scene, &stage.view, &TraceSettings { bounces: Some(1), seed: 3 }).unwrap();
+        tracer.advance(&gpu, 96).unwrap();
+        let view = Stage::new(stage.view.eye(), Vec3::ZERO, 48);
+        let truth = within(&tracer.estimate(&gpu).unwrap().indirect(), &view, 0.9);
+        let check = |name: &str, image: &Image| {
+            let found = compare(&within(image, &view, 0.9), &truth).unwrap();
+            println!("roughness {roughness}, {name}: nrmse {:.3}, bias {:+.3}", found.nrmse, found.bias);
+            assert!(found.nrmse < most && found.bias.abs() < 0.03, "roughness {roughness}, {name}: {found:?}");
+        };
+        each_method(&mut stage, |name, stage, gi| check(name, &drawn(&gpu, stage, gi, Layer::Indirect)));
+        stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Low, ..Clpv::default() });
+        check("sweep", &drawn(&gpu, &stage, GiMethod::Clpv, Layer::Indirect));
+    }
+}
+
+/// A block of small parts, all smaller than a cell, has no black places under an open sky.
+#[test]
+fn small_solids_are_not_black() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.5, 3.0, 1.2), Vec3::new(0.0, 2.7, 0.0), 96);
+    stage.add(Shape::Plane { size: [24.0; 2], subdivisions: [1; 2] }, Vec3::splat(0.5), Affine3A::IDENTITY);
+    for i in 0..9 {
+        let at = Vec3::new((i % 3) as f32 - 1.0, 0.0, (i / 3) as f32 - 1.0) * 3.7;
+        let mut part = |y: f32, size: Vec3| {
+            let place = Affine3A::from_rotation_y(0.3 * i as f32);
+            let place = Affine3A::from_translation(at + Vec3::Y * y) * place;
+            stage.add(Shape::Box { size: size.to_array() }, Vec3::splat(0.5), place);
+        };
+        part(1.4, Vec3::new(0.3, 2.4, 0.3));
+        part(2.65, Vec3::new(0.4, 0.1, 0.4));
+        part(2.8, Vec3::new(0.52, 0.14, 0.52));
+        part(2.93, Vec3::new(0.62, 0.14, 0.62));
+    }
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
+    let image = drawn(&gpu, &stage, GiMethod::Clpv, Layer::Total);
+    let black = image.pixels().iter().filter(|p| p[1] < 0.02).count();
+    println!("{black} of {} pixels are black", image.pixels().len());
+    assert!(black < 10, "{black} pixels are black");
+}
