@@ -61,6 +61,7 @@ impl EntityFile {
             vpl: self.vpl.clone(),
             slc: self.slc.clone(),
             animation: self.animation.clone(),
+            components: self.components.clone(),
             ..Default::default()
         }
     }
@@ -81,6 +82,7 @@ impl EntityFile {
             vpl: c.vpl,
             slc: c.slc,
             animation: c.animation,
+            components: c.components,
             ..Default::default()
         }
     }
@@ -100,6 +102,7 @@ impl OverrideFile {
             ($($field:ident),*) => { $(if other.$field.is_some() { self.$field = other.$field.clone(); })* };
         }
         for_components!(replace);
+        self.components.extend(other.components.clone());
     }
 
     /// What makes of `base` this one; nothing if they are the same.
@@ -109,6 +112,8 @@ impl OverrideFile {
             ($($field:ident),*) => { $(if self.$field != base.$field { changes.$field = self.$field.clone(); })* };
         }
         for_components!(compare);
+        let own = self.components.iter().filter(|(name, value)| base.components.get(*name) != Some(value));
+        changes.components = own.map(|(name, value)| (name.clone(), value.clone())).collect();
         changes.restore_defaults(self, base);
         let gone = [
             (ComponentKind::Mesh, base.has_surface() && !self.has_surface()),
@@ -120,6 +125,8 @@ impl OverrideFile {
             (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
         ];
         changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
+        let gone = base.components.keys().filter(|name| !self.components.contains_key(*name));
+        changes.without.extend(gone.map(|name| ComponentKind::Own(name.clone())));
         changes
     }
 
@@ -141,7 +148,7 @@ impl OverrideFile {
     }
 
     /// Takes a component away.
-    pub fn take_away(&mut self, kind: ComponentKind) {
+    pub fn take_away(&mut self, kind: &ComponentKind) {
         match kind {
             ComponentKind::Mesh => (self.mesh, self.model, self.material) = (None, None, None),
             ComponentKind::Light => self.light = None,
@@ -150,6 +157,7 @@ impl OverrideFile {
             ComponentKind::Vpl => self.vpl = None,
             ComponentKind::Slc => self.slc = None,
             ComponentKind::Animation => self.animation = None,
+            ComponentKind::Own(name) => drop(self.components.remove(name)),
         }
     }
 }

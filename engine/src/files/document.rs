@@ -60,6 +60,22 @@ impl Document {
         FileError::new(&self.path, kind, message).at(&self.text, place)
     }
 
+    /// An error within the value at the path, which was read by itself.
+    pub(super) fn inner_error(&self, at: &[Step], value: &str, error: SpannedError) -> FileError {
+        let inner = syntax_error(&self.path, value, error);
+        let start = self.tree.find(at).span.start;
+        let is_there = self.text.get(start..).is_some_and(|rest| rest.starts_with(value));
+        let mut outer = match inner.place.filter(|_| is_there) {
+            Some(place) => {
+                let place = Place::of(&self.text, start + byte_of(value, place));
+                FileError::new(&self.path, inner.kind, inner.message).at(&self.text, place)
+            }
+            None => self.error(at, inner.kind, inner.message),
+        };
+        outer.help = inner.help;
+        outer
+    }
+
     /// The comments and blank lines before the first value.
     pub fn header(&self) -> &str {
         let mut at = 0;

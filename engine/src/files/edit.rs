@@ -8,6 +8,7 @@ use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::load::{Context, Loader, Resolved};
+use super::own::{Canonical, ComponentTypes};
 use super::save::{Writer, scene_without_entities};
 use super::source::{Origin, SceneInfo, Source};
 use super::surfaces::renderer;
@@ -90,6 +91,9 @@ pub fn edit_entity(
     }
     let names = material_names(world);
     Validator::lone_components(now, names).map_err(|fault| fault_error(context.path, *fault))?;
+    let mut now = now.clone();
+    canonical(context, |canonical| canonical.patch(&mut now, &[]))?;
+    let now = &now;
     let described = world.ecs.get::<Source>(entity).and_then(|source| source.material.clone());
     let shared = shared_material(world, now);
     let surface_differs =
@@ -103,7 +107,7 @@ pub fn edit_entity(
     })?;
     let changes = now.changes_from(&before);
     for kind in &changes.without {
-        take_away(world, entity, *kind);
+        take_away(world, context, entity, kind);
     }
     put(world, context, entity, &changes, now)?;
     remember(world, entity, now, material);
@@ -164,6 +168,9 @@ pub fn spawn_entity(
     file: &EntityFile,
 ) -> Result<Entity, FileError> {
     Validator::lone_entity(file, material_names(world)).map_err(|fault| fault_error(context.path, *fault))?;
+    let mut file = file.clone();
+    canonical(context, |canonical| canonical.entity(&mut file, &[]))?;
+    let file = &file;
     let before: Vec<Entity> = siblings(world, parent);
     if before.iter().any(|sibling| world.name(*sibling) == file.name) {
         let message = format!("there is a sibling named `{}` already", file.name);
@@ -264,7 +271,8 @@ fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Re
     let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
     let prefab = PrefabFile { description: String::new(), materials, entities };
     Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
-    let text = super::write::prefab_text(&prefab).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
+        .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
     super::write::write_atomically(path, &text)
 }
 
@@ -331,7 +339,19 @@ fn despawn(world: &mut GameWorld, entity: Entity) {
     let _ = world.ecs.try_despawn(entity);
 }
 
-fn take_away(world: &mut GameWorld, entity: Entity, kind: ComponentKind) {
+/// Reads components of a game.
+pub(super) fn canonical(
+    context: &EditContext,
+    read: impl FnOnce(&Canonical) -> Result<(), Box<FileError>>,
+) -> Result<(), FileError> {
+    let document = Document::in_memory(context.path);
+    read(&Canonical { types: &context.options.types, document: &document }).map_err(|error| *error)
+}
+
+fn take_away(world: &mut GameWorld, context: &EditContext, entity: Entity, kind: &ComponentKind) {
+    if let ComponentKind::Own(name) = kind {
+        return context.options.types.take(name, &mut world.ecs, entity);
+    }
     let mut entity = world.ecs.entity_mut(entity);
     match kind {
         ComponentKind::Mesh => entity.remove::<MeshRenderer>(),
@@ -341,6 +361,7 @@ fn take_away(world: &mut GameWorld, entity: Entity, kind: ComponentKind) {
         ComponentKind::Vpl => entity.remove::<InstantRadiosity>(),
         ComponentKind::Slc => entity.remove::<StochasticLightCulling>(),
         ComponentKind::Animation => entity.remove::<Animation>(),
+        ComponentKind::Own(_) => &mut entity,
     };
 }
 
@@ -408,7 +429,7 @@ fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> 
 }
 
 /// Lends the world to a loader.
-fn with_loader<T>(
+pub(super) fn with_loader<T>(
     world: &mut GameWorld,
     context: &mut EditContext,
     work: impl FnOnce(&mut Loader, &Rc<Context>) -> T,
@@ -425,7 +446,7 @@ fn with_loader<T>(
     result
 }
 
-fn fault_error(path: &Path, fault: Fault) -> FileError {
+pub(super) fn fault_error(path: &Path, fault: Fault) -> FileError {
     let words: Vec<String> = fault.path.iter().map(step_word).filter(|word| !word.is_empty()).collect();
     let place = if words.is_empty() { String::new() } else { format!("{}: ", words.join(".")) };
     let error = FileError::new(path, fault.kind, format!("{place}{}", fault.message));

@@ -2,6 +2,7 @@
 //!
 //! Everything has a default that can have one, so that hand-written files say only what matters.
 
+pub use super::own::OwnComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
@@ -100,6 +101,9 @@ pub struct EntityFile {
     /// Animation of the transform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
+    /// Components of the game, by their names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub components: OwnComponents,
     /// A prefab whose entities become children; its path is relative to this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prefab: Option<String>,
@@ -157,6 +161,9 @@ pub struct OverrideFile {
     /// Animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
+    /// Components of the game, by their names; each one given replaces the prefab's.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub components: OwnComponents,
     /// Components that the prefab gives and the instance does not want.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<ComponentKind>,
@@ -166,7 +173,7 @@ pub struct OverrideFile {
 }
 
 /// A component that an override can take away.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ComponentKind {
     /// The shape with its material.
     Mesh,
@@ -182,6 +189,8 @@ pub enum ComponentKind {
     Slc,
     /// The animation.
     Animation,
+    /// A component of the game, by its name.
+    Own(String),
 }
 
 pub(super) fn is_false(value: &bool) -> bool {

@@ -4,6 +4,7 @@ use super::LoadOptions;
 use super::document::{Document, folder_of, io_error};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::own::{Canonical, ComponentTypes};
 use super::source::{Origin, SceneInfo, Source};
 use super::suggest::suggestion;
 use super::tree::Step;
@@ -18,12 +19,16 @@ use std::sync::Arc;
 
 /// Loads a scene file into a world of its own.
 pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
-    let (document, file) = Document::read::<SceneFile>(path)?;
+    let (document, mut file) = Document::read::<SceneFile>(path)?;
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
+    canonical_entities(&document, &mut file.entities, &options.types)?;
     let info = SceneInfo::new(&document, &file);
     let image = environment_image(&document, &file.settings, library)?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
-    let mut loader = Loader::new(library, options, GameWorld::new(), info, path);
+    let mut world = GameWorld::new();
+    options.types.register(&mut world.ecs);
+    world.ecs.insert_resource(options.types.clone());
+    let mut loader = Loader::new(library, options, world, info, path);
     for (i, entity) in file.entities.iter().enumerate() {
         loader.entity(entity, &context, None, &[Step::Key("entities".into()), Step::Index(i)])?;
     }
@@ -38,8 +43,17 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     Ok(world)
 }
 
+/// Reads the components of a game in a file's entities.
+pub(super) fn canonical_entities(
+    document: &Document,
+    entities: &mut [EntityFile],
+    types: &ComponentTypes,
+) -> Result<(), FileError> {
+    Canonical { types, document }.entities(entities, &[key("entities")]).map_err(|error| *error)
+}
+
 /// Loads the sky's image, if the settings ask for one.
-fn environment_image(
+pub(super) fn environment_image(
     document: &Document,
     settings: &SceneSettings,
     library: &mut AssetLibrary,
@@ -117,6 +131,8 @@ pub(super) struct Loader<'a> {
     levels: Vec<Level>,
     /// Named materials by file and name.
     pub named: HashMap<(PathBuf, String), Arc<Material>>,
+    /// The entity that the next one spawned is put on, if it is there already.
+    pub target: Option<Entity>,
     /// Entities spawned so far.
     count: usize,
 }
@@ -152,6 +168,7 @@ impl<'a> Loader<'a> {
             chain: vec![canonical(path)],
             levels: Vec::new(),
             named: HashMap::new(),
+            target: None,
             count: 0,
         }
     }
@@ -217,7 +234,10 @@ impl Loader<'_> {
         if resolved.removed {
             return Ok(());
         }
-        let entity = self.world.spawn(&file.name, parent);
+        let entity = match self.target.take() {
+            Some(entity) => self.world.spawn_onto(entity, &file.name),
+            None => self.world.spawn(&file.name, parent),
+        };
         let material = self.insert_components(entity, &resolved)?;
         let mut source = Source {
             components: resolved.components,
@@ -373,8 +393,9 @@ impl Loader<'_> {
             let help = looked.help.unwrap_or_else(|| "paths of prefabs start at the folder of this file".into());
             return Err(error.with_help(help));
         }
-        let (document, file) = Document::read::<PrefabFile>(&path)?;
+        let (document, mut file) = Document::read::<PrefabFile>(&path)?;
         Validator::prefab(&file).map_err(|fault| fault_error(&document, *fault))?;
+        canonical_entities(&document, &mut file.entities, &self.options.types)?;
         let context = Rc::new(Context { document, materials: file.materials, is_root: false });
         let prefab = Rc::new((context, file.entities));
         self.library.note(&identity);
@@ -388,7 +409,7 @@ impl Resolved {
         let c = &mut self.components;
         self.removed |= patch.remove;
         for kind in &patch.without {
-            c.take_away(*kind);
+            c.take_away(kind);
         }
         if patch.material.is_some() {
             self.material = place.clone();

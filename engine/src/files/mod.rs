@@ -21,6 +21,8 @@
 //! )
 //! ```
 //!
+//! Components of a game stand under their names, `components: {"Coin": (value: 5)}`, see [`SceneData`].
+//!
 //! Angles are degrees, lengths metres, colours linear Rec. 709. `Some(…)` need not be written. Paths of prefabs and
 //! images start at the folder of the file that names them; those of models at the folder given by `--models`, or
 //! else at the file's.
@@ -37,10 +39,12 @@ mod convert;
 mod described;
 mod document;
 mod edit;
+mod enter;
 mod error;
 mod format;
 mod load;
 mod model;
+mod own;
 mod parts;
 mod repeat;
 mod save;
@@ -59,13 +63,16 @@ pub use convert::look_rotation;
 pub use described::DESCRIBED;
 pub use document::{Document, ron_options};
 pub use edit::*;
+pub use enter::*;
 pub use error::{FileError, FileErrorKind, Place};
 pub use format::*;
+pub use own::*;
 pub use repeat::{MAX_COPIES, Repeat};
 pub use save::save_scene;
 pub use source::{Origin, SceneInfo, Source};
 pub use suggest::suggestion;
 pub use tree::Step;
+pub use write::write_atomically;
 
 use crate::assets::AssetLibrary;
 use crate::world::GameWorld;
@@ -77,6 +84,8 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// Folder of third-party models (`--models`).
     pub models: Option<PathBuf>,
+    /// Components of a game that scenes may hold.
+    pub types: ComponentTypes,
 }
 
 /// Loads a scene: a `.scene.ron` file, or a glTF file as a scene of its own.

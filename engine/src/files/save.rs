@@ -2,6 +2,7 @@
 
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::own::ComponentTypes;
 use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;
@@ -30,7 +31,7 @@ pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
     let writer = Writer { world, info, path };
     let file = SceneFile { entities: writer.entities(&world.roots())?, ..scene_without_entities(world) };
-    checked_text(&file, info, path)
+    checked_text(&file, info, path, world.ecs.get_resource())
 }
 
 /// Everything of the scene file but its entities.
@@ -47,7 +48,20 @@ pub(super) fn scene_without_entities(world: &GameWorld) -> SceneFile {
     }
 }
 
-fn checked_text(file: &SceneFile, info: &SceneInfo, path: &Path) -> Result<String, FileError> {
+fn checked_text(
+    file: &SceneFile,
+    info: &SceneInfo,
+    path: &Path,
+    types: Option<&ComponentTypes>,
+) -> Result<String, FileError> {
+    check(file, path)?;
+    let body = to_text(file, types).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    let header = if info.header.is_empty() { String::new() } else { format!("{}\n", info.header) };
+    Ok(format!("{header}{body}\n"))
+}
+
+/// Whether what was read out of a world can be read in again.
+pub(super) fn check(file: &SceneFile, path: &Path) -> Result<(), FileError> {
     Validator::scene(file).map_err(|fault| {
         let place = readable(file, &fault.path);
         let error = FileError::new(path, Kind::Unsavable, format!("cannot save {place}: {}", fault.message));
@@ -55,10 +69,7 @@ fn checked_text(file: &SceneFile, info: &SceneInfo, path: &Path) -> Result<Strin
             Some(help) => error.with_help(help),
             None => error,
         }
-    })?;
-    let body = to_text(file).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
-    let header = if info.header.is_empty() { String::new() } else { format!("{}\n", info.header) };
-    Ok(format!("{header}{body}\n"))
+    })
 }
 
 /// The path with entities by their names.
@@ -190,6 +201,11 @@ impl Writer<'_> {
             model: described.model.clone(),
             ..Default::default()
         };
+        let default_types = ComponentTypes::default();
+        let types = self.ecs().get_resource::<ComponentTypes>().unwrap_or(&default_types);
+        now.components = types
+            .describe(self.ecs(), entity, &described.components)
+            .map_err(|fault| FileError::new(self.path, Kind::Unsavable, format!("`{}`: {fault}", self.name(entity))))?;
         if let Some(renderer) = self.ecs().get::<MeshRenderer>(entity) {
             self.surface(entity, renderer, &described, &mut now)?;
         } else if described.model.is_some() {

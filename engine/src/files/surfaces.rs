@@ -63,6 +63,10 @@ impl Loader<'_> {
         if let Some(animation) = &c.animation {
             target.insert(animation.clone());
         }
+        // They were read before, and only what the world does with them could fail.
+        self.options.types.put(&c.components, &mut self.world.ecs, entity).map_err(|fault| {
+            r.surface.0.document.error(&extended(&r.surface.1, &[key("components")]), Kind::BadValue, fault)
+        })?;
         Ok(material)
     }
 

@@ -87,15 +87,23 @@ impl Node {
     }
 
     /// Calls `f` with the key of every field in the tree as written (keys of maps in quotes) and its value, outermost
-    /// first.
+    /// first. What is inside of a game's components is left out.
     pub fn for_each_field(&mut self, f: &mut impl FnMut(&str, &mut Node)) {
         let Some(group) = &mut self.group else { return };
         for item in &mut group.items {
             if item.key.is_some() {
                 f(&item.key_text, &mut item.node);
             }
-            item.node.for_each_field(f);
+            if item.key_text != super::write::OWN {
+                item.node.for_each_field(f);
+            }
         }
+    }
+
+    /// Calls `f` with the key of every field of this group alone.
+    pub fn for_each_direct_field(&mut self, f: &mut impl FnMut(&str, &mut Node)) {
+        let items = self.group.iter_mut().flat_map(|group| &mut group.items);
+        items.filter(|item| item.key.is_some()).for_each(|item| f(&item.key_text, &mut item.node));
     }
 
     /// The value on one line.

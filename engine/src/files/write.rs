@@ -3,6 +3,7 @@
 use super::document::{folder_of, ron_options};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
+use super::own::ComponentTypes;
 use super::tree::Node;
 use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
@@ -11,9 +12,9 @@ use std::io::Write;
 use std::path::Path;
 
 /// The file's text, without the fields that say what is the default anyway.
-pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
+pub fn to_text(file: &SceneFile, types: Option<&ComponentTypes>) -> Result<String, ron::Error> {
     let mut tree = Node::parse(&ron_options().to_string(file)?);
-    let defaults = Defaults::new()?;
+    let defaults = Defaults::new(types)?;
     tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
     tree.drop_defaults(&defaults.scene, &["entities", "gi"]);
     let body = tree.pretty();
@@ -21,9 +22,9 @@ pub fn to_text(file: &SceneFile) -> Result<String, ron::Error> {
 }
 
 /// The text of a prefab file, likewise.
-pub fn prefab_text(file: &PrefabFile) -> Result<String, ron::Error> {
+pub fn prefab_text(file: &PrefabFile, types: Option<&ComponentTypes>) -> Result<String, ron::Error> {
     let mut tree = Node::parse(&ron_options().to_string(file)?);
-    let defaults = Defaults::new()?;
+    let defaults = Defaults::new(types)?;
     tree.for_each_field(&mut |key, node| defaults.drop_from(key, node));
     Ok(format!("Prefab{}\n", tree.pretty()))
 }
@@ -33,10 +34,11 @@ struct Defaults {
     scene: Node,
     components: BTreeMap<&'static str, Node>,
     material: Node,
+    own: BTreeMap<&'static str, Node>,
 }
 
 impl Defaults {
-    fn new() -> Result<Self, ron::Error> {
+    fn new(types: Option<&ComponentTypes>) -> Result<Self, ron::Error> {
         fn node(value: &impl Serialize) -> Result<Node, ron::Error> {
             Ok(Node::parse(&ron_options().to_string(value)?))
         }
@@ -50,12 +52,14 @@ impl Defaults {
             ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),
         ]);
-        Ok(Self { scene: node(&SceneFile::default())?, components, material: node(&MaterialFile::default())? })
+        let own = types.map(ComponentTypes::defaults).unwrap_or_default();
+        Ok(Self { scene: node(&SceneFile::default())?, components, material: node(&MaterialFile::default())?, own })
     }
 
     fn drop_from(&self, key: &str, node: &mut Node) {
         match key {
             "gi" => node.unraw(),
+            OWN => self.drop_from_own(node),
             "material" => node.drop_defaults(&self.material, &[]),
             "materials" => node.for_each_field(&mut |_, material| material.drop_defaults(&self.material, &[])),
             _ => {
@@ -64,6 +68,19 @@ impl Defaults {
                 }
             }
         }
+    }
+}
+
+/// The field of entities that holds components of a game: names within them mean something else.
+pub const OWN: &str = "components";
+
+impl Defaults {
+    fn drop_from_own(&self, node: &mut Node) {
+        node.for_each_direct_field(&mut |name, component| {
+            if let Some(default) = self.own.get(name.trim_matches('"')) {
+                component.drop_defaults(default, &[]);
+            }
+        });
     }
 }
 

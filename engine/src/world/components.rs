@@ -68,6 +68,29 @@ pub struct MeshRenderer {
     pub visible: bool,
 }
 
+impl MeshRenderer {
+    /// Makes the surface emit light: radiance [W/(m² sr)], linear RGB. The material is this entity's own from then on.
+    pub fn set_emissive(&mut self, radiance: Vec3) {
+        if self.material.emissive != radiance {
+            self.own_material().emissive = radiance;
+        }
+    }
+
+    /// Sets the base colour, linear RGB, 0..1. The material is this entity's own from then on.
+    pub fn set_color(&mut self, color: Vec3) {
+        if self.material.base_color.truncate() != color {
+            let material = self.own_material();
+            material.base_color = color.extend(material.base_color.w);
+        }
+    }
+
+    /// A copy of the material under an identity of its own: what has an identity never changes.
+    fn own_material(&mut self) -> &mut Material {
+        self.material = Arc::new(Material { id: crate::assets::AssetId::fresh(), ..(*self.material).clone() });
+        Arc::make_mut(&mut self.material)
+    }
+}
+
 /// Kind of light with the parameters that only it has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightKind {

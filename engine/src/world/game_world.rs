@@ -90,6 +90,15 @@ impl GameWorld {
         self.spawn_as(identity, name, parent)
     }
 
+    /// Gives an entity that is there a name, an identity and a place, as far as it has none.
+    pub(crate) fn spawn_onto(&mut self, entity: Entity, name: &str) -> Entity {
+        let identity = self.ecs.resource_mut::<Identities>().fresh();
+        if let Ok(mut entity) = self.ecs.get_entity_mut(entity) {
+            entity.insert((Name(name.to_owned()), identity)).insert_if_new(Transform::default());
+        }
+        entity
+    }
+
     /// Spawns with a given identity, for undo and for whoever must keep the order.
     ///
     /// # Errors

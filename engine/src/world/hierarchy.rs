@@ -9,17 +9,12 @@ use bevy_ecs::prelude::*;
 impl GameWorld {
     /// Entities without a parent, by identity.
     pub fn roots(&self) -> Vec<Entity> {
-        let Some(mut query) = self.ecs.try_query_filtered::<(&Identity, Entity), Without<ChildOf>>() else {
-            return Vec::new();
-        };
-        let mut roots: Vec<(SceneId, Entity)> = query.iter(&self.ecs).map(|(i, e)| (i.id(), e)).collect();
-        roots.sort_unstable();
-        roots.into_iter().map(|(_, entity)| entity).collect()
+        roots(&self.ecs)
     }
 
     /// The entity's children, in their order.
     pub fn children(&self, entity: Entity) -> Vec<Entity> {
-        self.ecs.get::<Children>(entity).map(|c| c.to_vec()).unwrap_or_default()
+        children(&self.ecs, entity)
     }
 
     /// The entity's parent.
@@ -57,10 +52,7 @@ impl GameWorld {
     /// The name, or the name with the first number from 2 that makes it new among the parent's children (among the
     /// roots if there is no parent).
     pub fn unique_name(&self, parent: Option<Entity>, name: &str) -> String {
-        let siblings = parent.map_or_else(|| self.roots(), |p| self.children(p));
-        let taken: std::collections::HashSet<&str> = siblings.into_iter().map(|s| self.name(s)).collect();
-        let numbered = (2..).map(|n| format!("{name} {n}"));
-        std::iter::once(name.to_owned()).chain(numbered).find(|n| !taken.contains(n.as_str())).unwrap_or_default()
+        unique_name(&self.ecs, parent, name, None)
     }
 
     /// Gives the entity another parent, or none. Its transform stays and is relative to the new parent from then
@@ -97,22 +89,57 @@ impl GameWorld {
     /// When the entity does not exist.
     pub fn clone_subtree(&mut self, entity: Entity) -> Result<Entity, WorldError> {
         self.ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
-        let name = self.ecs.get::<Name>(entity).map(|n| self.unique_name(self.parent(entity), &n.0));
-        let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
-        cloner.linked_cloning(true);
-        let mut cloner = cloner.finish();
-        let clone = cloner.spawn_clone(&mut self.ecs, entity);
-        if let Some(name) = name {
-            self.ecs.entity_mut(clone).insert(Name(name));
-        }
-        let mut pending = vec![clone];
-        while let Some(entity) = pending.pop() {
-            let identity = self.ecs.resource_mut::<Identities>().fresh();
-            self.ecs.entity_mut(entity).insert(identity);
-            pending.extend(self.children(entity).into_iter().rev());
-        }
+        let clone = self.ecs.spawn_empty().id();
+        clone_onto(&mut self.ecs, entity, clone)?;
         Ok(clone)
     }
+}
+
+/// Makes an entity a copy of another one with all below it, as [`GameWorld::clone_subtree`] does.
+pub(crate) fn clone_onto(ecs: &mut World, entity: Entity, clone: Entity) -> Result<(), WorldError> {
+    for entity in [entity, clone] {
+        ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
+    }
+    let name = ecs.get::<Name>(entity).map(|n| n.0.clone());
+    let parent = ecs.get::<ChildOf>(entity).map(ChildOf::parent);
+    let mut cloner = EntityCloner::build_opt_out(ecs);
+    cloner.linked_cloning(true);
+    let mut cloner = cloner.finish();
+    cloner.clone_entity(ecs, entity, clone);
+    if let Some(name) = name {
+        let name = unique_name(ecs, parent, &name, Some(clone));
+        ecs.entity_mut(clone).insert(Name(name));
+    }
+    let mut pending = vec![clone];
+    while let Some(entity) = pending.pop() {
+        let identity = ecs.resource_mut::<Identities>().fresh();
+        ecs.entity_mut(entity).insert(identity);
+        pending.extend(children(ecs, entity).into_iter().rev());
+    }
+    Ok(())
+}
+
+fn children(ecs: &World, entity: Entity) -> Vec<Entity> {
+    ecs.get::<Children>(entity).map(|c| c.to_vec()).unwrap_or_default()
+}
+
+fn roots(ecs: &World) -> Vec<Entity> {
+    let Some(mut query) = ecs.try_query_filtered::<(&Identity, Entity), Without<ChildOf>>() else {
+        return Vec::new();
+    };
+    let mut roots: Vec<(SceneId, Entity)> = query.iter(ecs).map(|(i, e)| (i.id(), e)).collect();
+    roots.sort_unstable();
+    roots.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// The name, or the name with the first number from 2 that makes it new among the siblings, `own` not counted.
+fn unique_name(ecs: &World, parent: Option<Entity>, name: &str, own: Option<Entity>) -> String {
+    let siblings = parent.map_or_else(|| roots(ecs), |p| children(ecs, p));
+    let name_of = |entity: Entity| ecs.get::<Name>(entity).map_or("", |n| n.0.as_str());
+    let taken: std::collections::HashSet<&str> =
+        siblings.into_iter().filter(|s| Some(*s) != own).map(name_of).collect();
+    let numbered = (2..).map(|n| format!("{name} {n}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|n| !taken.contains(n.as_str())).unwrap_or_default()
 }
 
 /// Whether `entity` is `above`, or stands somewhere below it.

@@ -31,6 +31,7 @@ pub use environment::{Environment, EnvironmentImage};
 pub use error::WorldError;
 pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
+pub(crate) use hierarchy::clone_onto;
 pub use identity::Identity;
 pub use instant_radiosity::*;
 pub use light_culling::*;

@@ -99,7 +99,7 @@ fn models_are_found_shared_and_saved_by_reference() {
     )"#;
     let folder = Folder::new(&[("scenes/a.scene.ron", scene)]);
     folder.write("models/sub/m.glb", &plain());
-    let options = LoadOptions { models: Some(folder.path("models")) };
+    let options = LoadOptions { models: Some(folder.path("models")), ..Default::default() };
     let mut library = AssetLibrary::new();
     let path = folder.path("scenes/a.scene.ron");
     let world = load_scene(&path, &mut library, &options).unwrap_or_else(|e| panic!("{e}"));
@@ -234,7 +234,7 @@ fn real_models_open() {
         eprintln!("skipped: LIGHTWELL_MODELS is not set");
         return;
     };
-    let options = LoadOptions { models: Some(models) };
+    let options = LoadOptions { models: Some(models), ..Default::default() };
     for WithModel { scene, triangles, primitives, .. } in WITH_MODELS {
         assert_within(scene, size(scene, &options), triangles, primitives);
     }

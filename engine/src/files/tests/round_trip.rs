@@ -341,7 +341,7 @@ proptest! {
             entities: unique(entities),
             ..Default::default()
         };
-        let text = to_text(&file).unwrap();
+        let text = to_text(&file, None).unwrap();
         let path = Path::new("x.scene.ron");
         let (_, parsed) = Document::parse::<SceneFile>(path, text.clone()).unwrap_or_else(|e| panic!("{e}\n{text}"));
         prop_assert_eq!(&parsed, &file, "{}", text);

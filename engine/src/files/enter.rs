@@ -1,0 +1,134 @@
+//! Scenes and prefabs into a world that is running.
+
+use super::LoadOptions;
+use super::document::Document;
+use super::edit::{EditContext, canonical, with_loader};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::{EntityFile, SceneFile, TransformFile};
+use super::load::{Context, Loader, canonical_entities, environment_image, fault_error, key};
+use super::save::{Writer, scene_without_entities};
+use super::source::SceneInfo;
+use super::tree::Step;
+use super::validate::Validator;
+use crate::assets::AssetLibrary;
+use crate::world::{EnvironmentImage, GameWorld, Transform};
+use bevy_ecs::prelude::Entity;
+use std::path::Path;
+use std::rc::Rc;
+
+/// Loads a scene file into a world, in place of the entities `old`. Everything else in the world stays.
+///
+/// # Errors
+/// As [`load_scene`](super::load_scene); the world keeps what it was then. glTF files are no such scenes: name them in
+/// one as `model`.
+pub fn enter_scene(
+    world: &mut GameWorld,
+    library: &mut AssetLibrary,
+    options: &LoadOptions,
+    path: &Path,
+    old: &[Entity],
+) -> Result<(), FileError> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf"))
+    {
+        let error = FileError::new(path, Kind::BadValue, "a game's scene is a .scene.ron file, and this is a model");
+        return Err(error.with_help("write a scene with an entity that says `model: \"…\"`"));
+    }
+    let (document, file) = Document::read::<SceneFile>(path)?;
+    enter(world, library, options, document, file, old)
+}
+
+/// Makes what a scene file would say the contents of a world, in place of the entities `old`. Paths are relative to
+/// `path`.
+///
+/// # Errors
+/// As [`enter_scene`].
+pub fn enter_described(
+    world: &mut GameWorld,
+    library: &mut AssetLibrary,
+    options: &LoadOptions,
+    path: &Path,
+    file: SceneFile,
+    old: &[Entity],
+) -> Result<(), FileError> {
+    enter(world, library, options, Document::in_memory(path), file, old)
+}
+
+fn enter(
+    world: &mut GameWorld,
+    library: &mut AssetLibrary,
+    options: &LoadOptions,
+    document: Document,
+    mut file: SceneFile,
+    old: &[Entity],
+) -> Result<(), FileError> {
+    Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
+    canonical_entities(&document, &mut file.entities, &options.types)?;
+    let image = environment_image(&document, &file.settings, library)?;
+    let (info, path) = (SceneInfo::new(&document, &file), document.path.clone());
+    let context = Rc::new(Context { document, materials: file.materials, is_root: true });
+    let before = world.roots();
+    let mut loader = Loader::new(library, options, std::mem::take(world), info, &path);
+    let mut entities = file.entities.iter().enumerate();
+    let result = entities
+        .try_for_each(|(index, entity)| loader.entity(entity, &context, None, &[key("entities"), Step::Index(index)]));
+    let Loader { world: lent, info, .. } = loader;
+    *world = lent;
+    if let Err(error) = result {
+        let new = world.roots().into_iter().filter(|root| !before.contains(root)).collect::<Vec<_>>();
+        despawn(world, &new);
+        return Err(error);
+    }
+    despawn(world, old);
+    world.ecs.insert_resource(file.settings);
+    match image {
+        Some(image) => world.ecs.insert_resource(image),
+        None => drop(world.ecs.remove_resource::<EnvironmentImage>()),
+    }
+    world.ecs.insert_resource(info);
+    world.set_tick(0);
+    Ok(())
+}
+
+fn despawn(world: &mut GameWorld, entities: &[Entity]) {
+    for entity in entities {
+        // Gone already if it stood below another one.
+        let _ = world.ecs.try_despawn(*entity);
+    }
+}
+
+/// Makes an entity that is there an instance of a prefab. Its name becomes that of the file, with a number if need be.
+///
+/// # Errors
+/// As [`spawn_entity`](super::spawn_entity). The entity may then have some of the prefab's entities below it.
+pub fn spawn_prefab_onto(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    entity: Entity,
+    prefab: &str,
+    place: Transform,
+) -> Result<(), FileError> {
+    let stem = Path::new(prefab).file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let parent = world.parent(entity);
+    let name = world.unique_name(parent, stem.split('.').next().filter(|n| !n.is_empty()).unwrap_or("prefab"));
+    let transform = Some(TransformFile::from(place));
+    let mut file = EntityFile { name, transform, prefab: Some(prefab.to_owned()), ..Default::default() };
+    Validator::lone_entity(&file, Vec::new()).map_err(|fault| super::edit::fault_error(context.path, *fault))?;
+    canonical(context, |canonical| canonical.entity(&mut file, &[]))?;
+    with_loader(world, context, |loader, context| {
+        loader.target = Some(entity);
+        loader.entity(&file, context, parent, &[])
+    })
+}
+
+/// The whole scene, entities included, as its file would say it.
+///
+/// # Errors
+/// When the world holds something that has no form in a file.
+pub fn describe_all(world: &GameWorld, path: &Path) -> Result<SceneFile, FileError> {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    let entities = Writer { world, info, path }.entities(&world.roots())?;
+    let file = SceneFile { entities, ..scene_without_entities(world) };
+    super::save::check(&file, path)?;
+    Ok(file)
+}

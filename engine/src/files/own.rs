@@ -1,0 +1,326 @@
+//! Components of a game in scene files: `components: {"Coin": (value: 5)}`.
+//!
+//! A game registers its types in [`ComponentTypes`], which travels with [`LoadOptions`](super::LoadOptions) and then
+//! with the world. What such a type looks like in a file is said by `serde`, and what it means by its documentation
+//! comments: both come with `#[derive(SceneData)]`.
+
+use super::document::{Document, ron_options};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::{EntityFile, OverrideFile};
+use super::suggest::suggestion;
+use super::tree::{Node, Step};
+use bevy_ecs::component::Component;
+use bevy_ecs::prelude::{Entity, Resource, World};
+use ron::error::SpannedError;
+use ron::value::RawValue;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::any::TypeId;
+use std::collections::BTreeMap;
+
+pub use lightwell_derive::SceneData;
+
+/// What scene files can hold and an inspector can show: implemented by `#[derive(SceneData)]`, for components of a
+/// game, for resources that are saved with it, and for types of their fields.
+///
+/// Documentation comments become the help of the inspector. A unit in brackets, `\[m\]` or `\[degrees\]`, and a range,
+/// `0 to 10` or `0..1`, are understood as such.
+///
+/// ```
+/// use bevy_ecs::prelude::Component;
+/// use lightwell::files::SceneData;
+///
+/// /// Gives points to who collects it.
+/// #[derive(Component, SceneData, Clone, Default)]
+/// struct Coin {
+///     /// Points, 0 to 100.
+///     value: u32,
+/// }
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot stand in scene files",
+    note = "add `#[derive(SceneData)]` to it, next to `Component` (or `Resource`), `Clone` and `Default`"
+)]
+pub trait SceneData: Serialize + DeserializeOwned + 'static {
+    /// The name in files.
+    const NAME: &'static str;
+
+    /// Adds what the comments say of the type, its fields, and theirs.
+    fn describe(notes: &mut Vec<TypeNote>);
+}
+
+/// What a comment says of a type, a field or a variant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TypeNote {
+    /// `Type`, `Type.field`, `Enum.Variant` or `Enum.Variant.field`.
+    pub key: &'static str,
+    /// The comment.
+    pub help: &'static str,
+}
+
+macro_rules! as_its_content {
+    ($($container:ty),*) => {
+        $(impl<T: SceneData> SceneData for $container {
+            const NAME: &'static str = T::NAME;
+            fn describe(notes: &mut Vec<TypeNote>) {
+                T::describe(notes);
+            }
+        })*
+    };
+}
+as_its_content!(Option<T>, Vec<T>, Box<T>);
+
+/// A value of a game's component as it is written, which only the game can read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OwnValue(String);
+
+impl OwnValue {
+    /// Of a text in RON.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(text.into())
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Serialize for OwnValue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        RawValue::from_ron(&self.0).map_err(serde::ser::Error::custom)?.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for OwnValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Self(Box::<RawValue>::deserialize(deserializer)?.trim().get_ron().to_owned()))
+    }
+}
+
+/// Components of a game by their name in files.
+pub type OwnComponents = BTreeMap<String, OwnValue>;
+
+/// A component of a game that scene files can hold.
+#[derive(Clone)]
+pub struct ComponentType {
+    /// Name in files.
+    pub name: &'static str,
+    /// What its comments say.
+    pub notes: Vec<TypeNote>,
+    type_id: TypeId,
+    type_name: &'static str,
+    canonical: fn(&str) -> Result<String, SpannedError>,
+    starter: fn() -> Result<String, ron::Error>,
+    put: fn(&str, &mut World, Entity) -> Result<(), SpannedError>,
+    text: fn(&World, Entity) -> Option<Result<String, ron::Error>>,
+    take: fn(&mut World, Entity),
+    register: fn(&mut World),
+}
+
+impl std::fmt::Debug for ComponentType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.type_name)
+    }
+}
+
+impl ComponentType {
+    /// The component of a type.
+    pub fn of<C: Component + SceneData + Clone + Default>() -> Self {
+        let mut notes = Vec::new();
+        C::describe(&mut notes);
+        Self {
+            name: C::NAME,
+            notes,
+            type_id: TypeId::of::<C>(),
+            type_name: std::any::type_name::<C>(),
+            canonical: |text| {
+                let value: C = ron_options().from_str(text)?;
+                ron_options().to_string(&value).map_err(unspanned)
+            },
+            starter: || ron_options().to_string(&C::default()),
+            put: |text, world, entity| {
+                let value: C = ron_options().from_str(text)?;
+                if let Ok(mut entity) = world.get_entity_mut(entity) {
+                    entity.insert(value);
+                }
+                Ok(())
+            },
+            text: |world, entity| world.get::<C>(entity).map(|value| ron_options().to_string(value)),
+            take: |world, entity| {
+                if let Ok(mut entity) = world.get_entity_mut(entity) {
+                    entity.remove::<C>();
+                }
+            },
+            register: |world| {
+                world.register_component::<C>();
+            },
+        }
+    }
+
+    /// A value to begin with, as a file would say it: the type's default.
+    ///
+    /// # Errors
+    /// When the default has no form in RON.
+    pub fn starter(&self) -> Result<String, ron::Error> {
+        (self.starter)()
+    }
+}
+
+fn unspanned(code: ron::Error) -> SpannedError {
+    let start = ron::error::Position { line: 1, col: 1 };
+    SpannedError { code, span: ron::error::Span { start, end: start } }
+}
+
+/// Why a type was not registered.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("two types are named `{name}` in scene files, `{first}` and `{second}`: rename one of them")]
+pub struct DuplicateType {
+    /// The name.
+    pub name: &'static str,
+    /// The type that has it.
+    pub first: &'static str,
+    /// The type that was to get it.
+    pub second: &'static str,
+}
+
+/// The components of a game that scene files can hold.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ComponentTypes {
+    types: BTreeMap<&'static str, ComponentType>,
+    /// Whether a component that is not among them is an error; else it is kept as it is written.
+    pub is_complete: bool,
+}
+
+impl ComponentTypes {
+    /// Adds a component. Twice is once.
+    ///
+    /// # Errors
+    /// When another type has its name.
+    pub fn add(&mut self, new: ComponentType) -> Result<(), DuplicateType> {
+        match self.types.get(new.name).filter(|known| known.type_id != new.type_id) {
+            Some(known) => Err(DuplicateType { name: new.name, first: known.type_name, second: new.type_name }),
+            None => {
+                self.types.insert(new.name, new);
+                Ok(())
+            }
+        }
+    }
+
+    /// The component of a name.
+    pub fn get(&self, name: &str) -> Option<&ComponentType> {
+        self.types.get(name)
+    }
+
+    /// All components, by name.
+    pub fn iter(&self) -> impl Iterator<Item = &ComponentType> {
+        self.types.values()
+    }
+
+    /// Puts the components on an entity; those that are not known are passed over.
+    pub(super) fn put(&self, components: &OwnComponents, world: &mut World, entity: Entity) -> Result<(), String> {
+        for (name, value) in components {
+            let Some(known) = self.get(name) else { continue };
+            (known.put)(value.text(), world, entity).map_err(|error| format!("`{name}`: {}", error.code))?;
+        }
+        Ok(())
+    }
+
+    /// Takes a component away.
+    pub(super) fn take(&self, name: &str, world: &mut World, entity: Entity) {
+        if let Some(known) = self.get(name) {
+            (known.take)(world, entity);
+        }
+    }
+
+    /// The entity's components as a file says them: those that are not known as they were described.
+    pub(super) fn describe(
+        &self,
+        world: &World,
+        entity: Entity,
+        described: &OwnComponents,
+    ) -> Result<OwnComponents, String> {
+        let unknown = described.iter().filter(|(name, _)| self.get(name).is_none());
+        let mut now: OwnComponents = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
+        for known in self.iter() {
+            let Some(text) = (known.text)(world, entity) else { continue };
+            let text = text.map_err(|error| format!("`{}` has a value that cannot be written: {error}", known.name))?;
+            now.insert(known.name.to_owned(), OwnValue(text));
+        }
+        Ok(now)
+    }
+
+    /// Registers all in a world, so that it can be queried by shared reference.
+    pub fn register(&self, world: &mut World) {
+        self.iter().for_each(|known| (known.register)(world));
+    }
+
+    /// How the defaults look in a file.
+    pub(super) fn defaults(&self) -> BTreeMap<&'static str, Node> {
+        let parse = |known: &ComponentType| Some((known.name, Node::parse(&known.starter().ok()?)));
+        self.iter().filter_map(parse).collect()
+    }
+}
+
+/// Reads the components of a game in a file's entities once, and leaves them as the game writes them: equal values are
+/// equal texts from then on.
+pub(super) struct Canonical<'a> {
+    pub types: &'a ComponentTypes,
+    pub document: &'a Document,
+}
+
+type Checked = Result<(), Box<FileError>>;
+
+impl Canonical<'_> {
+    /// All entities of a list.
+    pub fn entities(&self, entities: &mut [EntityFile], at: &[Step]) -> Checked {
+        for (index, entity) in entities.iter_mut().enumerate() {
+            self.entity(entity, &with(at, Step::Index(index)))?;
+        }
+        Ok(())
+    }
+
+    /// An entity with all below it.
+    pub fn entity(&self, entity: &mut EntityFile, at: &[Step]) -> Checked {
+        self.components(&mut entity.components, at)?;
+        for (path, patch) in &mut entity.overrides {
+            let at = with(&with(at, Step::Key("overrides".into())), Step::Key(path.clone()));
+            self.patch(patch, &at)?;
+        }
+        self.entities(&mut entity.children, &with(at, Step::Key("children".into())))
+    }
+
+    /// What an instance changes.
+    pub fn patch(&self, patch: &mut OverrideFile, at: &[Step]) -> Checked {
+        self.components(&mut patch.components, at)?;
+        self.entities(&mut patch.children, &with(at, Step::Key("children".into())))
+    }
+
+    fn components(&self, components: &mut OwnComponents, at: &[Step]) -> Checked {
+        let at = with(at, Step::Key("components".into()));
+        for (name, value) in components {
+            let at = with(&at, Step::Key(name.clone()));
+            match self.types.get(name) {
+                Some(known) => match (known.canonical)(value.text()) {
+                    Ok(text) => value.0 = text,
+                    Err(error) => return Err(Box::new(self.document.inner_error(&at, value.text(), error))),
+                },
+                None if self.types.is_complete => return Err(Box::new(self.unknown(name, &at))),
+                None => log::warn!("`{name}` is no component that this program knows; it is kept as it is written"),
+            }
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, name: &str, at: &[Step]) -> FileError {
+        let message = format!("the game has no component `{name}`");
+        let register = format!("register it before the scene is loaded: `.component::<{name}>()`");
+        let near = suggestion(name, self.types.iter().map(|known| known.name));
+        let help = near.map_or(register.clone(), |near| format!("{near} Or {register}"));
+        self.document.error(at, Kind::UnknownName, message).with_help(help)
+    }
+}
+
+fn with(at: &[Step], step: Step) -> Vec<Step> {
+    at.iter().cloned().chain([step]).collect()
+}
