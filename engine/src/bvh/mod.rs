@@ -162,6 +162,24 @@ impl Bvh {
     }
 }
 
+impl Bvh {
+    /// Visits the contents of every leaf whose box meets the bounds; contents themselves may lie apart from them.
+    pub fn overlapping(&self, bounds: &Aabb, mut visit: impl FnMut(u32)) {
+        let meets = |node: &Node| !node.bounds().intersection(bounds).is_empty();
+        let mut open: Vec<u32> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(index) = open.pop() {
+            let node = &self.nodes[index as usize];
+            if !meets(node) {
+                continue;
+            }
+            match node.count {
+                0 => open.extend([node.first + 1, node.first]),
+                count => self.order[node.first as usize..][..count as usize].iter().for_each(|entry| visit(*entry)),
+            }
+        }
+    }
+}
+
 /// Half the surface of a box; zero for an empty one.
 fn half_area(bounds: &Aabb) -> f32 {
     let s: Vec3 = bounds.size();

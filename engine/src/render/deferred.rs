@@ -25,10 +25,11 @@ use super::reference::{self, PathTracer, TraceError};
 use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings};
 use super::vpl::{self, VirtualLights, VplError};
 use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
-use crate::gpu::Gpu;
-use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
-use crate::scene::{Aabb, Scene, SceneView};
+use crate::gpu::{Gpu, ReadbackError, read_buffer};
+use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
+use crate::scene::{Aabb, ProbePoint, Scene, SceneView};
 use crate::world::Transport;
+use glam::Vec3;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Why a frame could not be drawn.
@@ -88,6 +89,9 @@ pub struct Renderer {
     rays: Option<RayScene>,
     /// Whether the last frame drew blended surfaces.
     has_blended: bool,
+    probes: Vec<ProbePoint>,
+    /// Whether the last frame looked up their light.
+    has_probe_light: bool,
 }
 
 impl Renderer {
@@ -101,6 +105,27 @@ impl Renderer {
             tracer: None,
             rays: None,
             has_blended: false,
+            probes: Vec::new(),
+            has_probe_light: false,
+        }
+    }
+
+    /// Sets the points whose indirect light the next frames look up; see [`Renderer::probe_light`].
+    pub fn set_probes(&mut self, probes: Vec<ProbePoint>) {
+        self.has_probe_light &= self.probes == probes;
+        self.probes = probes;
+    }
+
+    /// Indirect irradiance [W/m²] at the points of [`Renderer::set_probes`], as of the last frame; zeros where no light
+    /// volume was filled. Waits for the device to be done with that frame.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn probe_light(&self, gpu: &Gpu) -> Result<Vec<Vec3>, ReadbackError> {
+        let buffer = self.buffer(lpv::sweep::PROBE_LIGHT).filter(|_| self.has_probe_light);
+        match buffer {
+            Some(buffer) => Ok(lpv::sweep::probe_light(&self.probes, &read_buffer::<[f32; 4]>(gpu, buffer)?)),
+            None => Ok(vec![Vec3::ZERO; self.probes.len()]),
         }
     }
 
@@ -146,7 +171,8 @@ impl Renderer {
             None => None,
         };
         let (gpu_scene, surfels, rays) = (&self.gpu_scene, &self.surfels, self.rays.as_ref());
-        let frame = Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds };
+        let frame =
+            Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds, probes: &self.probes };
         let mut graph = Graph::new(seed(gpu));
         let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
         let shown = match (beside, tracer) {
@@ -155,6 +181,7 @@ impl Renderer {
         };
         finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer)));
         self.has_blended = has_blended;
+        self.has_probe_light = graph.latest::<Buffer>(lpv::sweep::PROBE_LIGHT).is_some();
         execute(gpu, graph, &mut self.targets, settings)
     }
 
@@ -168,6 +195,7 @@ impl Renderer {
         reference: &ReferenceSettings,
     ) -> Result<FrameReport, RenderError> {
         self.has_blended = false;
+        self.has_probe_light = false;
         let tracer = self.tracer.get_or_insert_with(|| PathTracer::new(gpu));
         if settings.no_cache {
             tracer.restart();

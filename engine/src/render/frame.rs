@@ -6,7 +6,7 @@ use super::ray_scene::RayScene;
 use super::settings::RenderSettings;
 use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
-use crate::scene::{Aabb, Frustum, Scene, SceneView};
+use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
 use encase::ShaderType;
 use glam::{Mat4, UVec2, Vec3};
 
@@ -38,6 +38,8 @@ pub struct Frame<'a> {
     pub settings: &'a RenderSettings,
     /// Bounds of all primitives.
     pub bounds: Aabb,
+    /// Points whose indirect light is asked for.
+    pub probes: &'a [ProbePoint],
 }
 
 impl Frame<'_> {

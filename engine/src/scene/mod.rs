@@ -6,12 +6,14 @@
 mod bounds;
 mod extract;
 mod light;
+mod probe;
 mod surfels;
 mod view;
 
 pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
+pub use probe::ProbePoint;
 pub(crate) use surfels::texel;
 pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
 pub use view::{SceneCamera, SceneView, perspective};

@@ -21,7 +21,7 @@ pub(crate) struct LookupUniform {
     padding: UVec2,
 }
 
-fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
+pub(super) fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
     LookupUniform {
         cascade: CascadeUniform::new(&levels[index].volume, fade_cells),
         is_first: u32::from(index == 0),
@@ -31,7 +31,7 @@ fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
 }
 
 /// Width of the border between cascades at the surfels [cells].
-const SURFEL_FADE: f32 = 2.0;
+pub(super) const SURFEL_FADE: f32 = 2.0;
 
 /// Declares the irradiance that the surfels receive in a bounce; the result is E [W/m²], a vector each.
 pub(super) fn at_surfels<'a>(

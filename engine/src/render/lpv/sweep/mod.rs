@@ -14,6 +14,7 @@ mod emit;
 mod grid;
 mod irradiance;
 mod opacity;
+mod probes;
 pub(in crate::render) mod sky;
 mod surfels;
 mod transport;
@@ -39,6 +40,7 @@ use crate::world::{Bounces, Clpv, Quality};
 use directions::Directions;
 use glam::Vec3;
 
+pub(crate) use probes::{PROBE_LIGHT, probe_light};
 pub use surfels::GpuSurfels;
 
 /// Most bounces that a `Count` may ask for.
@@ -121,6 +123,10 @@ pub(super) fn declare<'a>(
     }
     let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
     let radiance = irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels);
+    if !frame.probes.is_empty() {
+        let light = probes::declare(graph, frame, &levels);
+        graph.output(light);
+    }
     let sky = levels.last().filter(|_| sky_light::is_mirrored(frame.scene)).map(|level| (level.opacity, level.volume));
     let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
     Ok(levels.last().map(|level| Indirect { radiance, field: sky::field_of(level), sky }))

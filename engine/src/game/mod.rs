@@ -1,0 +1,64 @@
+//! What a game is made of besides its scenes: steps of time, input, prefabs at run time, change of scenes, questions to
+//! the space around, and saved games. All of it is bevy's ECS: systems in three schedules, resources, messages, events
+//! and observers.
+//!
+//! ```text
+//! events ─▶ Input ─▶ FixedStep ─▶ requests ─▶ animation, transforms ─▶ Space ─▶ (EachFrame ─▶ picture)
+//! ```
+//! [`Game`] runs without window and device; what it does depends on the steps and their events alone, so that a script
+//! of recorded input plays the same game again.
+//!
+//! ```
+//! use bevy_ecs::prelude::*;
+//! use lightwell::files::SceneData;
+//! use lightwell::game::{FixedStep, Game, Time};
+//! use lightwell::world::Transform;
+//!
+//! /// Rises by itself.
+//! #[derive(Component, SceneData, Clone, Default)]
+//! struct Balloon {
+//!     /// Speed \[m/s\].
+//!     speed: f32,
+//! }
+//!
+//! fn rise(time: Res<Time>, mut balloons: Query<(&Balloon, &mut Transform)>) {
+//!     for (balloon, mut transform) in &mut balloons {
+//!         transform.translation.y += balloon.speed * time.delta;
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut game = Game::new();
+//! game.add_component::<Balloon>()?;
+//! game.add_systems(FixedStep, rise);
+//! # let folder = tempfile::tempdir()?;
+//! # let scene = folder.path().join("sky.scene.ron");
+//! # std::fs::write(&scene, r#"Scene(entities: [(name: "Red", components: {"Balloon": (speed: 3)})])"#)?;
+//! game.enter(&scene)?;
+//! for _ in 0..60 {
+//!     game.step(&[])?;
+//! }
+//! let red = game.world.find("Red").ok_or("no balloon")?;
+//! let height = game.world.ecs.get::<Transform>(red).ok_or("no place")?.translation.y;
+//! assert!((height - 3.0).abs() < 1e-4);
+//! # Ok(()) }
+//! ```
+
+mod commands;
+mod error;
+mod fault;
+mod input;
+mod light;
+mod running;
+mod saved;
+mod space;
+mod time;
+
+pub use commands::GameCommands;
+pub use error::GameError;
+pub use input::*;
+pub use light::{LightProbe, ProbePoint};
+pub use running::{CurrentScene, EachFrame, FixedStep, Game, Persistent, Start};
+pub use saved::SavedGame;
+pub use space::{Contact, Ghost, Hit, Space};
+pub use time::{Time, Timer};

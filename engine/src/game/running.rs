@@ -1,0 +1,289 @@
+//! A game that runs.
+
+use super::commands::{Request, Requests};
+use super::input::{Actions, Input, InputEvent};
+use super::light::{self, LightProbe};
+use super::saved::{SavedGame, SavedTypes};
+use super::space::{self, Ghost, Space};
+use super::time::Time;
+use super::{GameError, fault};
+use crate::assets::AssetLibrary;
+use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, SceneData};
+use crate::world::GameWorld;
+use bevy_ecs::error::FallbackErrorHandler;
+use bevy_ecs::message::{Message, MessageRegistry};
+use bevy_ecs::observer::IntoObserver;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::ScheduleSystem;
+use std::path::{Path, PathBuf};
+
+/// Systems that run when a scene was entered, before its first step.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Start;
+
+/// Systems that run in every step of time. All that decides the game belongs here: steps are equally long, and a
+/// recorded script repeats them exactly.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct FixedStep;
+
+/// Systems that run once before a frame is drawn, after none, one or several steps: for what is only looked at, such as
+/// texts and cameras.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct EachFrame;
+
+/// What looks at the world after each step.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct Look;
+
+/// An entity without a parent that stays, with all below it, when the scene changes.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Persistent;
+
+/// The scene that is played.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct CurrentScene {
+    /// Its file.
+    pub path: PathBuf,
+    /// The step of the game in which it was entered.
+    pub since: u64,
+}
+
+impl CurrentScene {
+    /// A path that is relative to the scene's folder.
+    pub fn beside(&self, path: impl AsRef<Path>) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// The file's name without `.scene.ron`.
+    pub fn name(&self) -> String {
+        let name = self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        name.strip_suffix(".scene.ron").map_or(name.clone(), str::to_owned)
+    }
+}
+
+/// A game that runs: its world, its files and its systems.
+pub struct Game {
+    /// Entities, components and resources.
+    pub world: GameWorld,
+    library: AssetLibrary,
+    options: LoadOptions,
+}
+
+impl Default for Game {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Game {
+    /// A game without a scene, of 60 steps a second.
+    pub fn new() -> Self {
+        let mut options = LoadOptions::default();
+        options.types.is_complete = true;
+        let mut game = Self { world: GameWorld::new(), library: AssetLibrary::new(), options };
+        let ecs = &mut game.world.ecs;
+        ecs.insert_resource(FallbackErrorHandler(fault::handle));
+        ecs.insert_resource(Time::new(60));
+        ecs.init_resource::<Schedules>();
+        ecs.init_resource::<MessageRegistry>();
+        ecs.init_resource::<Requests>();
+        ecs.init_resource::<Input>();
+        ecs.init_resource::<Space>();
+        ecs.init_resource::<CurrentScene>();
+        ecs.init_resource::<SavedTypes>();
+        game.add_systems(Look, (space::update, light::update).chain());
+        // No other types can have these names yet.
+        let _ = game.add_component::<Ghost>();
+        let _ = game.add_component::<LightProbe>();
+        game
+    }
+
+    /// Folder of third-party models.
+    pub fn set_models(&mut self, models: Option<PathBuf>) {
+        self.options.models = models;
+    }
+
+    /// How scenes are loaded, with the components that they may hold.
+    pub fn options(&self) -> &LoadOptions {
+        &self.options
+    }
+
+    /// Sets the number of steps a second, at least one.
+    pub fn set_rate(&mut self, rate: u32) {
+        let step = self.world.ecs.resource::<Time>().step;
+        self.world.ecs.insert_resource(Time::new(rate).at(step));
+    }
+
+    /// Makes a component known that scenes may hold.
+    ///
+    /// # Errors
+    /// When another type has its name.
+    pub fn add_component<C: Component + SceneData + Clone + Default>(&mut self) -> Result<(), GameError> {
+        self.options.types.add(ComponentType::of::<C>())?;
+        self.options.types.register(&mut self.world.ecs);
+        self.world.ecs.insert_resource(self.options.types.clone());
+        Ok(())
+    }
+
+    /// Adds a resource that is saved with the game.
+    ///
+    /// # Errors
+    /// When another type has its name.
+    pub fn add_saved_resource<R: Resource + SceneData>(&mut self, resource: R) -> Result<(), GameError> {
+        self.world.ecs.resource_mut::<SavedTypes>().add::<R>()?;
+        self.world.ecs.insert_resource(resource);
+        Ok(())
+    }
+
+    /// Makes a message known that systems send to each other; those of a frame are there for the next one.
+    pub fn add_message<M: Message>(&mut self) {
+        MessageRegistry::register_message::<M>(&mut self.world.ecs);
+    }
+
+    /// Adds systems to [`Start`], [`FixedStep`], [`EachFrame`] or a schedule of one's own.
+    pub fn add_systems<M>(&mut self, label: impl ScheduleLabel, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
+        self.world.ecs.resource_mut::<Schedules>().add_systems(label, systems);
+    }
+
+    /// Adds an observer of an event.
+    pub fn add_observer<M>(&mut self, observer: impl IntoObserver<M>) {
+        self.world.ecs.add_observer(observer);
+    }
+
+    /// Sets what buttons and sticks mean.
+    pub fn set_actions(&mut self, actions: Actions) {
+        self.world.ecs.resource_mut::<Input>().set_actions(actions);
+    }
+
+    /// Goes to a scene, from the one before or from none, and runs [`Start`]. All entities of the scene before go, but
+    /// for those that are [`Persistent`]; resources stay.
+    ///
+    /// # Errors
+    /// When the scene cannot be loaded, which leaves the one before as it is; or when a system fails.
+    pub fn enter(&mut self, path: &Path) -> Result<(), GameError> {
+        let old = self.scene_roots();
+        files::enter_scene(&mut self.world, &mut self.library, &self.options, path, &old)?;
+        let since = self.world.ecs.resource::<Time>().step;
+        self.world.ecs.insert_resource(CurrentScene { path: path.to_owned(), since });
+        self.settle();
+        self.run(Start)
+    }
+
+    /// Roots that go with the scene.
+    fn scene_roots(&self) -> Vec<Entity> {
+        let stays = |root: &Entity| self.world.ecs.get::<Persistent>(*root).is_none();
+        self.world.roots().into_iter().filter(stays).collect()
+    }
+
+    /// One step of time, with the input events that came since the step before.
+    ///
+    /// # Errors
+    /// When systems fail or what they ask for cannot be done. The step is done nevertheless, as far as it can be.
+    pub fn step(&mut self, events: &[InputEvent]) -> Result<(), GameError> {
+        let time = *self.world.ecs.resource::<Time>();
+        self.world.ecs.insert_resource(time.at(time.step + 1));
+        self.world.ecs.resource_mut::<Input>().begin_step(events);
+        let result = self.run(FixedStep);
+        self.settle();
+        result
+    }
+
+    /// What comes before a frame is drawn, so many seconds after the one before.
+    ///
+    /// # Errors
+    /// As [`Game::step`].
+    pub fn frame(&mut self, delta: f32) -> Result<(), GameError> {
+        self.world.ecs.resource_mut::<Time>().delta = delta;
+        let result = self.run(EachFrame);
+        self.settle();
+        self.world.ecs.resource_scope(|ecs, mut registry: Mut<MessageRegistry>| {
+            let tick = ecs.change_tick();
+            registry.run_updates(ecs, tick);
+        });
+        result
+    }
+
+    /// Runs a schedule, and does what its systems ask for. One without systems is none.
+    ///
+    /// # Errors
+    /// As [`Game::step`].
+    pub fn run(&mut self, label: impl ScheduleLabel) -> Result<(), GameError> {
+        // There may be no such schedule, which is fine.
+        let _ = self.world.ecs.try_run_schedule(label);
+        self.world.ecs.flush();
+        let result = self.answer();
+        let faults = fault::take();
+        if faults.is_empty() { result } else { Err(GameError::Failed(faults)) }
+    }
+
+    /// Moves everything to where it is now.
+    fn settle(&mut self) {
+        let (time, since) = (*self.world.ecs.resource::<Time>(), self.world.ecs.resource::<CurrentScene>().since);
+        let seconds = (time.step - since.min(time.step)) as f64 / f64::from(time.rate);
+        let length = self.world.ecs.resource::<crate::world::SceneSettings>().duration.map(f64::from);
+        let length = length.filter(|length| *length > 0.0);
+        self.world.set_seconds(length.map_or(seconds, |length| seconds % length));
+        self.world.update();
+        let _ = self.world.ecs.try_run_schedule(Look);
+    }
+
+    fn answer(&mut self) -> Result<(), GameError> {
+        let requests = std::mem::take(&mut self.world.ecs.resource_mut::<Requests>().list);
+        let last_scene = requests.iter().rposition(|r| matches!(r, Request::Scene(_) | Request::Load(_)));
+        let mut result = Ok(());
+        for (index, request) in requests.into_iter().enumerate() {
+            let answered = match request {
+                Request::Prefab { entity, path, place } => self.spawn_prefab(entity, &path, place).map_err(Into::into),
+                Request::Save(path) => self.save(&path),
+                Request::Scene(_) | Request::Load(_) if last_scene != Some(index) => Ok(()),
+                Request::Scene(path) => {
+                    let scene = self.world.ecs.resource::<CurrentScene>();
+                    let path = path.map_or_else(|| scene.path.clone(), |path| scene.beside(path));
+                    self.enter(&path)
+                }
+                Request::Load(path) => self.load(&path),
+            };
+            result = result.and(answered);
+        }
+        result
+    }
+
+    fn spawn_prefab(&mut self, entity: Entity, path: &str, place: crate::world::Transform) -> Result<(), FileError> {
+        let scene = self.world.ecs.resource::<CurrentScene>().path.clone();
+        if self.world.ecs.get_entity(entity).is_err() {
+            return Ok(());
+        }
+        let mut context = EditContext { library: &mut self.library, options: &self.options, path: &scene };
+        let result = files::spawn_prefab_onto(&mut self.world, &mut context, entity, path, place);
+        if result.is_err() {
+            let _ = self.world.ecs.try_despawn(entity);
+        }
+        result
+    }
+
+    /// Writes the game's state into a file.
+    ///
+    /// # Errors
+    /// When something has no form in a file, or the file cannot be written.
+    pub fn save(&mut self, path: &Path) -> Result<(), GameError> {
+        SavedGame::of(&self.world)?.write(path)
+    }
+
+    /// Goes on with a state that was saved. [`Start`] does not run: the state is from later.
+    ///
+    /// # Errors
+    /// When the file cannot be read or does not fit this game; the present state stays then.
+    pub fn load(&mut self, path: &Path) -> Result<(), GameError> {
+        let saved = SavedGame::read(path)?;
+        let old = self.scene_roots();
+        saved.restore(path, &mut self.world, &mut self.library, &self.options, &old)?;
+        self.settle();
+        Ok(())
+    }
+
+    /// Whether a system has asked for the end.
+    pub fn has_ended(&self) -> bool {
+        self.world.ecs.resource::<Requests>().ends
+    }
+}

@@ -1,0 +1,69 @@
+//! The space follows the world.
+
+use super::{Instance, Space};
+use crate::bvh::Bvh;
+use crate::files::SceneData;
+use crate::scene::Aabb;
+use crate::world::{GlobalTransform, Identity, MeshRenderer};
+use bevy_ecs::prelude::*;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What can be seen and not touched: rays and moving bodies of a game pass through it.
+#[derive(Component, SceneData, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ghost;
+
+type Row = (Entity, &'static Identity, &'static GlobalTransform, &'static MeshRenderer, Has<Ghost>);
+type IsChanged = (With<MeshRenderer>, Or<(Changed<GlobalTransform>, Changed<MeshRenderer>, Added<Ghost>)>);
+
+/// Brings the space up to date, if anything in it changed.
+pub fn update(
+    mut space: ResMut<Space>,
+    all: Query<Row>,
+    changed: Query<(), IsChanged>,
+    mut gone: RemovedComponents<MeshRenderer>,
+    mut solid: RemovedComponents<Ghost>,
+) {
+    let removed = gone.read().count() + solid.read().count();
+    if changed.is_empty() && removed == 0 {
+        return;
+    }
+    let mut rows: Vec<_> = all.iter().filter(|(.., renderer, _)| renderer.visible).collect();
+    rows.sort_unstable_by_key(|(_, identity, ..)| **identity);
+    space.follow(rows.into_iter().map(|(entity, _, place, renderer, is_ghost)| (entity, place, renderer, is_ghost)));
+}
+
+impl Space {
+    fn follow<'a>(&mut self, rows: impl Iterator<Item = (Entity, &'a GlobalTransform, &'a MeshRenderer, bool)>) {
+        let before: Vec<Entity> = self.instances.iter().map(|instance| instance.entity).collect();
+        let mut meshes = HashMap::new();
+        self.instances.clear();
+        self.boxes.clear();
+        for (entity, place, renderer, is_ghost) in rows {
+            let mesh = renderer.mesh.clone();
+            let known = self.meshes.get(&mesh.id).cloned().unwrap_or_default();
+            let bvh = meshes.entry(mesh.id).or_insert(known).clone();
+            let world_from_object = place.0;
+            let object_from_world = world_from_object.inverse();
+            // A flattened object has no inside to ask in; it is met by nothing.
+            let is_usable = world_from_object.is_finite() && object_from_world.is_finite();
+            self.boxes.push(if is_usable { mesh.bounds.transformed(&world_from_object) } else { Aabb::EMPTY });
+            self.instances.push(Instance {
+                entity,
+                bvh,
+                world_from_object,
+                object_from_world,
+                is_ghost,
+                casts_shadow: renderer.casts_shadow,
+                mesh: Arc::clone(&mesh),
+            });
+        }
+        self.meshes = meshes;
+        let same = before.iter().copied().eq(self.instances.iter().map(|instance| instance.entity));
+        let placed = self.boxes.iter().filter(|bounds| !bounds.is_empty()).count();
+        match same && placed == self.top.order.len() && self.boxes.len() == before.len() {
+            true => self.top.refit(&self.boxes),
+            false => self.top = Bvh::new(&self.boxes, 2),
+        }
+    }
+}
