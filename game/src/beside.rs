@@ -109,7 +109,7 @@ impl Session {
         let settings = RenderSettings { only, ..self.render_settings(false) };
         self.render(view, &settings)?;
         let image = self.radiance()?;
-        let tracer = self.renderer.tracer().context("no reference is being traced")?;
+        let tracer = self.painter.renderer.tracer().context("no reference is being traced")?;
         let [even, odd] = tracer.estimate(&self.gpu)?.halves(only);
         let measured = two_halves(&image, &even, &odd)?;
         let mean = 0.5 * (even.mean() + odd.mean());

@@ -381,7 +381,7 @@ pub struct TestArgs {
     pub jobs: Option<std::num::NonZeroU16>,
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parse = || {
         let (width, height) = text.split_once(['x', 'X'])?;
         Some([width.trim().parse().ok()?, height.trim().parse().ok()?])

@@ -1,9 +1,11 @@
-//! The program `lightwell` as a library, so that its headless scene tests and benchmarks are tests like any other.
-//! The command line is [`run`]; a loaded scene with its device is a [`session::Session`].
+//! What a game is written with, [`App`] and the [`prelude`]; and the program `lightwell` as a library, so that its
+//! headless scene tests and benchmarks are tests like any other. Its command line is [`run`]; a loaded scene with its
+//! device is a [`session::Session`].
 
 #[macro_use]
 mod output;
 
+mod app;
 pub mod bench;
 pub mod beside;
 mod capture;
@@ -13,12 +15,15 @@ pub mod editor;
 mod jitter;
 mod logging;
 mod play;
+pub mod prelude;
 mod progress;
 mod scene_path;
 pub mod scene_test;
 pub mod session;
 mod set;
 mod sheet;
+
+pub use app::{App, GameArgs, Hud, Outcome, Pictures, Sounds};
 
 use clap::Parser;
 use cli::{Cli, Command};

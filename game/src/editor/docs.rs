@@ -50,6 +50,11 @@ impl Docs {
         self.0.get(key).cloned().unwrap_or_default()
     }
 
+    /// Adds a comment on `Type`, `Type.field`, `Enum.Variant` or `Enum.Variant.field`.
+    pub fn insert(&mut self, key: &str, help: &str) {
+        self.keep(key, &mut help.to_owned());
+    }
+
     /// Reads the comments of one source text.
     pub fn add(&mut self, source: &str) {
         let (mut comment, mut renamed) = (String::new(), None);

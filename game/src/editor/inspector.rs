@@ -1,6 +1,7 @@
 //! The inspector: what the selected entity is made of.
 
 use super::Editor;
+use super::own::{self, OwnComponent};
 use super::schema::Shape;
 use super::stage::Stage;
 use super::value::Value;
@@ -11,7 +12,7 @@ use lightwell::scene::SceneId;
 use std::sync::LazyLock;
 
 /// Fields of an override that are no components.
-const NO_COMPONENTS: [&str; 4] = ["remove", "without", "children", "overrides"];
+const NO_COMPONENTS: [&str; 5] = ["remove", "without", "children", "overrides", own::FIELD];
 
 /// The components that scene files know, with their shapes.
 static COMPONENTS: LazyLock<Vec<(&'static str, Shape)>> =
@@ -96,8 +97,27 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
             changed = Some(format!("change {name}"));
         }
     }
+    let own_components = editor.kit.own.clone();
+    for OwnComponent { name, shape, .. } in &own_components {
+        let Some(mut component) = own::get(&value, name) else { continue };
+        let mut remove = false;
+        let edited = section(ui, editor, name, name, shape, &mut component, &mut remove);
+        if remove || edited {
+            own::set(&mut value, name, Some(component).filter(|_| !remove));
+            changed = Some(format!("{} {name}", if remove { "remove" } else { "change" }));
+        }
+    }
     ui.add_space(6.0);
     ui.menu_button("Add component", |ui| {
+        let missing: Vec<_> = own_components.iter().filter(|c| own::get(&value, c.name).is_none()).collect();
+        for OwnComponent { name, .. } in missing {
+            let Some(starter) = stage.files.options.types.get(name).and_then(|t| t.starter().ok()) else { continue };
+            if ui.button(*name).on_hover_text(editor.kit.note(name).help).clicked() {
+                own::set(&mut value, name, Value::parse(&starter));
+                changed = Some(format!("add {name}"));
+                ui.close();
+            }
+        }
         for (name, shape) in COMPONENTS.iter().filter(|(name, _)| value.field(name).is_none()).collect::<Vec<_>>() {
             let key = format!("Override.{name}");
             if ui.button(title(name)).on_hover_text(editor.kit.note(&key).help).clicked() {

@@ -15,8 +15,9 @@ mod inspector;
 mod keys;
 mod layout;
 mod menu;
+mod own;
 mod panels;
-mod schema;
+pub(crate) mod schema;
 pub mod stage;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ mod view;
 mod widgets;
 
 pub use layout::Pane;
+pub use own::OwnComponent;
 pub use stage::{Export, Facts, Files, Request, Stage, Tracing};
 
 use anyhow::Result;
@@ -93,6 +95,11 @@ impl Default for Editor {
 }
 
 impl Editor {
+    /// Sets the components of a game that are shown besides those of the engine.
+    pub fn set_own(&mut self, own: Vec<OwnComponent>) {
+        self.kit.add_own(own);
+    }
+
     /// Shows everything; gives what the program is asked for.
     pub fn show(&mut self, ui: &mut Ui, stage: &mut Stage) -> Vec<Request> {
         self.prepare(stage);

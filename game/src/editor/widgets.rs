@@ -1,6 +1,7 @@
 //! Widgets for any value that scene files can hold, by its shape and its documentation.
 
 use super::docs::{Docs, Note};
+use super::own::OwnComponent;
 use super::schema::Shape;
 use super::value::{Value, float};
 use egui::{DragValue, Response, Ui};
@@ -23,6 +24,8 @@ const STARTERS: [(&str, &str); 8] = [
 /// What widgets need to know of the rest.
 pub struct Kit {
     docs: Docs,
+    /// Components of a game.
+    pub own: Vec<OwnComponent>,
     /// Shapes of types that read several forms.
     customs: HashMap<&'static str, (&'static str, Shape)>,
     /// Named materials of the scene.
@@ -38,7 +41,13 @@ impl Default for Kit {
             ("ModelFile", ("Model", Shape::of::<files::ModelDetails>())),
             ("TextureFile", ("Texture", Shape::of::<files::SampledTexture>())),
         ]);
-        Self { docs: Docs::read(&files::DESCRIBED), customs, materials: Vec::new(), folders: Vec::new() }
+        Self {
+            docs: Docs::read(&files::DESCRIBED),
+            own: Vec::new(),
+            customs,
+            materials: Vec::new(),
+            folders: Vec::new(),
+        }
     }
 }
 
@@ -50,6 +59,14 @@ pub fn title(name: &str) -> String {
 }
 
 impl Kit {
+    /// Adds components of a game with their help.
+    pub fn add_own(&mut self, own: Vec<OwnComponent>) {
+        for note in own.iter().flat_map(|component| &component.notes) {
+            self.docs.insert(note.key, note.help);
+        }
+        self.own.extend(own);
+    }
+
     /// The note of a field.
     pub fn note(&self, key: &str) -> Note {
         self.docs.note(key)

@@ -1,23 +1,24 @@
 //! A scene that is playing in a window.
 
+use super::Own;
 use super::export::Job;
-use super::memory::{self, Memory};
+use super::memory::Memory;
 use super::meter::Meter;
+use super::paint::Painted;
 use super::screen::Screen;
-use super::ui::{Painted, UiSurface};
+use super::ui::UiSurface;
 use super::watch::{Change, SceneWatcher};
 use crate::cli::{Common, PlayArgs};
 use crate::editor::camera::FlyCamera;
 use crate::editor::clock::PlayClock;
 use crate::editor::{Editor, Facts, Request, Stage, Tracing, console};
 use crate::session::{self, Session};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use lightwell::graph::FrameReport;
-use lightwell::measure;
 use lightwell::profile::{FrameRecorder, Profiler};
 use lightwell::render::GiMethod;
 use lightwell::scene::{SceneCamera, SceneView};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::event::WindowEvent;
@@ -29,29 +30,29 @@ pub struct Player {
     pub(super) window: Arc<Window>,
     pub(super) session: Session,
     pub(super) screen: Screen,
-    ui: UiSurface,
-    watcher: SceneWatcher,
+    pub(super) ui: UiSurface,
+    pub(super) watcher: SceneWatcher,
     pub(super) editor: Editor,
     pub(super) clock: PlayClock,
     pub(super) camera: FlyCamera,
-    memory: Memory,
-    memory_file: Option<PathBuf>,
-    last_frame: Instant,
-    profiler: Profiler,
+    pub(super) memory: Memory,
+    pub(super) memory_file: Option<PathBuf>,
+    pub(super) last_frame: Instant,
+    pub(super) profiler: Profiler,
     pub(super) report: FrameReport,
     /// Why the scene's file cannot be loaded anew.
-    scene_error: Option<String>,
+    pub(super) scene_error: Option<String>,
     /// Why the last frame was not drawn.
-    frame_error: Option<String>,
+    pub(super) frame_error: Option<String>,
     /// Something changed that no frame shows yet.
-    stale: bool,
+    pub(super) stale: bool,
     /// When the interface wants to run again.
-    repaint_at: Option<Instant>,
-    ended: bool,
+    pub(super) repaint_at: Option<Instant>,
+    pub(super) ended: bool,
     pub(super) job: Option<Job>,
-    meter: Meter,
+    pub(super) meter: Meter,
     /// Version of the history up to which parts are watched.
-    followed: u64,
+    pub(super) followed: u64,
 }
 
 impl Player {
@@ -65,11 +66,12 @@ impl Player {
         args: &PlayArgs,
         common: &Common,
         memory: Memory,
+        own: &Own,
     ) -> Result<Self> {
         let window = Arc::new(window);
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
         let ui = UiSurface::new(&gpu, &window, screen.format());
-        let session = Session::open(gpu, &args.scene, &args.look, common)?;
+        let session = Session::open_with(gpu, &args.scene, &args.look, common, own.types.clone())?;
         let mut player = Self {
             watcher: SceneWatcher::new(session.path(), &session.files()),
             clock: PlayClock::new(&session.settings()),
@@ -93,54 +95,10 @@ impl Player {
             meter: Meter::default(),
             followed: 0,
         };
+        player.editor.set_own(own.components.clone());
         player.recall();
         player.opened();
         Ok(player)
-    }
-
-    /// Takes over what an earlier run remembered.
-    fn recall(&mut self) {
-        if let Some(layout) = &self.memory.layout {
-            self.editor.restore_layout(layout);
-        }
-        self.editor.hidden = self.memory.hidden;
-        self.ui.context.set_zoom_factor(self.memory.zoom);
-    }
-
-    /// A scene was opened: what is remembered of it comes back.
-    fn opened(&mut self) {
-        let key = memory::key(self.session.path());
-        self.camera.go(self.memory.cameras.get(&key).copied());
-        self.editor.view.bookmarks = self.memory.bookmarks.get(&key).copied().unwrap_or_default();
-        self.memory.played(&key);
-        self.editor.recent.clone_from(&self.memory.recent);
-        self.set_title();
-    }
-
-    /// Notes what is to be remembered of the scene.
-    fn note(&mut self) {
-        let key = memory::key(self.session.path());
-        match self.camera.place() {
-            Some(place) => drop(self.memory.cameras.insert(key.clone(), place)),
-            None => drop(self.memory.cameras.remove(&key)),
-        }
-        if self.editor.view.bookmarks.iter().any(Option::is_some) {
-            self.memory.bookmarks.insert(key, self.editor.view.bookmarks);
-        }
-    }
-
-    /// Writes what is to be remembered.
-    pub fn remember(&mut self) {
-        self.note();
-        self.memory.layout = self.editor.layout_text();
-        self.memory.hidden = self.editor.hidden;
-        self.memory.zoom = self.ui.context.zoom_factor();
-        self.memory.window = self.screen.size();
-        if let Some(file) = &self.memory_file
-            && let Err(error) = self.memory.write(file)
-        {
-            log::warn!("{}: {error}; layout and recent files are not remembered", file.display());
-        }
     }
 
     /// Takes an event of the window; false if play shall end.
@@ -271,121 +229,6 @@ impl Player {
         (painted, requests)
     }
 
-    /// Does what the panels ask for.
-    fn answer(&mut self, request: Request) {
-        self.stale = true;
-        match request {
-            Request::Save => self.save(),
-            Request::SaveAs(path) => self.save_as(&path),
-            Request::Reload => self.reload(),
-            Request::Open(path) => self.open_scene(&path),
-            Request::Quit => self.ended = true,
-            Request::Screenshot => match self.save_screenshot() {
-                Ok(path) => self.editor.tell(format!("saved {}", path.display()), false),
-                Err(error) => self.editor.tell(format!("no screenshot: {error:#}"), true),
-            },
-            Request::Pick { pixel, add } => match self.session.seen_at(pixel) {
-                Ok(id) => {
-                    let exact = self.ui.context.input(|i| i.modifiers.alt);
-                    self.editor.picked(self.session.world(), id, add, exact);
-                }
-                Err(error) => self.editor.tell(format!("{error:#}"), true),
-            },
-            Request::RebuildShaders => {
-                let count = self.session.gpu.shaders.reload_all().len();
-                self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
-            }
-            Request::Target(choice) => {
-                let result = self.session.target(&choice.name, choice.mip, choice.layer);
-                self.editor.set_target(result.map_err(|error| format!("{}: {error:#}", choice.name)));
-            }
-            Request::Export(export) => self.job = Some(Job::new(export)),
-        }
-    }
-
-    fn save(&mut self) {
-        let path = self.session.path().to_owned();
-        if !path.to_string_lossy().ends_with(".scene.ron") {
-            return self.editor.ask_save_as(&path);
-        }
-        match self.session.save(&path) {
-            Ok(()) => {
-                self.watcher.saved();
-                self.editor.history.mark_saved();
-                self.editor.tell(format!("saved {}", path.display()), false);
-            }
-            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
-        }
-        self.set_title();
-    }
-
-    fn save_as(&mut self, path: &Path) {
-        match self.session.save_as(path) {
-            Ok(()) => {
-                self.note();
-                self.watcher = SceneWatcher::new(path, &self.session.files());
-                self.editor.history.mark_saved();
-                self.memory.played(path);
-                self.editor.recent.clone_from(&self.memory.recent);
-                self.editor.tell(format!("saved {}", path.display()), false);
-            }
-            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
-        }
-        self.set_title();
-    }
-
-    fn reload(&mut self) {
-        let world = self.session.world();
-        let selected: Vec<String> = self.editor.selected(world).iter().map(|(_, e)| world.path(*e)).collect();
-        self.scene_error = match self.session.reload() {
-            Ok(()) => {
-                self.clock.follow(&self.session.settings());
-                self.editor.loaded();
-                let world = self.session.world();
-                let found = selected.iter().filter_map(|path| world.id(world.find(path)?));
-                self.editor.selection = found.collect();
-                self.watcher.saved();
-                self.watcher.follow(&self.session.files());
-                self.editor.tell("the scene was loaded anew", false);
-                None
-            }
-            Err(error) => {
-                log::error!("{error:#}");
-                Some(format!("{error:#}"))
-            }
-        };
-    }
-
-    fn open_scene(&mut self, path: &Path) {
-        self.note();
-        match self.session.open_other(path) {
-            Ok(()) => {
-                self.watcher = SceneWatcher::new(path, &self.session.files());
-                self.clock = PlayClock::new(&self.session.settings());
-                self.editor.loaded();
-                self.scene_error = None;
-                self.opened();
-            }
-            Err(error) => self.editor.tell(format!("{error:#}"), true),
-        }
-    }
-
-    fn set_title(&self) {
-        self.window.set_title(&format!("{} - Lightwell", self.session.name()));
-    }
-
-    fn save_screenshot(&self) -> Result<PathBuf> {
-        let folder = Path::new("out");
-        std::fs::create_dir_all(folder).context("cannot make the folder out")?;
-        let name = self.session.name();
-        let files = (1..10_000).map(|number| folder.join(format!("{name}_screenshot_{number:04}.png")));
-        let path = files.into_iter().find(|path| !path.exists()).context("the folder out is full of screenshots")?;
-        let (size, rgb) = self.session.display_bytes()?;
-        measure::write_png_rgb8(&path, size, &rgb)?;
-        say!("saved {}", path.display());
-        Ok(path)
-    }
-
     /// The camera that is drawn with.
     pub(super) fn eye(&self) -> Result<SceneCamera> {
         Ok(self.camera.apply(&self.session.camera()?))
@@ -427,18 +270,8 @@ impl Player {
     }
 
     fn present(&mut self, painted: Painted) -> Result<()> {
-        let gpu = &self.session.gpu;
-        let Some(frame) = self.screen.acquire(gpu)? else {
-            self.stale = true;
-            return Ok(());
-        };
-        let target = self.screen.view(&frame);
-        let size = [frame.texture.width(), frame.texture.height()];
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("present") });
-        self.ui.paint(gpu, &mut encoder, (&target, size), painted);
-        gpu.queue.submit([encoder.finish()]);
-        self.window.pre_present_notify();
-        gpu.queue.present(frame);
+        let gpu = self.session.gpu.clone();
+        self.stale |= !self.ui.present(&gpu, &mut self.screen, &self.window, painted)?;
         Ok(())
     }
 

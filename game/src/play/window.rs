@@ -1,5 +1,6 @@
 //! The event loop of interactive play.
 
+use super::Own;
 use super::player::Player;
 use crate::cli::{Common, PlayArgs};
 use anyhow::{Context, Result};
@@ -17,8 +18,8 @@ const IDLE: Duration = Duration::from_millis(100);
 ///
 /// # Errors
 /// If the scene cannot be loaded, nothing can draw on the window, or the device is lost.
-pub fn run(event_loop: EventLoop<()>, args: &PlayArgs, common: &Common) -> Result<()> {
-    let mut app = App { args, common, player: None, failure: None };
+pub fn run(event_loop: EventLoop<()>, args: &PlayArgs, common: &Common, own: Own) -> Result<()> {
+    let mut app = App { args, common, own, player: None, failure: None };
     event_loop.run_app(&mut app)?;
     app.failure.map_or(Ok(()), Err)
 }
@@ -26,6 +27,7 @@ pub fn run(event_loop: EventLoop<()>, args: &PlayArgs, common: &Common) -> Resul
 struct App<'a> {
     args: &'a PlayArgs,
     common: &'a Common,
+    own: Own,
     player: Option<Player>,
     failure: Option<anyhow::Error>,
 }
@@ -37,7 +39,7 @@ impl App<'_> {
         let attributes =
             Window::default_attributes().with_title("Lightwell").with_inner_size(PhysicalSize::new(width, height));
         let window = event_loop.create_window(attributes).context("no window can be opened")?;
-        Player::open(event_loop, window, self.args, self.common, memory)
+        Player::open(event_loop, window, self.args, self.common, memory, &self.own)
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: anyhow::Error) {

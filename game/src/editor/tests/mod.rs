@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod edit;
+mod own;
 mod panels;
 mod tree;
 

@@ -200,7 +200,7 @@ fn large_scenes_cost_little_time() {
             std::fs::write(&path, format!("Scene(entities: [(name: \"Camera\", camera: ()), {groups}])")).unwrap();
         }
     }
-    let mut desk = Desk::with_options(&path, LoadOptions { models });
+    let mut desk = Desk::with_options(&path, LoadOptions { models, ..Default::default() });
     // The inspector shows a box or the whole model.
     desk.select(if sponza.is_some() { "Sponza" } else { "Group 3/Box 7" });
     desk.editor.hierarchy.open_all(&desk.world);

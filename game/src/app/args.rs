@@ -1,0 +1,66 @@
+//! The command line of a game.
+
+use crate::cli::{Common, Gi, LookArgs, PlayArgs, parse_size};
+use clap::Parser;
+use std::path::PathBuf;
+
+/// What a game is asked for.
+#[derive(Debug, Parser)]
+#[command(version = None)]
+pub struct GameArgs {
+    /// Begin with another scene
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Open the scene in the editor instead of playing it
+    #[arg(long, conflicts_with_all = ["headless", "record", "script"])]
+    pub edit: bool,
+    /// Play without a window, and write pictures (as without a display)
+    #[arg(long)]
+    pub headless: bool,
+    /// Take the input from a script
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// Keep the input as a script
+    #[arg(long, value_name = "FILE", conflicts_with = "headless")]
+    pub record: Option<PathBuf>,
+    /// Without a window: number of steps [default: the script's, or two seconds]
+    #[arg(long, value_name = "N")]
+    pub steps: Option<u64>,
+    /// Without a window: folder for the pictures [default: out/NAME]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Without a window: steps from picture to picture
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: u64,
+    /// Size of the window or of the pictures [default: 1280x800; 512x320]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Part of the window's size that is drawn, 0.1 to 1: less is faster
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_scale)]
+    pub scale: f32,
+    /// Indirect light [default: what the scene asks for]
+    #[arg(long, value_enum)]
+    pub gi: Option<Gi>,
+    /// Options of every program.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+impl GameArgs {
+    /// Choices of the picture.
+    pub(super) fn look(&self) -> LookArgs {
+        LookArgs { gi: self.gi, ..LookArgs::default() }
+    }
+
+    /// The same for the editor.
+    pub(super) fn as_play(&self, scene: String) -> PlayArgs {
+        PlayArgs { scene, size: self.size, look: self.look() }
+    }
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(scale) if (0.1..=1.0).contains(&scale) => Ok(scale),
+        _ => Err("give a number from 0.1 to 1".to_owned()),
+    }
+}

@@ -1,0 +1,257 @@
+//! A game of one's own: components, systems and a scene, in a window or without one.
+//!
+//! ```no_run
+//! use lightwell_game::prelude::*;
+//!
+//! /// Turns about the y axis.
+//! #[derive(Component, SceneData, Clone, Default)]
+//! struct Spinner {
+//!     /// Speed \[degrees/s\], -720 to 720.
+//!     speed: f32,
+//! }
+//!
+//! fn spin(time: Res<Time>, mut spinners: Query<(&Spinner, &mut Transform)>) {
+//!     for (spinner, mut transform) in &mut spinners {
+//!         transform.rotation *= Quat::from_rotation_y(spinner.speed.to_radians() * time.delta);
+//!     }
+//! }
+//!
+//! fn main() -> std::process::ExitCode {
+//!     App::new("mill.scene.ron").component::<Spinner>().systems(FixedStep, spin).run()
+//! }
+//! ```
+//!
+//! [`App::run`] takes a command line: `--edit` opens the scene in the editor, where `Spinner` is a component like any
+//! other; `--record FILE` keeps what the player does, and `--headless --script FILE` plays it again without a window.
+
+mod args;
+mod canvas;
+mod headless;
+mod hud;
+mod input;
+#[cfg(feature = "gamepad")]
+mod pads;
+mod player;
+mod sounds;
+#[cfg(feature = "sound")]
+mod speaker;
+mod window;
+
+pub use args::GameArgs;
+pub use headless::{Outcome, Pictures};
+pub use hud::Hud;
+pub use sounds::Sounds;
+
+use crate::cli::Common;
+use crate::editor::OwnComponent;
+use crate::editor::schema::Shape;
+use crate::{logging, play, scene_path, session};
+use anyhow::{Context, Result};
+use bevy_ecs::message::Message;
+use bevy_ecs::observer::IntoObserver;
+use bevy_ecs::prelude::{Component, IntoScheduleConfigs, Resource};
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::ScheduleSystem;
+use clap::{CommandFactory, FromArgMatches};
+use lightwell::files::SceneData;
+use lightwell::game::{Actions, EachFrame, Game, GameError, InputScript};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// A game: what it is made of, until it runs.
+///
+/// What is wrong with the parts (two types of one name, a table of actions with a mistake) is told when it runs.
+pub struct App {
+    game: Game,
+    scene: String,
+    actions: Option<String>,
+    title: Option<String>,
+    own: Vec<OwnComponent>,
+    fault: Option<GameError>,
+}
+
+impl App {
+    /// A game that begins with a scene: a `.scene.ron` file, or the name of one in a folder `scenes`.
+    pub fn new(scene: impl Into<String>) -> Self {
+        let mut game = Game::new();
+        game.world.ecs.init_resource::<Hud>();
+        game.world.ecs.init_resource::<Sounds>();
+        game.add_systems(EachFrame, hud::show_trouble);
+        let own = vec![own::<lightwell::game::Ghost>(), own::<lightwell::game::LightProbe>()];
+        Self { game, scene: scene.into(), actions: None, title: None, own, fault: None }
+    }
+
+    fn try_to(mut self, work: impl FnOnce(&mut Game) -> Result<(), GameError>) -> Self {
+        if let Err(error) = work(&mut self.game) {
+            self.fault.get_or_insert(error);
+        }
+        self
+    }
+
+    /// Adds a component that scenes can hold and the editor shows.
+    pub fn component<C: Component + SceneData + Clone + Default>(mut self) -> Self {
+        self.own.push(own::<C>());
+        self.try_to(|game| game.add_component::<C>())
+    }
+
+    /// Adds systems to [`Start`](lightwell::game::Start), [`FixedStep`](lightwell::game::FixedStep) or [`EachFrame`].
+    pub fn systems<M>(
+        mut self,
+        label: impl ScheduleLabel,
+        systems: impl IntoScheduleConfigs<ScheduleSystem, M>,
+    ) -> Self {
+        self.game.add_systems(label, systems);
+        self
+    }
+
+    /// Adds a resource.
+    pub fn resource(mut self, resource: impl Resource) -> Self {
+        self.game.world.ecs.insert_resource(resource);
+        self
+    }
+
+    /// Adds a resource that is saved with the game.
+    pub fn saved_resource<R: Resource + SceneData>(self, resource: R) -> Self {
+        self.try_to(|game| game.add_saved_resource(resource))
+    }
+
+    /// Adds a message that systems send to each other.
+    pub fn message<M: Message>(mut self) -> Self {
+        self.game.add_message::<M>();
+        self
+    }
+
+    /// Adds an observer of an event.
+    pub fn observer<M>(mut self, observer: impl IntoObserver<M>) -> Self {
+        self.game.add_observer(observer);
+        self
+    }
+
+    /// Sets the file that says what buttons and sticks mean; its path is relative to the first scene's folder.
+    pub fn actions(mut self, path: impl Into<String>) -> Self {
+        self.actions = Some(path.into());
+        self
+    }
+
+    /// Sets the window's title; else it is the scene's name.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = Some(title.into());
+        self
+    }
+
+    /// Sets the number of steps a second, 60 if not said.
+    pub fn steps_a_second(mut self, rate: u32) -> Self {
+        self.game.set_rate(rate);
+        self
+    }
+
+    /// Runs the game as the program's command line says, in a window if there is a display; prints an error.
+    pub fn run(self) -> ExitCode {
+        self.run_with(std::env::args_os())
+    }
+
+    /// The same with a command line of one's own; the first word is the program's name.
+    pub fn run_with(self, words: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+        let matches = GameArgs::command().about(self.name()).get_matches_from(words);
+        let args = match GameArgs::from_arg_matches(&matches) {
+            Ok(args) => args,
+            Err(error) => error.exit(),
+        };
+        logging::start(args.common.verbose);
+        match self.run_args(&args) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error:#}");
+                ExitCode::from(1)
+            }
+        }
+    }
+
+    fn run_args(self, args: &GameArgs) -> Result<()> {
+        if args.edit {
+            return self.edit(args);
+        }
+        let script = args.script.as_deref().map(InputScript::read).transpose()?;
+        if args.headless || !play::has_display() {
+            return headless::run_args(self, args, script);
+        }
+        window::run(self, args, script)
+    }
+
+    fn edit(self, args: &GameArgs) -> Result<()> {
+        if let Some(fault) = self.fault {
+            return Err(fault.into());
+        }
+        let types = self.game.options().types.clone();
+        let play = args.as_play(args.scene.clone().unwrap_or(self.scene));
+        play::edit(&play, &args.common, types, self.own)
+    }
+
+    fn name(&self) -> String {
+        self.title.clone().unwrap_or_else(|| scene_path::name_of(Path::new(&self.scene)))
+    }
+
+    /// Enters the first scene.
+    ///
+    /// # Errors
+    /// If a part of the game is faulty, or the scene cannot be loaded.
+    pub fn start(self) -> Result<Game> {
+        self.start_with(None, &Common::default())
+    }
+
+    fn start_with(mut self, scene: Option<&str>, common: &Common) -> Result<Game> {
+        if let Some(fault) = self.fault {
+            return Err(fault.into());
+        }
+        let first = scene_path::find(&self.scene)?;
+        if let Some(actions) = &self.actions {
+            let path = first.parent().unwrap_or(Path::new("")).join(actions);
+            self.game.set_actions(Actions::read(&path)?);
+        }
+        self.game.set_models(common.models.clone());
+        let scene = scene.map_or(Ok(first), scene_path::find)?;
+        self.game.enter(&scene)?;
+        Ok(self.game)
+    }
+
+    /// Plays a script without window and device: for tests of a game's rules.
+    ///
+    /// # Errors
+    /// If the game cannot begin, or a system fails.
+    pub fn simulate(self, script: &InputScript) -> Result<Game> {
+        let mut game = self.start()?;
+        for step in 1..=script.steps {
+            let place = || format!("step {step}");
+            game.step(&script.at(step)).with_context(place)?;
+            let delta = 1.0 / game.world.ecs.resource::<lightwell::game::Time>().rate as f32;
+            Hud::pass(&mut game, None, |game| game.frame(delta)).0.with_context(place)?;
+            game.world.ecs.resource_mut::<Sounds>().take();
+            if game.has_ended() {
+                break;
+            }
+        }
+        Ok(game)
+    }
+
+    /// Plays a script without a window, with pictures.
+    ///
+    /// # Errors
+    /// As [`App::simulate`], and if there is no device or a frame cannot be drawn.
+    pub fn headless(self, script: &InputScript, pictures: &Pictures) -> Result<Outcome> {
+        let common = Common::default();
+        let gpu = session::open_gpu(&common)?;
+        headless::play(self.start()?, gpu, script, pictures)
+    }
+}
+
+fn own<C: SceneData>() -> OwnComponent {
+    let mut notes = Vec::new();
+    C::describe(&mut notes);
+    OwnComponent { name: C::NAME, shape: Shape::of::<C>(), notes }
+}
+
+/// Where a game without a display writes its pictures.
+fn default_folder(name: &str) -> PathBuf {
+    Path::new("out").join(name)
+}

@@ -1,0 +1,229 @@
+//! A game in a window.
+
+use super::input::Gathered;
+#[cfg(feature = "gamepad")]
+use super::pads::Pads;
+use super::player::Drawn;
+#[cfg(feature = "sound")]
+use super::speaker::Speaker;
+use super::{App, GameArgs, Hud, Sounds};
+use crate::play::screen::Screen;
+use crate::play::ui::UiSurface;
+use crate::session;
+use anyhow::{Context, Result};
+use lightwell::game::{CurrentScene, Game, InputScript, Time};
+use std::sync::Arc;
+use std::time::Instant;
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{DeviceEvent, DeviceId, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// Most steps between two frames: a machine that cannot keep up plays slower, and not in ever longer jumps.
+const MOST_STEPS: u64 = 8;
+
+/// Plays in a window until it is closed, the game ends or its script does.
+///
+/// # Errors
+/// If the game cannot begin, nothing can draw on the window, or the device is lost.
+pub(super) fn run(app: App, args: &GameArgs, script: Option<InputScript>) -> Result<()> {
+    let event_loop = EventLoop::new().context("the display cannot be used; try --headless")?;
+    let title = app.name();
+    let game = app.start_with(args.scene.as_deref(), &args.common)?;
+    let mut handler = Handler { game: Some(game), title, args, script, open: None, failure: None };
+    event_loop.run_app(&mut handler)?;
+    handler.failure.map_or(Ok(()), Err)
+}
+
+struct Handler<'a> {
+    game: Option<Game>,
+    title: String,
+    args: &'a GameArgs,
+    script: Option<InputScript>,
+    open: Option<Open>,
+    failure: Option<anyhow::Error>,
+}
+
+/// A window with the game that plays in it.
+struct Open {
+    window: Arc<Window>,
+    screen: Screen,
+    ui: UiSurface,
+    drawn: Drawn,
+    input: Gathered,
+    #[cfg(feature = "gamepad")]
+    pads: Pads,
+    #[cfg(feature = "sound")]
+    speaker: Speaker,
+    script: Option<InputScript>,
+    recorded: InputScript,
+    scale: f32,
+    last: Instant,
+    /// Time that no step has passed yet \[s\].
+    carried: f64,
+    trouble: Option<String>,
+}
+
+impl Handler<'_> {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<Open> {
+        let game = self.game.take().context("the window was closed")?;
+        let [width, height] = self.args.size.unwrap_or([1280, 800]);
+        let attributes =
+            Window::default_attributes().with_title(&self.title).with_inner_size(PhysicalSize::new(width, height));
+        let window = Arc::new(event_loop.create_window(attributes).context("no window can be opened")?);
+        let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(&self.args.common)?)?;
+        let context = game.world.ecs.resource::<Hud>().context().clone();
+        let ui = UiSurface::with_context(&gpu, &window, screen.format(), context);
+        Ok(Open {
+            window,
+            screen,
+            ui,
+            drawn: Drawn::new(game, Arc::new(gpu), self.args.look()),
+            input: Gathered::default(),
+            #[cfg(feature = "gamepad")]
+            pads: Pads::open(),
+            #[cfg(feature = "sound")]
+            speaker: Speaker::open(),
+            script: self.script.take(),
+            recorded: InputScript::default(),
+            scale: self.args.scale,
+            last: Instant::now(),
+            carried: 0.0,
+            trouble: None,
+        })
+    }
+
+    fn end(&mut self, event_loop: &ActiveEventLoop, result: Result<()>) {
+        let kept = match (&self.args.record, &self.open) {
+            (Some(file), Some(open)) => open.recorded.write(file).map_err(Into::into),
+            _ => Ok(()),
+        };
+        self.failure = result.and(kept).err();
+        event_loop.exit();
+    }
+}
+
+impl ApplicationHandler for Handler<'_> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.open.is_none() {
+            match self.open(event_loop) {
+                Ok(open) => self.open = Some(open),
+                Err(error) => self.end(event_loop, Err(error)),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(open) = &mut self.open else { return };
+        match event {
+            WindowEvent::CloseRequested => self.end(event_loop, Ok(())),
+            WindowEvent::RedrawRequested => match open.draw() {
+                Ok(true) => {}
+                Ok(false) => self.end(event_loop, Ok(())),
+                Err(error) => self.end(event_loop, Err(error)),
+            },
+            event => open.event(&event),
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let Some(open) = &mut self.open {
+            open.input.device(&event);
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        event_loop.set_control_flow(ControlFlow::Poll);
+        if let Some(open) = self.open.as_ref().filter(|open| open.screen.size().is_some()) {
+            open.window.request_redraw();
+        }
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // Surface and device go before the display connection does.
+        self.open = None;
+    }
+}
+
+impl Open {
+    fn event(&mut self, event: &WindowEvent) {
+        let _ = self.ui.event(&self.window, event);
+        self.input.window(event, self.screen.size().unwrap_or([1, 1]));
+    }
+
+    /// Lets time pass, draws and presents; false if the game has ended.
+    fn draw(&mut self) -> Result<bool> {
+        let elapsed = self.last.elapsed().as_secs_f64();
+        self.last = Instant::now();
+        let Some(size) = self.screen.size() else { return Ok(true) };
+        self.drawn.painter.gpu.shaders.poll();
+        self.drawn.take_light()?;
+        if !self.steps(elapsed) {
+            return Ok(false);
+        }
+        let input = self.ui.input(&self.window);
+        let screen = input.screen_rect.unwrap_or(egui::Rect::ZERO);
+        let (result, mut output) = self.drawn.frame(elapsed as f32, Some(input));
+        self.tell(result.map_err(Into::into));
+        let result = self.drawn.render(size.map(|edge| (edge as f32 * self.scale).ceil() as u32));
+        if let Some(reason) = self.drawn.painter.gpu.device_lost() {
+            anyhow::bail!("the graphics device was lost: {reason}");
+        }
+        self.tell(result);
+        self.sound();
+        self.ui.set_image(&self.drawn.painter.gpu, self.drawn.painter.display_texture());
+        let painted = self.ui.over_image(&self.window, screen, &mut output);
+        self.ui.present(&self.drawn.painter.gpu, &mut self.screen, &self.window, painted)?;
+        Ok(!self.drawn.game.has_ended())
+    }
+
+    /// The steps that are due; false if the script is through.
+    fn steps(&mut self, elapsed: f64) -> bool {
+        let rate = f64::from(self.drawn.game.world.ecs.resource::<Time>().rate);
+        self.carried += elapsed * rate;
+        let due = (self.carried.floor() as u64).min(MOST_STEPS);
+        self.carried = (self.carried - due as f64).min(1.0);
+        #[cfg(feature = "gamepad")]
+        self.input.add(self.pads.events());
+        for _ in 0..due {
+            let events = match &self.script {
+                Some(script) if self.recorded.steps >= script.steps => return false,
+                Some(script) => script.at(self.recorded.steps + 1),
+                None => self.input.take(),
+            };
+            self.recorded.record(&events);
+            let result = self.drawn.step(&events);
+            self.tell(result.map_err(Into::into));
+            if self.drawn.game.has_ended() {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Shows and logs what went wrong; the game goes on as far as it can.
+    fn tell(&mut self, result: Result<()>) {
+        let Err(error) = result else { return };
+        let text = format!("{error:#}");
+        if self.trouble.as_ref() != Some(&text) {
+            log::error!("{text}");
+            self.drawn.game.world.ecs.resource_mut::<Hud>().set_trouble(Some(text.clone()));
+            self.trouble = Some(text);
+        }
+    }
+
+    fn sound(&mut self) {
+        let folder = self.drawn.game.world.ecs.resource::<CurrentScene>().clone();
+        for (path, volume) in self.drawn.game.world.ecs.resource_mut::<Sounds>().take() {
+            let path = folder.beside(path);
+            #[cfg(feature = "sound")]
+            {
+                let result = self.speaker.play(&path, volume);
+                self.tell(result);
+            }
+            #[cfg(not(feature = "sound"))]
+            log::debug!("{} at {volume}: this program was built without sound", path.display());
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What the panels ask of the player: saving, loading, pictures.
+
+use super::export::Job;
+use super::player::Player;
+use super::watch::SceneWatcher;
+use crate::editor::Request;
+use crate::editor::clock::PlayClock;
+use anyhow::{Context, Result};
+use lightwell::measure;
+use std::path::{Path, PathBuf};
+
+impl Player {
+    /// Does what the panels ask for.
+    pub(super) fn answer(&mut self, request: Request) {
+        self.stale = true;
+        match request {
+            Request::Save => self.save(),
+            Request::SaveAs(path) => self.save_as(&path),
+            Request::Reload => self.reload(),
+            Request::Open(path) => self.open_scene(&path),
+            Request::Quit => self.ended = true,
+            Request::Screenshot => match self.save_screenshot() {
+                Ok(path) => self.editor.tell(format!("saved {}", path.display()), false),
+                Err(error) => self.editor.tell(format!("no screenshot: {error:#}"), true),
+            },
+            Request::Pick { pixel, add } => match self.session.seen_at(pixel) {
+                Ok(id) => {
+                    let exact = self.ui.context.input(|i| i.modifiers.alt);
+                    self.editor.picked(self.session.world(), id, add, exact);
+                }
+                Err(error) => self.editor.tell(format!("{error:#}"), true),
+            },
+            Request::RebuildShaders => {
+                let count = self.session.gpu.shaders.reload_all().len();
+                self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
+            }
+            Request::Target(choice) => {
+                let result = self.session.target(&choice.name, choice.mip, choice.layer);
+                self.editor.set_target(result.map_err(|error| format!("{}: {error:#}", choice.name)));
+            }
+            Request::Export(export) => self.job = Some(Job::new(export)),
+        }
+    }
+
+    fn save(&mut self) {
+        let path = self.session.path().to_owned();
+        if !path.to_string_lossy().ends_with(".scene.ron") {
+            return self.editor.ask_save_as(&path);
+        }
+        match self.session.save(&path) {
+            Ok(()) => {
+                self.watcher.saved();
+                self.editor.history.mark_saved();
+                self.editor.tell(format!("saved {}", path.display()), false);
+            }
+            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
+        }
+        self.set_title();
+    }
+
+    fn save_as(&mut self, path: &Path) {
+        match self.session.save_as(path) {
+            Ok(()) => {
+                self.note();
+                self.watcher = SceneWatcher::new(path, &self.session.files());
+                self.editor.history.mark_saved();
+                self.memory.played(path);
+                self.editor.recent.clone_from(&self.memory.recent);
+                self.editor.tell(format!("saved {}", path.display()), false);
+            }
+            Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
+        }
+        self.set_title();
+    }
+
+    fn reload(&mut self) {
+        let world = self.session.world();
+        let selected: Vec<String> = self.editor.selected(world).iter().map(|(_, e)| world.path(*e)).collect();
+        self.scene_error = match self.session.reload() {
+            Ok(()) => {
+                self.clock.follow(&self.session.settings());
+                self.editor.loaded();
+                let world = self.session.world();
+                let found = selected.iter().filter_map(|path| world.id(world.find(path)?));
+                self.editor.selection = found.collect();
+                self.watcher.saved();
+                self.watcher.follow(&self.session.files());
+                self.editor.tell("the scene was loaded anew", false);
+                None
+            }
+            Err(error) => {
+                log::error!("{error:#}");
+                Some(format!("{error:#}"))
+            }
+        };
+    }
+
+    fn open_scene(&mut self, path: &Path) {
+        self.note();
+        match self.session.open_other(path) {
+            Ok(()) => {
+                self.watcher = SceneWatcher::new(path, &self.session.files());
+                self.clock = PlayClock::new(&self.session.settings());
+                self.editor.loaded();
+                self.scene_error = None;
+                self.opened();
+            }
+            Err(error) => self.editor.tell(format!("{error:#}"), true),
+        }
+    }
+
+    pub(super) fn set_title(&self) {
+        self.window.set_title(&format!("{} - Lightwell", self.session.name()));
+    }
+
+    fn save_screenshot(&self) -> Result<PathBuf> {
+        let folder = Path::new("out");
+        std::fs::create_dir_all(folder).context("cannot make the folder out")?;
+        let name = self.session.name();
+        let files = (1..10_000).map(|number| folder.join(format!("{name}_screenshot_{number:04}.png")));
+        let path = files.into_iter().find(|path| !path.exists()).context("the folder out is full of screenshots")?;
+        let (size, rgb) = self.session.display_bytes()?;
+        measure::write_png_rgb8(&path, size, &rgb)?;
+        say!("saved {}", path.display());
+        Ok(path)
+    }
+}

@@ -1,0 +1,16 @@
+//! What most games need: `use lightwell_game::prelude::*;`.
+//!
+//! `bevy_ecs` and `lightwell` themselves are in it, so that derives find them without a line in `Cargo.toml`.
+
+pub use crate::{App, Hud, Outcome, Pictures, Sounds};
+pub use bevy_ecs;
+pub use bevy_ecs::prelude::*;
+pub use egui::Align2;
+pub use glam::{Quat, Vec2, Vec3};
+pub use lightwell;
+pub use lightwell::files::SceneData;
+pub use lightwell::game::{
+    Actions, Button, CurrentScene, EachFrame, FixedStep, Game, GameCommands, Ghost, Input, InputEvent, InputScript,
+    Key, LightProbe, MouseButton, PadButton, Persistent, Space, Start, Stick, Time, Timer,
+};
+pub use lightwell::world::{Camera, GlobalTransform, Light, LightKind, MeshRenderer, Name, Transform};

@@ -1,0 +1,87 @@
+//! What the last frame left, read back from the device.
+
+use super::painter::Painter;
+use anyhow::{Context, Result};
+use lightwell::gpu;
+use lightwell::measure::Image;
+use lightwell::render::GiMethod;
+use lightwell::render::slc::{ACCEPTED, TESTED};
+use lightwell::scene::SceneId;
+
+impl Painter {
+    /// What is seen at a pixel of the last drawn frame.
+    ///
+    /// # Errors
+    /// If the last frame was traced and not drawn, or the device fails.
+    pub fn seen_at(&self, [x, y]: [u32; 2]) -> Result<Option<SceneId>> {
+        let texture = self.renderer.target("gbuffer object");
+        let texture = texture.context("a path-traced image does not tell what it shows; pick in the drawn one")?;
+        if x >= texture.width() || y >= texture.height() {
+            return Ok(None);
+        }
+        // The first word of a texel is the identity, zero where there is nothing.
+        let word_at = |texture: &wgpu::Texture, bytes_a_texel: usize| -> Result<u32> {
+            let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+            let at = bytes_a_texel * (y as usize * texture.width() as usize + x as usize);
+            Ok(bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes))
+        };
+        let blended = self.renderer.blended_objects().map(|objects| word_at(objects, 4)).transpose()?;
+        let word = match blended {
+            Some(word) if word != 0 => word,
+            _ => word_at(texture, 8)?,
+        };
+        Ok(self.scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
+    }
+
+    /// A layer of a kept target as the last frame left it.
+    ///
+    /// # Errors
+    /// If there is no such target, level or layer, or its format has no plain numbers.
+    pub fn target(&self, name: &str, mip: u32, layer: u32) -> Result<gpu::ImageF32> {
+        let texture = self.renderer.target(name).context("the last frames did not make it")?;
+        Ok(gpu::read_layer_f32(&self.gpu, texture, mip, layer)?)
+    }
+
+    /// Linear radiance of the last frame.
+    ///
+    /// # Errors
+    /// If nothing was drawn or the device is lost.
+    pub fn radiance(&self) -> Result<Image> {
+        let texture = self.renderer.radiance().context("no frame was drawn")?;
+        let image = gpu::read_texture_f32(&self.gpu, texture)?;
+        Image::from_rgba(image.width, image.height, &image.rgba).context("the frame came back incomplete")
+    }
+
+    /// Virtual lights that the last frame tested and accepted at a pixel with a surface, on average; none if it was
+    /// not drawn with stochastic light culling.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn light_counts(&self, gi: GiMethod) -> Result<Option<[f64; 2]>> {
+        let textures = [TESTED, ACCEPTED].map(|name| self.renderer.target(name));
+        let (GiMethod::Slc, [Some(tested), Some(accepted)]) = (gi, textures) else {
+            return Ok(None);
+        };
+        let tested = gpu::read_texture_f32(&self.gpu, tested)?;
+        let accepted = gpu::read_texture_f32(&self.gpu, accepted)?;
+        let surfaces = tested.rgba.iter().filter(|pixel| pixel[3] > 0.0).count().max(1) as f64;
+        let mean = |image: &gpu::ImageF32| image.rgba.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / surfaces;
+        Ok(Some([mean(&tested), mean(&accepted)]))
+    }
+
+    /// The last frame as a screen shows it: sRGB bytes, three a pixel.
+    ///
+    /// # Errors
+    /// If no display image was drawn or the device is lost.
+    pub fn display_bytes(&self) -> Result<([u32; 2], Vec<u8>)> {
+        let texture = self.display_texture().context("no frame was drawn for display")?;
+        let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+        let rgb = bytes.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        Ok(([texture.width(), texture.height()], rgb))
+    }
+
+    /// The texture of the last frame for display.
+    pub fn display_texture(&self) -> Option<&wgpu::Texture> {
+        self.renderer.display()
+    }
+}
