@@ -42,7 +42,8 @@ impl Stage {
         let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("the shader folder") };
         let gpu = Gpu::headless(&options).unwrap_or_else(|error| panic!("{error}"));
         let mut library = AssetLibrary::new();
-        let world = load_scene(path, &mut library, &LoadOptions { models }).unwrap_or_else(|error| panic!("{error}"));
+        let world = load_scene(path, &mut library, &LoadOptions { models, ..Default::default() })
+            .unwrap_or_else(|error| panic!("{error}"));
         let renderer = Renderer::new(&gpu);
         let mut stage = Self { gpu, world, extractor: Extractor::new(), scene: Scene::default(), renderer, size };
         stage.set_seconds(0.0);
