@@ -2,9 +2,11 @@
 
 mod bench;
 mod sheet;
+mod stress;
 
 pub use bench::{BenchArgs, Bounces, Sweep};
 pub use sheet::SheetArgs;
+pub use stress::StressArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use lightwell::render::debug::DebugView;
@@ -71,6 +73,8 @@ pub enum Command {
     Test(TestArgs),
     /// Draw many models and scenes as labelled thumbnails on sheets
     Sheet(SheetArgs),
+    /// Check what must hold for every scene, at extreme scales, lights and places
+    Stress(StressArgs),
     /// Show the graphics adapter, its features and limits
     Info,
 }

@@ -22,6 +22,7 @@ pub mod scene_test;
 pub mod session;
 mod set;
 mod sheet;
+mod stress;
 
 pub use app::{App, GameArgs, Hud, Outcome, Pictures, Sounds};
 
@@ -42,6 +43,7 @@ pub fn run() -> ExitCode {
         Command::Explain(args) => commands::explain::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Test(args) => commands::test::run(args, common),
         Command::Sheet(args) => sheet::run(args, common).map(|()| ExitCode::SUCCESS),
+        Command::Stress(args) => stress::run(args, common),
         Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

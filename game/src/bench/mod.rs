@@ -14,7 +14,7 @@ mod paper;
 mod pareto;
 mod picture;
 mod plan;
-mod plot;
+pub(crate) mod plot;
 mod reference;
 mod reference_file;
 mod report;

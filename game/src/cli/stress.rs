@@ -1,0 +1,40 @@
+//! Arguments of `lightwell stress`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+const STRESS_HELP: &str = "\
+Examples:
+  lightwell stress -o out/stress                  one row of the matrix for each method: a few minutes
+  lightwell stress --full -o out/stress           every pair of method, scale, light, turn, place and grid
+  lightwell stress --full --method sweep,vpl -o out/stress
+
+A room is drawn by every light method at scales of 1e-3 to 1e3, under lights of 1e-6 to 1e6, turned, and far from the
+origin, and what must hold for every scene is checked: no light without lamps, twice the light twice the image, the
+same image mirrored, moved, or drawn again, and more. Broken scenes must give an image or an error.
+Writes DIR/stress.txt and DIR/stress.png, and the scenes of what is beyond its bound.
+
+Exit codes: 0 all within bounds; 1 something is not, or the work could not be done; 2 wrong usage.";
+
+/// Arguments of `stress`.
+#[derive(Args, Debug)]
+#[command(after_help = STRESS_HELP)]
+pub struct StressArgs {
+    /// Folder to write into
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// The whole matrix
+    #[arg(long)]
+    pub full: bool,
+    /// Methods by name: direct, diffusion, sweep, vpl, slc, reference [default: all]
+    #[arg(long = "method", value_name = "NAME,...", value_delimiter = ',',
+        value_parser = ["direct", "diffusion", "sweep", "vpl", "slc", "reference"])]
+    pub methods: Vec<String>,
+}
+
+impl StressArgs {
+    /// Whether a method is wanted.
+    pub fn takes(&self, method: &str) -> bool {
+        self.methods.is_empty() || self.methods.iter().any(|wanted| wanted == method)
+    }
+}

@@ -1,0 +1,128 @@
+//! Each invariant, checked for one row of the matrix.
+
+use super::invariant::Invariant;
+use super::rig::{self, Rig};
+use super::setup::{CELL, Lamps, Setup};
+use anyhow::Result;
+use lightwell::measure::Image;
+
+/// Deviations that were found.
+pub type Found = Vec<(Invariant, f64)>;
+
+/// Checks all invariants that compare images of a row.
+///
+/// # Errors
+/// If an image cannot be drawn.
+pub fn check(rig: &mut Rig, row: &Setup) -> Result<Found> {
+    rig.take_not_finite();
+    let base = rig.image(row)?;
+    let mut found = vec![(Invariant::Superposition, superposition(rig, row, &base)?)];
+    for (invariant, other, of_other) in twins(row) {
+        let image = rig.image(&other)?;
+        let image = if invariant == Invariant::Mirror { mirrored(&image) } else { (*image).clone() };
+        found.push((invariant, nrmse(&base, &image, of_other)));
+    }
+    found.push((Invariant::Doubling, doubling(rig, row, &base)?));
+    found.push((Invariant::Moved, moved(rig, row, &base)?));
+    found.extend(in_one_session(rig, row, &base)?);
+    found.push((Invariant::Finite, rig.take_not_finite() as f64));
+    Ok(found)
+}
+
+/// Setups that must look as the row does, each with the factor from its light to the row's.
+fn twins(row: &Setup) -> Vec<(Invariant, Setup, f64)> {
+    let like = row.clone();
+    let shifted = |by: [f32; 3]| Setup {
+        position: std::array::from_fn(|axis| row.position[axis] + CELL * by[axis]),
+        ..row.clone()
+    };
+    let mut all = vec![
+        (Invariant::Mirror, Setup { mirrored: true, ..like.clone() }, 1.0),
+        (Invariant::QuarterTurn, Setup { quarter_turn: true, ..like.clone() }, 1.0),
+        (Invariant::WholeCells, shifted([8.0, 4.0, -16.0]), 1.0),
+        (Invariant::PartOfCell, shifted([0.37, 0.21, -0.73]), 1.0),
+        (Invariant::Order, Setup { reversed: true, ..like.clone() }, 1.0),
+    ];
+    if row.intensity != 1.0 {
+        all.push((Invariant::Intensity, Setup { intensity: 1.0, ..like.clone() }, f64::from(row.intensity)));
+    }
+    if row.scale != 1.0 {
+        all.push((Invariant::Length, Setup { scale: 1.0, ..like.clone() }, 1.0));
+    }
+    if row.position != [0.0; 3] {
+        all.push((Invariant::Position, Setup { position: [0.0; 3], ..like.clone() }, 1.0));
+    }
+    if row.tilt != [0.0; 3] {
+        all.push((Invariant::Orientation, Setup { tilt: [0.0; 3], ..like }, 1.0));
+    }
+    all
+}
+
+/// sqrt(mean((a − k·b)²)) / mean(a); both black: zero.
+fn nrmse(a: &Image, b: &Image, factor: f64) -> f64 {
+    let squared = a.values().zip(b.values()).map(|(a, b)| (f64::from(a) - factor * f64::from(b)).powi(2)).sum::<f64>();
+    of_mean((squared / a.values().len() as f64).sqrt(), a)
+}
+
+/// A difference relative to the mean of an image.
+fn of_mean(difference: f64, image: &Image) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference / image.mean() }
+}
+
+fn mirrored(image: &Image) -> Image {
+    let mut mirrored = image.clone();
+    let width = image.size()[0] as usize;
+    mirrored.pixels_mut().chunks_mut(width).for_each(<[_]>::reverse);
+    mirrored
+}
+
+fn superposition(rig: &mut Rig, row: &Setup, base: &Image) -> Result<f64> {
+    let inside = rig.image(&Setup { lamps: Lamps::Inside, ..row.clone() })?;
+    let sun = rig.image(&Setup { lamps: Lamps::Sun, ..row.clone() })?;
+    let mut sum = (*inside).clone();
+    for (sum, sun) in sum.pixels_mut().as_flattened_mut().iter_mut().zip(sun.values()) {
+        *sum += sun;
+    }
+    Ok(nrmse(base, &sum, 1.0))
+}
+
+fn doubling(rig: &mut Rig, row: &Setup, base: &Image) -> Result<f64> {
+    let bright = rig.image(&Setup { intensity: 128.0 * row.intensity, ..row.clone() })?;
+    let differences = base.values().zip(bright.values()).map(|(a, b)| (f64::from(a) - f64::from(b) / 128.0).abs());
+    Ok(of_mean(differences.fold(0.0, f64::max), base))
+}
+
+fn moved(rig: &mut Rig, row: &Setup, base: &Image) -> Result<f64> {
+    let moved = rig.image(&Setup { moved: 0.02, ..row.clone() })?;
+    let change = base.values().zip(moved.values()).map(|(a, b)| (f64::from(a) - f64::from(b)).abs()).sum::<f64>();
+    Ok(of_mean(change / base.values().len() as f64, base))
+}
+
+/// What must hold from frame to frame of a running scene.
+fn in_one_session(rig: &mut Rig, row: &Setup, base: &Image) -> Result<Found> {
+    let mut session = rig.open(&row.text(), &row.method.look(row.grid))?;
+    let again = rig.draw(&mut session, false)?;
+    let uncached = rig.draw(&mut session, true)?;
+    let intensities = rig::dim(&mut session, 0.0);
+    let off = rig.draw(&mut session, false)?;
+    rig::relight(&mut session, &intensities);
+    let on = rig.draw(&mut session, false)?;
+    let mut dark = rig.open(&row.text(), &row.method.look(row.grid))?;
+    rig::dim(&mut dark, 0.0);
+    let dark = rig.draw(&mut dark, false)?;
+    Ok(vec![
+        (Invariant::Repeat, differing(base, &again)),
+        (Invariant::Cache, differing(base, &uncached)),
+        (Invariant::SwitchedOff, brightest(&off)),
+        (Invariant::Undo, differing(base, &on)),
+        (Invariant::Dark, brightest(&dark)),
+    ])
+}
+
+fn differing(a: &Image, b: &Image) -> f64 {
+    a.values().zip(b.values()).filter(|(a, b)| a.to_bits() != b.to_bits()).count() as f64
+}
+
+fn brightest(image: &Image) -> f64 {
+    image.values().map(|value| f64::from(value.abs())).fold(0.0, f64::max)
+}

@@ -1,0 +1,133 @@
+//! `lightwell stress`: what must hold for every scene, held against a matrix of scales, lights, grids, turns and places.
+//!
+//! ```text
+//! cover (which rows) ─ setup (the room as text) ─ rig (draws it) ─┬─ checks (invariants of a row) ─┬─ table
+//!                      degenerate, room ──────────────────────────┘                                └─ scenes of the worst
+//! ```
+
+mod checks;
+mod cover;
+mod degenerate;
+mod invariant;
+mod rig;
+mod room;
+mod setup;
+mod table;
+
+use crate::cli::{Common, StressArgs};
+use crate::progress;
+use anyhow::{Context, Result};
+use invariant::Invariant;
+use rig::Rig;
+use setup::{Grid, Lamps, Method, Setup};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+use table::Table;
+
+/// Lengths of a unit \[m\].
+const SCALES: [f32; 7] = [1.0, 1e-3, 1e-2, 0.1, 10.0, 100.0, 1e3];
+/// Factors on all light.
+const INTENSITIES: [f32; 5] = [1.0, 1e-6, 1e-3, 1e3, 1e6];
+/// Euler angles \[degrees\].
+const TILTS: [[f32; 3]; 3] = [[0.0; 3], [0.0, 17.0, 0.0], [30.0, 45.0, 0.0]];
+/// Places [units]: the origin, and a thousand and a hundred thousand units away.
+const POSITIONS: [[f32; 3]; 3] = [[0.0; 3], [600.0, -64.0, 800.0], [-6e4, 1e3, 8e4]];
+
+/// Runs the suite. The exit code is 1 if a bound is broken.
+///
+/// # Errors
+/// If there is no device, or a file cannot be written.
+pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
+    let start = Instant::now();
+    let mut rig = Rig::new(&args.output, common)?;
+    let methods: Vec<Method> = Method::ALL.into_iter().filter(|m| args.takes(m.name())).collect();
+    let table = fill(&mut rig, &rows(args.full, &methods), &methods)?;
+    let summary = format!(
+        "{} images of 64x64 pixels in {:.0} s; {} cells of the table beyond their bounds",
+        rig.drawn,
+        start.elapsed().as_secs_f64(),
+        table.broken().count()
+    );
+    let text = format!("{summary}\n\n{}", table.text());
+    let path = args.output.join("stress.txt");
+    std::fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
+    table.write_picture(&args.output.join("stress.png"))?;
+    let broken = keep_worst(&args.output, &table)?;
+    say!("{text}");
+    Ok(ExitCode::from(u8::from(broken > 0)))
+}
+
+/// All rows, or one for each method.
+fn rows(full: bool, methods: &[Method]) -> Vec<Setup> {
+    let levels = [methods.len(), SCALES.len(), INTENSITIES.len(), TILTS.len(), POSITIONS.len(), Grid::ALL.len()];
+    let rows = cover::pairwise(&levels).into_iter().map(|row| Setup {
+        method: methods[row[0]],
+        scale: SCALES[row[1]],
+        intensity: INTENSITIES[row[2]],
+        tilt: TILTS[row[3]],
+        position: POSITIONS[row[4]],
+        grid: Grid::ALL[row[5]],
+        quarter_turn: false,
+        mirrored: false,
+        lamps: Lamps::All,
+        reversed: false,
+        moved: 0.0,
+    });
+    let rows: Vec<Setup> = rows.collect();
+    if full {
+        return rows;
+    }
+    // Far from all that is usual.
+    methods.iter().filter_map(|method| rows.iter().rev().find(|row| row.method == *method).cloned()).collect()
+}
+
+fn place(row: &Setup) -> String {
+    format!(
+        "scale {:.0e}, light {:.0e}, turned {:?}, at {:?}, grid {:?}",
+        row.scale, row.intensity, row.tilt, row.position, row.grid
+    )
+}
+
+fn fill(rig: &mut Rig, rows: &[Setup], methods: &[Method]) -> Result<Table> {
+    let mut table = Table::default();
+    let scenes = degenerate::scenes();
+    let bar = progress::bar((rows.len() + methods.len() * (scenes.len() + 2)) as u64, "stress");
+    for row in rows {
+        let found = checks::check(rig, row).with_context(|| format!("{}: {}", row.method.name(), place(row)))?;
+        for (invariant, deviation) in found {
+            table.enter(invariant, row.method, deviation, &place(row), &row.text());
+        }
+        bar.inc(1);
+    }
+    rig.forget();
+    for &method in methods {
+        for albedo in [0.5, 0.9] {
+            let excess = room::excess(rig, method, Grid::Fixed, albedo)?;
+            table.enter(Invariant::Energy, method, excess, &format!("albedo {albedo}"), "");
+            bar.inc(1);
+        }
+        for (name, text) in &scenes {
+            let outcome = degenerate::attempt(rig, method, text);
+            log::info!("{name}, {}: {outcome:?}", method.name());
+            let broken = matches!(outcome, degenerate::Outcome::Broken(_));
+            table.enter(Invariant::Degenerate, method, f64::from(u8::from(broken)), &format!("{name}: {outcome:?}"), text);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(table)
+}
+
+/// Writes the scenes of what is beyond its bound; gives their number.
+fn keep_worst(folder: &Path, table: &Table) -> Result<usize> {
+    let mut count = 0;
+    for (invariant, method, worst) in table.broken() {
+        let name = format!("{} {}.scene.ron", invariant.name(), method.name()).replace(' ', "_");
+        let path = folder.join(name);
+        let text = format!("// {}\n{}", worst.place, worst.scene);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        count += 1;
+    }
+    Ok(count)
+}

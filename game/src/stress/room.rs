@@ -1,0 +1,49 @@
+//! A closed room: all light that its walls send on is a geometric series.
+
+use super::rig::Rig;
+use super::setup::{Grid, Method};
+use anyhow::Result;
+use lightwell::measure::Image;
+
+/// Excess of the indirect light in a closed cube with walls of albedo ρ and a lamp in its middle. The flux Φ of the
+/// lamp meets the walls, they send on ρΦ, and of that all bounces make ρΦ/(1 − ρ) arrive (Kajiya 1986, summed). The
+/// camera stands where the image holds one wall nearly whole; the mean of an image is so compared with the direct
+/// light of the same image, which the symmetry of the cube allows.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub fn excess(rig: &mut Rig, method: Method, grid: Grid, albedo: f32) -> Result<f64> {
+    let text = text(method, albedo);
+    let mut draw = |method: Method| -> Result<Image> {
+        let mut session = rig.open(&text, &method.look(grid))?;
+        rig.draw(&mut session, false)
+    };
+    let (indirect, direct) = (draw(method)?.mean(), draw(Method::Direct)?.mean());
+    let albedo = f64::from(albedo);
+    let most = if method == Method::Direct { 0.0 } else { direct * albedo / (1.0 - albedo) };
+    let lit = if method == Method::Direct { 0.0 } else { indirect };
+    Ok((lit - most).max(0.0) / direct)
+}
+
+/// A cube of two metres with walls of a tenth, seen from one wall towards the other.
+fn text(method: Method, albedo: f32) -> String {
+    let transport = if method == Method::Diffusion { "Diffusion" } else { "Sweep" };
+    let walls = [("Left", [-1.05, 0.0, 0.0], [0.1, 2.2, 2.2]), ("Right", [1.05, 0.0, 0.0], [0.1, 2.2, 2.2])]
+        .into_iter()
+        .chain([("Floor", [0.0, -1.05, 0.0], [2.0, 0.1, 2.0]), ("Ceiling", [0.0, 1.05, 0.0], [2.0, 0.1, 2.0])])
+        .chain([("Back", [0.0, 0.0, -1.05], [2.0, 2.2, 0.1]), ("Front", [0.0, 0.0, 1.05], [2.0, 2.2, 0.1])])
+        .map(|(name, p, s): (&str, [f32; 3], [f32; 3])| {
+            format!(
+                "(name: \"{name}\", transform: (translation: ({}, {}, {})), mesh: Box(size: ({}, {}, {})), material: \"wall\"),\n",
+                p[0], p[1], p[2], s[0], s[1], s[2]
+            )
+        })
+        .collect::<String>();
+    format!(
+        "Scene(materials: {{\"wall\": (color: ({albedo}, {albedo}, {albedo}), specular: 0)}}, entities: [\n{walls}\
+         (name: \"Lamp\", light: (kind: Point, intensity: 1, rsm_size: 64)),\n\
+         (name: \"Methods\", clpv: (quality: Low, transport: {transport}, cells: (18, 18, 18), cell_size: Meters(0.125), \
+         cascades: 1, steps: 1000), vpl: (particles: 256), slc: (rsm_size: 64, interleave: 2)),\n\
+         (name: \"Camera\", transform: (translation: (0, 0, 0.99)), camera: (fov: 90, near: 0.005)),\n])\n"
+    )
+}
