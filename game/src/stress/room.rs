@@ -3,26 +3,20 @@
 use super::rig::Rig;
 use super::setup::{Grid, Method};
 use anyhow::Result;
-use lightwell::measure::Image;
 
-/// Excess of the indirect light in a closed cube with walls of albedo ρ and a lamp in its middle. The flux Φ of the
-/// lamp meets the walls, they send on ρΦ, and of that all bounces make ρΦ/(1 − ρ) arrive (Kajiya 1986, summed). The
-/// camera stands where the image holds one wall nearly whole; the mean of an image is so compared with the direct
-/// light of the same image, which the symmetry of the cube allows.
+/// Excess of the indirect light in a closed cube with walls of albedo ρ and a lamp of 1 W/sr in its middle. The flux
+/// Φ = 4π of the lamp meets the walls of area A = 24 m², they send on ρΦ, and of that all bounces make ρΦ/(1 − ρ)
+/// arrive, nearly even over the walls: their indirect radiance is ρ/π · ρΦ/((1 − ρ)·A) at most.
 ///
 /// # Errors
 /// If it cannot be drawn.
 pub fn excess(rig: &mut Rig, method: Method, grid: Grid, albedo: f32) -> Result<f64> {
-    let text = text(method, albedo);
-    let mut draw = |method: Method| -> Result<Image> {
-        let mut session = rig.open(&text, &method.look(grid))?;
-        rig.draw(&mut session, false)
-    };
-    let (indirect, direct) = (draw(method)?.mean(), draw(Method::Direct)?.mean());
+    let mut session = rig.open(&text(method, albedo), &method.look(grid))?;
+    let indirect = rig.draw(&mut session, false)?.mean();
     let albedo = f64::from(albedo);
-    let most = if method == Method::Direct { 0.0 } else { direct * albedo / (1.0 - albedo) };
-    let lit = if method == Method::Direct { 0.0 } else { indirect };
-    Ok((lit - most).max(0.0) / direct)
+    let most = albedo * albedo / (6.0 * (1.0 - albedo));
+    log::info!("closed room, {}, albedo {albedo}: {:.4} of the series", method.name(), indirect / most);
+    Ok((indirect / most - 1.0).max(0.0))
 }
 
 /// A cube of two metres with walls of a tenth, seen from one wall towards the other.

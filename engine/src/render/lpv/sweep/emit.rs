@@ -3,6 +3,7 @@
 use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
 use super::Level;
+use super::directions::Directions;
 use super::balance::BalanceUniform;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
@@ -104,6 +105,7 @@ pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     sources: &Sources<'_, 'a>,
+    directions: &Directions,
     levels: &mut [Level],
     totals: &mut Handle<Buffer>,
     step: Step,
@@ -144,7 +146,7 @@ pub(super) fn declare<'a>(
     let lights: Vec<u64> = sources.rsms.iter().map(|rsm| rsm.light.revision).collect();
     let lights = if step.bounce == 0 { lights } else { Vec::new() };
     let sky_bits = sky.to_array().map(f32::to_bits);
-    pass.key(&(volume.key(), lights, sky_bits, sources.scale.to_bits(), step.bounce, frame.scene.identity));
+    pass.key(&(volume.key(), lights, sky_bits, sources.scale.to_bits(), step.bounce, directions.values.len(), frame.scene.identity));
     let emit = EmitUniform {
         scale: sources.scale,
         bounce: step.bounce,
@@ -153,7 +155,7 @@ pub(super) fn declare<'a>(
         sky: sky * sources.scale,
     };
     let rsms = if step.bounce == 0 { sources.rsms.to_vec() } else { Vec::new() };
-    let surfels = frame.surfels;
+    let (surfels, directions) = (frame.surfels, directions.clone());
     pass.execute(move |cx| {
         let sums = cx.buffer(buffers.sums).clone();
         cx.encoder().clear_buffer(&sums, 0, None);
@@ -166,7 +168,7 @@ pub(super) fn declare<'a>(
         } else if surfels.is_emissive() {
             from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers)?;
         }
-        finish(cx, &volume, &uniforms, &buffers)
+        finish(cx, &volume, &directions, &uniforms, &buffers)
     });
 }
 
@@ -235,7 +237,14 @@ fn from_surfels(
     cx.dispatch(&ComputeKey::new("lpv/sweep/emit.wgsl", entry), &bindings, linear_groups(count))
 }
 
-fn finish(cx: &mut PassContext, volume: &Volume, uniforms: &Uniforms, buffers: &Buffers) -> Result<(), PassError> {
+fn finish(
+    cx: &mut PassContext,
+    volume: &Volume,
+    directions: &Directions,
+    uniforms: &Uniforms,
+    buffers: &Buffers,
+) -> Result<(), PassError> {
+    let set = cx.gpu.storage("directions", &directions.values, BufferUsages::empty());
     let [sums, emission, totals] = [buffers.sums, buffers.emission, buffers.totals].map(|h| cx.buffer(h).clone());
     cx.counts().cells += u64::from(volume.cell_count());
     cx.dispatch(
@@ -243,6 +252,7 @@ fn finish(cx: &mut PassContext, volume: &Volume, uniforms: &Uniforms, buffers: &
         &[
             ("volume", Binding::Buffer(&uniforms.volume)),
             ("emit", Binding::Buffer(&uniforms.emit)),
+            ("directions", Binding::Buffer(&set)),
             ("sums", Binding::Buffer(&sums)),
             ("emission", Binding::Buffer(&emission)),
             ("totals", Binding::Buffer(&totals)),

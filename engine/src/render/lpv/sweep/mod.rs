@@ -109,8 +109,9 @@ pub(super) fn declare<'a>(
     for bounce in 0..bounces.swept {
         let received = (bounce > 0).then(|| received(graph, &source, &levels, bounce - 1));
         for index in (0..levels.len()).rev() {
-            emit::declare(graph, frame, &source, &mut levels, &mut totals, emit::Step { index, bounce, received });
             let directions = &directions[usize::from(bounce > 0)];
+            let step = emit::Step { index, bounce, received };
+            emit::declare(graph, frame, &source, directions, &mut levels, &mut totals, step);
             transport::declare(
                 graph,
                 frame,
