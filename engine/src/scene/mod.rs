@@ -20,7 +20,7 @@ pub use view::{SceneCamera, SceneView, perspective};
 
 use crate::assets::{Material, Mesh, SkyMap};
 use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
-use glam::{Affine3A, Vec3};
+use glam::{DVec3, Affine3A, Vec3};
 use std::sync::Arc;
 
 /// Persistent identity of a thing in the scene: stable over undo, reload and play; ties break by it.
@@ -79,6 +79,9 @@ pub struct SceneClpv {
 pub struct Scene {
     /// Distinguishes scenes in cache keys; each extractor takes a fresh one.
     pub identity: u64,
+    /// World position of the origin of all places in the scene \[m\]: zero, unless the primary camera stands so far
+    /// from the world's that single precision would show.
+    pub origin: DVec3,
     /// Primitives that are visible.
     pub primitives: Vec<Primitive>,
     /// Lights.

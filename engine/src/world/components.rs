@@ -2,7 +2,7 @@
 
 use crate::assets::{Material, Mesh};
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, Mat3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -43,8 +43,33 @@ impl Transform {
 }
 
 /// World place, computed from the [`Transform`]s up the hierarchy once a frame.
+///
+/// Far from the origin the numbers of single precision are coarse: 8 mm apart at 100 km. What the translation loses by
+/// them is kept beside it, so that what stands on the same distant parent fits together, see
+/// [`relative_to`](Self::relative_to).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct GlobalTransform(pub Affine3A);
+pub struct GlobalTransform(pub Affine3A, pub(super) Vec3);
+
+impl GlobalTransform {
+    /// World place on an origin of one's own \[m\], such as [`Scene::origin`](crate::scene::Scene::origin).
+    pub fn relative_to(&self, origin: DVec3) -> Affine3A {
+        let translation = self.translation() - origin;
+        Affine3A { matrix3: self.0.matrix3, translation: translation.as_vec3().into() }
+    }
+
+    /// World position \[m\] in all its precision.
+    pub fn translation(&self) -> DVec3 {
+        Vec3::from(self.0.translation).as_dvec3() + self.1.as_dvec3()
+    }
+
+    /// A place of so much precision as two single numbers hold.
+    pub(super) fn new(matrix3: Mat3A, translation: DVec3) -> Self {
+        let high = translation.as_vec3();
+        // Beyond the range of single precision nothing is left to keep.
+        let low = if high.is_finite() { (translation - high.as_dvec3()).as_vec3() } else { Vec3::ZERO };
+        Self(Affine3A { matrix3, translation: high.into() }, low)
+    }
+}
 
 /// World orientation, computed with the [`GlobalTransform`]: right-handed orthonormal axes, whatever the scale. The
 /// entity's own scale plays no part; a parent that mirrors turns −Z to where it shows in the mirror.

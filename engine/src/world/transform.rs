@@ -3,7 +3,7 @@
 use super::{GlobalTransform, Orientation, Transform};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, Mat3A, Vec3A};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 type Moved = Or<(Changed<Transform>, Changed<ChildOf>)>;
 type Node = (&'static mut GlobalTransform, &'static mut Orientation);
@@ -11,33 +11,42 @@ type Node = (&'static mut GlobalTransform, &'static mut Orientation);
 /// A place in the world without the entity itself.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
-    world_from_local: Affine3A,
+    world_from_local: GlobalTransform,
     orientation: Mat3A,
 }
 
 impl Frame {
-    const WORLD: Self = Self { world_from_local: Affine3A::IDENTITY, orientation: Mat3A::IDENTITY };
+    const WORLD: Self = Self { world_from_local: GlobalTransform(Affine3A::IDENTITY, Vec3::ZERO), orientation: Mat3A::IDENTITY };
 
     /// The frame of a child. Multiplied out from parent to child, so that the bits do not depend on what moved.
     fn child(&self, transform: Option<&Transform>) -> Self {
         let Some(transform) = transform else { return *self };
         let rotation = Mat3A::from_quat(transform.unit_rotation());
+        let (matrix, local) = (self.world_from_local.0.matrix3, transform.matrix());
+        let translation = matrix.as_dmat3() * Vec3::from(local.translation).as_dvec3();
         Self {
-            world_from_local: self.world_from_local * transform.matrix(),
-            orientation: orthonormal(self.world_from_local.matrix3 * rotation)
+            world_from_local: GlobalTransform::new(
+                matrix * local.matrix3,
+                self.world_from_local.translation() + translation,
+            ),
+            orientation: orthonormal(matrix * rotation)
                 .unwrap_or_else(|| self.orientation * rotation),
         }
     }
 
     /// Writes only what differs. Compared by bits: −0 and 0 differ, a NaN equals itself.
     fn write(&self, mut global: Mut<GlobalTransform>, mut orientation: Mut<Orientation>) {
-        if global.0.to_cols_array().map(f32::to_bits) != self.world_from_local.to_cols_array().map(f32::to_bits) {
-            global.0 = self.world_from_local;
+        if bits(&global) != bits(&self.world_from_local) {
+            *global = self.world_from_local;
         }
         if orientation.0.to_cols_array().map(f32::to_bits) != self.orientation.to_cols_array().map(f32::to_bits) {
             orientation.0 = self.orientation;
         }
     }
+}
+
+fn bits(place: &GlobalTransform) -> ([u32; 12], [u32; 3]) {
+    (place.0.to_cols_array().map(f32::to_bits), place.1.to_array().map(f32::to_bits))
 }
 
 /// The right-handed orthonormal axes whose −Z is that of `m`, with +Y as close to that of `m` as it can be. None where
@@ -88,7 +97,7 @@ fn ancestors<'a>(parents: &'a Query<&ChildOf>, entity: Entity) -> impl Iterator<
 /// The frame of the nearest ancestor that has a place.
 fn parent_frame(parents: &Query<&ChildOf>, nodes: &Query<Node>, entity: Entity) -> Frame {
     let place = ancestors(parents, entity).find_map(|a| nodes.get(a).ok());
-    place.map_or(Frame::WORLD, |(global, orientation)| Frame { world_from_local: global.0, orientation: orientation.0 })
+    place.map_or(Frame::WORLD, |(global, orientation)| Frame { world_from_local: *global, orientation: orientation.0 })
 }
 
 /// The direction along −Z of an orientation.

@@ -100,6 +100,13 @@ impl FlyCamera {
         pose.position += pose.rotation() * along;
     }
 
+    /// The origin that places are told from has moved \[m\].
+    pub fn rebase(&mut self, moved: Vec3) {
+        if let Some(pose) = &mut self.free {
+            pose.position -= moved;
+        }
+    }
+
     fn pose(&mut self, camera: &SceneCamera) -> &mut Pose {
         self.free.get_or_insert_with(|| Pose::of(&camera.world_from_view))
     }

@@ -326,7 +326,8 @@ impl Editor {
 /// Gives the entity the local transform that puts it at a place in the world.
 fn stand_at(world: &mut GameWorld, entity: Entity, place: &GlobalTransform) {
     let parent = world.parent(entity).and_then(|p| world.ecs.get::<GlobalTransform>(p)).copied().unwrap_or_default();
-    let local = parent.0.inverse() * place.0;
+    let origin = parent.translation();
+    let local = parent.relative_to(origin).inverse() * place.relative_to(origin);
     if local.is_finite() {
         let (scale, rotation, translation) = local.to_scale_rotation_translation();
         world.set_rest_transform(entity, Transform { translation, rotation, scale });

@@ -192,7 +192,7 @@ fn seat(editor: &Editor, stage: &Stage, mode: Mode) -> Option<(Vec3, Mat3)> {
     if lightwell::files::is_from_model(stage.world, entity) {
         return None;
     }
-    let place = stage.world.ecs.get::<GlobalTransform>(entity)?.0;
+    let place = stage.world.ecs.get::<GlobalTransform>(entity)?.relative_to(stage.facts.scene.origin);
     let own = [place.x_axis(), place.y_axis(), place.z_axis()].map(|axis| axis.normalize_or_zero());
     let is_sound = own.iter().all(|axis| *axis != Vec3::ZERO);
     let axes = match is_sound && (editor.view.local || mode == Mode::Scale) {
@@ -230,7 +230,7 @@ fn parts(editor: &Editor, stage: &Stage) -> Vec<(SceneId, Transform, Affine3A)> 
     let tops = selected.iter().filter(|(_, e)| !stands_below(*e) && !lightwell::files::is_from_model(world, *e));
     tops.map(|(id, entity)| {
         let parent = world.parent(*entity).and_then(|p| world.ecs.get::<GlobalTransform>(p)).copied();
-        (*id, world.rest_transform(*entity), parent.unwrap_or_default().0)
+        (*id, world.rest_transform(*entity), parent.unwrap_or_default().relative_to(stage.facts.scene.origin))
     })
     .collect()
 }

@@ -8,7 +8,7 @@ use super::stage::{Request, Stage};
 use crate::beside::Mode;
 use bevy_ecs::prelude::{Entity, With};
 use egui::{Color32, CornerRadius, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use lightwell::files;
 use lightwell::scene::{Aabb, SceneCamera, SceneId};
 use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
@@ -216,6 +216,7 @@ impl Editor {
         let view = stage.camera.apply(camera).world_from_view;
         let distance = orbit_distance(stage, camera).min(4.0);
         let point = Vec3::from(view.translation) - Vec3::from(view.matrix3.z_axis) * distance;
+        let point = (point.as_dvec3() + stage.facts.scene.origin).as_vec3();
         // Whole centimetres read better.
         (point * 100.0).round() / 100.0
     }
@@ -236,13 +237,13 @@ impl Editor {
     }
 }
 
-/// Bounds of the entity with all below it \[m\].
-pub fn bounds_of(world: &GameWorld, entity: Entity) -> Aabb {
+/// Bounds of the entity with all below it, from an origin \[m\].
+pub fn bounds_of(world: &GameWorld, entity: Entity, origin: DVec3) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     for part in world.subtree(entity) {
         let place = world.ecs.get::<GlobalTransform>(part);
         if let Some((renderer, place)) = world.ecs.get::<MeshRenderer>(part).zip(place) {
-            bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.0));
+            bounds = bounds.union(&renderer.mesh.bounds.transformed(&place.relative_to(origin)));
         }
     }
     bounds
@@ -251,7 +252,7 @@ pub fn bounds_of(world: &GameWorld, entity: Entity) -> Aabb {
 /// The box around each selected thing.
 fn bounds(painter: &egui::Painter, editor: &Editor, stage: &Stage, lens: &Lens) {
     for (index, (_, entity)) in editor.selected(stage.world).iter().rev().take(64).enumerate() {
-        let bounds = bounds_of(stage.world, *entity);
+        let bounds = bounds_of(stage.world, *entity, stage.facts.scene.origin);
         if bounds.is_empty() {
             continue;
         }
@@ -269,11 +270,11 @@ fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Len
     if !editor.view.signs {
         return Vec::new();
     }
-    let world = &mut *stage.world;
+    let (world, origin) = (&mut *stage.world, stage.facts.scene.origin);
     let mut lights = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Light>>();
-    let lights: Vec<(Entity, Affine3A)> = lights.iter(&world.ecs).map(|(e, place)| (e, place.0)).collect();
+    let lights: Vec<(Entity, Affine3A)> = lights.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
     let mut cameras = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Camera>>();
-    let cameras: Vec<(Entity, Affine3A)> = cameras.iter(&world.ecs).map(|(e, place)| (e, place.0)).collect();
+    let cameras: Vec<(Entity, Affine3A)> = cameras.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
     let all = lights.into_iter().map(|l| (l, "◆")).chain(cameras.into_iter().map(|c| (c, "►")));
     let mut shown = Vec::new();
     for ((entity, place), sign) in all {
@@ -294,8 +295,10 @@ pub fn focus(editor: &mut Editor, stage: &mut Stage) {
     let Some(camera) = stage.facts.scene_camera.clone() else { return };
     let mut bounds = Aabb::EMPTY;
     for (_, entity) in editor.selected(stage.world) {
-        let own = bounds_of(stage.world, entity);
-        let place = stage.world.ecs.get::<GlobalTransform>(entity).map_or(Vec3::ZERO, |g| g.0.translation.into());
+        let origin = stage.facts.scene.origin;
+        let own = bounds_of(stage.world, entity, origin);
+        let place = stage.world.ecs.get::<GlobalTransform>(entity);
+        let place = place.map_or(Vec3::ZERO, |g| g.relative_to(origin).translation.into());
         let around = Aabb { min: place - Vec3::splat(0.3), max: place + Vec3::splat(0.3) };
         bounds = bounds.union(if own.is_empty() { &around } else { &own });
     }

@@ -166,7 +166,9 @@ impl Player {
             }
         }
         self.continue_export();
+        let origin = self.session.scene().origin;
         frame.span("update", |_| self.session.set_ticks(self.clock.ticks()));
+        self.camera.rebase((self.session.scene().origin - origin).as_vec3());
         let wanted = if self.editor.view.is_shown { self.editor.view.size } else { [0; 2] };
         if wanted[0] > 0 {
             frame.span("render", |_| self.render(wanted));

@@ -83,7 +83,7 @@ pub fn scenes() -> Vec<(&'static str, String)> {
 pub fn attempt(rig: &mut Rig, method: Method, text: &str) -> Outcome {
     rig.take_not_finite();
     let drawn = catch_unwind(AssertUnwindSafe(|| -> Result<()> {
-        let mut session = rig.open(text, &method.look(Grid::Auto))?;
+        let mut session = rig.open(text, &method.look(Grid::Auto, 0))?;
         rig.draw(&mut session, false).map(drop)
     }));
     match (drawn, rig.take_not_finite()) {

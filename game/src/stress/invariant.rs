@@ -101,12 +101,14 @@ impl Invariant {
 
     /// The largest deviation that is right.
     pub fn bound(self, method: Method) -> Bound {
-        let _ = method;
+        let random = |bound| if method.is_random() { Bound::because(2.0, NOISE) } else { Bound::at(bound) };
         match self {
-            Self::Intensity | Self::Superposition => Bound::at(1e-4),
-            Self::Length | Self::Mirror | Self::QuarterTurn | Self::WholeCells => Bound::at(1e-3),
-            Self::Position => Bound::at(1e-2),
-            Self::Orientation | Self::PartOfCell => Bound::at(0.1),
+            Self::Intensity => Bound::at(1e-4),
+            Self::Superposition => random(1e-4),
+            Self::Length | Self::Mirror | Self::QuarterTurn | Self::WholeCells => random(1e-3),
+            Self::Position => random(1e-2),
+            Self::Orientation | Self::PartOfCell => random(0.1),
+            Self::Order => random(1e-6),
             Self::Moved => Bound::at(0.1),
             Self::Energy => Bound::at(0.01),
             _ => Bound::at(0.0),
@@ -123,7 +125,13 @@ pub struct Bound {
     pub why: Option<&'static str>,
 }
 
+const NOISE: &str = "in units of the difference that other random numbers make";
+
 impl Bound {
+    fn because(most: f64, why: &'static str) -> Self {
+        Self { most, why: Some(why) }
+    }
+
     fn at(most: f64) -> Self {
         Self { most, why: None }
     }

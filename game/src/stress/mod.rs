@@ -73,6 +73,7 @@ fn rows(full: bool, methods: &[Method]) -> Vec<Setup> {
         lamps: Lamps::All,
         reversed: false,
         moved: 0.0,
+        seed: 0,
     });
     let rows: Vec<Setup> = rows.collect();
     if full {

@@ -71,7 +71,7 @@ impl Rig {
         if let Some(image) = self.images.get(&key) {
             return Ok(image.clone());
         }
-        let mut session = self.open(&text, &setup.method.look(setup.grid))?;
+        let mut session = self.open(&text, &setup.method.look(setup.grid, setup.seed))?;
         let image = Arc::new(self.draw(&mut session, false)?);
         self.images.insert(key, image.clone());
         Ok(image)

@@ -11,7 +11,7 @@ use anyhow::Result;
 /// # Errors
 /// If it cannot be drawn.
 pub fn excess(rig: &mut Rig, method: Method, grid: Grid, albedo: f32) -> Result<f64> {
-    let mut session = rig.open(&text(method, albedo), &method.look(grid))?;
+    let mut session = rig.open(&text(method, albedo), &method.look(grid, 0))?;
     let indirect = rig.draw(&mut session, false)?.mean();
     let albedo = f64::from(albedo);
     let most = albedo * albedo / (6.0 * (1.0 - albedo));

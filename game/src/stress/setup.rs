@@ -36,8 +36,13 @@ impl Method {
         }
     }
 
+    /// Whether its images have noise, which other random numbers change.
+    pub fn is_random(self) -> bool {
+        matches!(self, Self::Vpl | Self::Slc | Self::Reference)
+    }
+
     /// What is drawn of it: the light that the method itself computes.
-    pub fn look(self, grid: Grid) -> LookArgs {
+    pub fn look(self, grid: Grid, seed: u32) -> LookArgs {
         let (gi, only) = match self {
             Self::Direct => (Gi::None, Only::Direct),
             Self::Diffusion | Self::Sweep => (Gi::Clpv, Only::Indirect),
@@ -46,7 +51,7 @@ impl Method {
             Self::Reference => (Gi::Reference, Only::Indirect),
         };
         let spp = [4, 8, 16][grid as usize];
-        LookArgs { gi: Some(gi), only, trace: TraceArgs { spp, ..TraceArgs::default() }, ..LookArgs::default() }
+        LookArgs { gi: Some(gi), only, trace: TraceArgs { spp, seed, bounces: None }, ..LookArgs::default() }
     }
 }
 
@@ -105,6 +110,8 @@ pub struct Setup {
     pub reversed: bool,
     /// Shift of the point light [units].
     pub moved: f32,
+    /// Seed of the random numbers.
+    pub seed: u32,
 }
 
 struct Entity {
@@ -132,7 +139,8 @@ impl Setup {
     fn line(&self, entity: &Entity) -> String {
         let Entity { name, place: [x, y, z], turn: [a, b, c], parts } = entity;
         let sign = if self.mirrored { -1.0 } else { 1.0 };
-        let (place, turn) = (self.lengths([sign * x, *y, *z]), vector([*a, sign * b, sign * c]));
+        // Around its middle, in which the volumes stand.
+        let (place, turn) = (self.lengths([sign * x, *y - 1.0, *z]), vector([*a, sign * b, sign * c]));
         format!("(name: \"{name}\", transform: (translation: {place}, rotation: {turn}), {parts}),\n")
     }
 
@@ -160,7 +168,8 @@ impl Setup {
 
     fn lamps(&self) -> Vec<Entity> {
         let lamp = |name, place, turn, kind: &str, intensity: f32, lit: bool| {
-            let intensity = if lit { intensity } else { 0.0 };
+            // Not zero: a dark lamp has no light map, and the diffusion takes its blockers from those.
+            let intensity = if lit { intensity } else { 1e-20 * intensity };
             let parts =
                 format!("light: (kind: {kind}, intensity: {intensity:e}, rsm_size: 64, shadow_size: 256)");
             Entity { name, place, turn, parts }
@@ -180,22 +189,25 @@ impl Setup {
             Grid::Fixed => ("Fixed", format!("Meters({:e})", CELL * self.scale)),
             Grid::Camera => ("Camera(ahead: 0.5)", format!("Meters({:e})", CELL * self.scale)),
         };
-        let cells = if self.grid == Grid::Camera { 24 } else { 20 };
+        let cells = 32;
         let transport = if self.method == Method::Diffusion { "Diffusion" } else { "Sweep" };
         let (particles, rsm) = ([32, 64, 128][self.grid as usize], [32, 64, 64][self.grid as usize]);
         let cascades = if self.grid == Grid::Camera { 2 } else { 1 };
+        let seed = self.seed;
         let parts = format!(
             "clpv: (quality: Low, transport: {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \
-             {cells}), cascades: {cascades}, steps: 12), vpl: (particles: {particles}), slc: (rsm_size: {rsm}, interleave: 2)"
+             {cells}), cascades: {cascades}, steps: 12), vpl: (particles: {particles}, seed: {seed}), slc: (rsm_size: {rsm}, interleave: 2, seed: {seed})"
         );
         Entity { name: "Methods", place: [0.0, 1.0, 0.0], turn: [0.0; 3], parts }
     }
 
     /// The scene as a file holds it.
     pub fn text(&self) -> String {
+        // Beside the middle: the edges of a room seen from its middle run through the centres of pixels, where two
+        // surfaces are equally far.
         let camera = Entity {
             name: "Camera",
-            place: [0.0, 1.0, 3.6],
+            place: [0.0131, 1.0071, 3.6],
             turn: [0.0; 3],
             parts: format!("camera: (fov: 38, near: {:e})", 0.05 * self.scale),
         };

@@ -48,7 +48,7 @@ impl Clpvs {
             if settings != *clpv {
                 context.log.warn(entity, name, "has volume settings out of range; the nearest ones in range are used");
             }
-            SceneClpv { settings, center: place.0.translation.into() }
+            SceneClpv { settings, center: place.relative_to(scene.origin).translation.into() }
         });
         if clpv != scene.clpv {
             scene.clpv = clpv;

@@ -52,7 +52,7 @@ impl Lights {
             let mut new = SceneLight {
                 id: identity.id(),
                 name: name_or_id(entity, name),
-                position: place.0.translation.into(),
+                position: place.relative_to(scene.origin).translation.into(),
                 direction: forward(orientation).into(),
                 ..sanitized(light, |message| context.log.warn(entity, name, message))
             };

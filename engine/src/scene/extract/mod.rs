@@ -5,6 +5,7 @@
 
 mod cameras;
 mod clpv;
+mod origin;
 mod lights;
 mod primitives;
 mod slc;
@@ -37,6 +38,7 @@ pub struct Extractor {
 struct Source {
     world: WorldId,
     updates: u64,
+    anchor: origin::Anchor,
     primitives: primitives::Primitives,
     lights: lights::Lights,
     cameras: cameras::Cameras,
@@ -51,6 +53,7 @@ impl Source {
         Self {
             world: world.id(),
             updates: updates(world),
+            anchor: origin::Anchor::new(world),
             primitives: primitives::Primitives::new(world),
             lights: lights::Lights::new(world),
             cameras: cameras::Cameras::new(world),
@@ -133,6 +136,16 @@ impl Extractor {
                 Source::new(world)
             }
         };
+        let mut source = source;
+        let origin = source.anchor.origin(world);
+        if origin != scene.origin {
+            // All places change.
+            if !scene.primitives.is_empty() {
+                self.identity = fresh_identity();
+                source = Source::new(world);
+            }
+            *scene = Scene { identity: self.identity, origin, ..Scene::default() };
+        }
         let source = self.source.insert(source);
         let now = updates(world);
         let is_late = now > source.updates + 1;

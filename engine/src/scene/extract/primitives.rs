@@ -6,6 +6,7 @@ use crate::scene::{Primitive, Scene};
 use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
+use glam::Affine3A;
 use std::sync::Arc;
 
 type Row = (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static MeshRenderer);
@@ -40,7 +41,8 @@ impl Primitives {
             context.log.forget(entity);
         }
         for (entity, identity, name, place, renderer) in &changed {
-            let is_finite = place.0.is_finite();
+            let place = &place.relative_to(scene.origin);
+            let is_finite = place.is_finite();
             if !is_finite {
                 context.log.warn(entity, name, "is not drawn: its place in the world is not finite");
             }
@@ -69,13 +71,13 @@ impl Primitives {
     }
 }
 
-fn primitive(identity: &Identity, place: &GlobalTransform, renderer: &MeshRenderer, revision: u64) -> Primitive {
+fn primitive(identity: &Identity, place: &Affine3A, renderer: &MeshRenderer, revision: u64) -> Primitive {
     Primitive {
         id: identity.id(),
         mesh: renderer.mesh.clone(),
         material: renderer.material.clone(),
-        world_from_object: place.0,
-        bounds: renderer.mesh.bounds.transformed(&place.0),
+        world_from_object: *place,
+        bounds: renderer.mesh.bounds.transformed(place),
         casts_shadow: renderer.casts_shadow,
         geometry_revision: revision,
         material_revision: revision,
@@ -83,17 +85,17 @@ fn primitive(identity: &Identity, place: &GlobalTransform, renderer: &MeshRender
 }
 
 /// True if place, mesh or shadow casting differ.
-fn change_geometry(primitive: &mut Primitive, place: &GlobalTransform, renderer: &MeshRenderer) -> bool {
+fn change_geometry(primitive: &mut Primitive, place: &Affine3A, renderer: &MeshRenderer) -> bool {
     let bits = |m: &glam::Affine3A| m.to_cols_array().map(f32::to_bits);
-    if bits(&primitive.world_from_object) == bits(&place.0)
+    if bits(&primitive.world_from_object) == bits(place)
         && Arc::ptr_eq(&primitive.mesh, &renderer.mesh)
         && primitive.casts_shadow == renderer.casts_shadow
     {
         return false;
     }
-    primitive.world_from_object = place.0;
+    primitive.world_from_object = *place;
     primitive.mesh = renderer.mesh.clone();
-    primitive.bounds = renderer.mesh.bounds.transformed(&place.0);
+    primitive.bounds = renderer.mesh.bounds.transformed(place);
     primitive.casts_shadow = renderer.casts_shadow;
     true
 }
