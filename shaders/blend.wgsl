@@ -95,9 +95,9 @@ fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
 #ifdef SWEPT
     let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
     let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
-    let around = irradiance_around(swept, position, s.normal, lobe_direction(s.normal, to_eye, s.roughness));
+    let around = irradiance_around(swept, position, s.normal, lobe_direction(s.normal, to_eye, s.roughness), to_eye);
     let kept = 1.0 - max(share.r, max(share.g, share.b));
-    return (kept * albedo * irradiance(swept, position, s.normal) + share * around) / 3.14159265;
+    return (kept * albedo * irradiance(swept, position, s.normal, to_eye) + share * around) / 3.14159265;
 #endif
 #ifdef PROPAGATED
     return albedo * propagated_irradiance(position, s.normal) / 3.14159265;

@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let to_eye = normalize(view.eye - point);
             let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
             let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
-            let around = irradiance_around(swept, point, s.normal, lobe_direction(s.normal, to_eye, s.roughness));
+            let around = irradiance_around(swept, point, s.normal, lobe_direction(s.normal, to_eye, s.roughness), to_eye);
             let kept = 1.0 - max(share.r, max(share.g, share.b));
             let image = textureLoad(sky, min(pixel, textureDimensions(sky) - 1u), 0).rgb;
             let in_lobe = max(around * 0.318309886 + image, vec3f(0.0));

@@ -211,7 +211,7 @@ fn flat_walls_do_not_leak() {
         for degrees in [0.0, 17.0, 30.0, 45.0] {
             for shift in [0.0, 0.13] {
                 let leaked = leak(&gpu, thickness, degrees, shift);
-                assert!(leaked < 0.015, "wall of {thickness} m at {degrees}°, moved {shift} m: {leaked}");
+                assert!(leaked < 0.018, "wall of {thickness} m at {degrees}°, moved {shift} m: {leaked}");
                 worst = worst.max(leaked);
             }
         }

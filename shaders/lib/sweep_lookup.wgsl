@@ -66,7 +66,7 @@ fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
         var cell = base;
         let from_above = base[axis] == low[axis];
         cell[axis] += select(0.0, 1.0, from_above);
-        if all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells)) {
+        if inside(volume, cell) {
             let side = select(0u, 1u, from_above);
             open[axis] = 1.0 - opacity[11u * cell_index(volume, vec3u(cell)) + 2u + 2u * axis + side].w;
         }
@@ -74,8 +74,69 @@ fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
     return open;
 }
 
-// Irradiance where solids smaller than a cell fill the cells before a surface, so that no light is known there: that of
-// the next cell further out that is clear of them. Capitals and feet of columns were black in places otherwise.
+fn inside(volume: Volume, cell: vec3f) -> bool {
+    return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
+}
+
+// Mean irradiance, and the sum of the weights.
+struct Gathered {
+    sum: vec3f,
+    weights: f32,
+}
+
+// Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
+// it leaves the cell, so that its mean place is the surface. The wall beside a point may pass through the point's cell
+// and close the face behind it, so that the cell belongs to the other side. The way to the eye is free: the cell that
+// it leads to is on the right side.
+fn interpolated(volume: Volume, x: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> Gathered {
+    let at = x + 0.5 * n - 0.5;
+    let low = floor(at);
+    let t = at - low;
+    let base = clamp(floor(x + 0.5 * n + to_eye), low, low + 1.0);
+    let open = passages(volume, base, low);
+    var all_cells = Gathered(vec3f(0.0), 0.0);
+    for (var i = 0u; i < 8u; i++) {
+        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
+        let cell = select(low, low + 1.0, upper);
+        let w = select(1.0 - t, t, upper);
+        let weight = w.x * w.y * w.z;
+        if inside(volume, cell) && weight > 0.0 && dot(n, cell + 0.5 - x) > 0.0 {
+            let index = cell_index(volume, vec3u(cell));
+            let passed = select(open, vec3f(1.0), cell == base);
+            let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
+            if clear > 0.0 {
+                all_cells.sum += clear * of_cell(index, d);
+                all_cells.weights += clear;
+            }
+        }
+    }
+    return all_cells;
+}
+
+// The clear cells up to two away, by their distance.
+fn nearby(volume: Volume, x: vec3f, n: vec3f, d: vec3f) -> Gathered {
+    let at = x + 0.5 * n - 0.5;
+    var all_cells = Gathered(vec3f(0.0), 0.0);
+    for (var i = 0u; i < 64u; i++) {
+        let cell = floor(at) - 1.0 + vec3f(f32(i & 3u), f32((i >> 2u) & 3u), f32(i >> 4u));
+        let w = max(vec3f(0.0), 2.0 - abs(cell - at));
+        if inside(volume, cell) && dot(n, cell + 0.5 - x) > 0.0 {
+            let index = cell_index(volume, vec3u(cell));
+            let clear = w.x * w.y * w.z * clearance(index);
+            if clear > 0.0 {
+                all_cells.sum += clear * of_cell(index, d);
+                all_cells.weights += clear;
+            }
+        }
+    }
+    return all_cells;
+}
+
+// Cells that together weigh less than this hold too little of the room to speak for it.
+const LEAST: f32 = 0.1;
+
+// Irradiance where solids smaller than a cell fill all cells before a surface, so that no light is known there: that of
+// the next cell further out that is clear of them.
 fn beyond(volume: Volume, base: vec3f, n: vec3f, d: vec3f) -> vec3f {
     let last = vec3f(volume.cells) - 1.0;
     let axis = nearest_axis(n);
@@ -89,40 +150,26 @@ fn beyond(volume: Volume, base: vec3f, n: vec3f, d: vec3f) -> vec3f {
     return of_cell(cell_index(volume, vec3u(cell)), d);
 }
 
-// Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
-// it leaves the cell, so that its mean place is the surface.
-fn irradiance(volume: Volume, point: vec3f, n: vec3f) -> vec3f {
-    return irradiance_around(volume, point, n, n);
-}
-
-// Irradiance before a surface with normal n, for another direction d.
-fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f) -> vec3f {
+// Irradiance of a surface with normal n at a point [m], for another direction d. `to_eye` is the unit vector to the eye that sees it, or zero: surfels may be
+// hidden in another solid. What is seen is never in the dark because the cells around it count as solid, as along the
+// edges of a room that the grid cuts in halves: there the clear cells nearby fill in.
+fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> vec3f {
     let x = (point - volume.origin) / volume.cell;
-    let at = x + 0.5 * n - 0.5;
-    let low = floor(at);
-    let t = at - low;
-    let base = floor(x + 0.5 * n);
-    let open = passages(volume, base, low);
-    var sum = vec3f(0.0);
-    var weights = 0.0;
-    for (var i = 0u; i < 8u; i++) {
-        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
-        let cell = select(low, low + 1.0, upper);
-        let w = select(1.0 - t, t, upper);
-        let weight = w.x * w.y * w.z;
-        let is_inside = all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
-        if is_inside && weight > 0.0 && dot(n, cell + 0.5 - x) > 0.0 {
-            let index = cell_index(volume, vec3u(cell));
-            let passed = select(open, vec3f(1.0), cell == base);
-            let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
-            if clear > 0.0 {
-                sum += clear * of_cell(index, d);
-                weights += clear;
-            }
+    var all_cells = interpolated(volume, x, n, d, to_eye);
+    if all_cells.weights < LEAST && any(to_eye != vec3f(0.0)) {
+        let more = nearby(volume, x, n, d);
+        if more.weights > 0.0 {
+            let share = LEAST - all_cells.weights;
+            all_cells.sum += more.sum * (share / more.weights);
+            all_cells.weights = LEAST;
         }
     }
-    if weights < 1e-3 {
-        return beyond(volume, base, n, d);
+    if all_cells.weights < 1e-3 {
+        return beyond(volume, floor(x + 0.5 * n), n, d);
     }
-    return sum / weights;
+    return all_cells.sum / all_cells.weights;
+}
+
+fn irradiance(volume: Volume, point: vec3f, n: vec3f, to_eye: vec3f) -> vec3f {
+    return irradiance_around(volume, point, n, n, to_eye);
 }

@@ -20,7 +20,7 @@ pub use view::{SceneCamera, SceneView, perspective};
 
 use crate::assets::{Material, Mesh, SkyMap};
 use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
-use glam::{DVec3, Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use std::sync::Arc;
 
 /// Persistent identity of a thing in the scene: stable over undo, reload and play; ties break by it.

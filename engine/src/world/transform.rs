@@ -16,7 +16,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    const WORLD: Self = Self { world_from_local: GlobalTransform(Affine3A::IDENTITY, Vec3::ZERO), orientation: Mat3A::IDENTITY };
+    const WORLD: Self =
+        Self { world_from_local: GlobalTransform(Affine3A::IDENTITY, Vec3::ZERO), orientation: Mat3A::IDENTITY };
 
     /// The frame of a child. Multiplied out from parent to child, so that the bits do not depend on what moved.
     fn child(&self, transform: Option<&Transform>) -> Self {
@@ -29,8 +30,7 @@ impl Frame {
                 matrix * local.matrix3,
                 self.world_from_local.translation() + translation,
             ),
-            orientation: orthonormal(matrix * rotation)
-                .unwrap_or_else(|| self.orientation * rotation),
+            orientation: orthonormal(matrix * rotation).unwrap_or_else(|| self.orientation * rotation),
         }
     }
 

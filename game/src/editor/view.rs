@@ -272,9 +272,11 @@ fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Len
     }
     let (world, origin) = (&mut *stage.world, stage.facts.scene.origin);
     let mut lights = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Light>>();
-    let lights: Vec<(Entity, Affine3A)> = lights.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
+    let lights: Vec<(Entity, Affine3A)> =
+        lights.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
     let mut cameras = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Camera>>();
-    let cameras: Vec<(Entity, Affine3A)> = cameras.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
+    let cameras: Vec<(Entity, Affine3A)> =
+        cameras.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
     let all = lights.into_iter().map(|l| (l, "◆")).chain(cameras.into_iter().map(|c| (c, "►")));
     let mut shown = Vec::new();
     for ((entity, place), sign) in all {

@@ -20,17 +20,28 @@ pub enum Outcome {
 pub fn scenes() -> Vec<(&'static str, String)> {
     let ball = "(name: \"Ball\", transform: (translation: (0, 0.5, 0)), mesh: Sphere(radius: 0.5)),";
     let floor = "(name: \"Floor\", mesh: Box(size: (4, 0.1, 4))),";
-    let lamp = "(name: \"Lamp\", transform: (translation: (1, 2, 1)), light: (kind: Point, intensity: 3, rsm_size: 16)),";
+    let lamp =
+        "(name: \"Lamp\", transform: (translation: (1, 2, 1)), light: (kind: Point, intensity: 3, rsm_size: 16)),";
     let camera = "(name: \"Camera\", transform: (translation: (0, 1, 3), look_at: (0, 0.5, 0)), camera: (fov: 45)),";
     let methods = "(name: \"Methods\", clpv: (quality: Low), vpl: (particles: 16), slc: (rsm_size: 16)),";
     let scene = |entities: &[&str]| format!("Scene(entities: [\n{}\n])\n", entities.join("\n"));
     let whole = |change: &str| scene(&[floor, ball, lamp, camera, methods, change]);
     let with_lamp = |kind: &str, intensity: &str| {
-        whole(&format!("(name: \"Extra\", transform: (translation: (-1, 1.5, 1)), light: (kind: {kind}, intensity: {intensity})),"))
+        whole(&format!(
+            "(name: \"Extra\", transform: (translation: (-1, 1.5, 1)), light: (kind: {kind}, intensity: {intensity})),"
+        ))
     };
-    let with_clpv = |fields: &str| scene(&[floor, ball, lamp, camera, &format!("(name: \"Methods\", clpv: (quality: Low, {fields})),")]);
+    let with_clpv = |fields: &str| {
+        scene(&[floor, ball, lamp, camera, &format!("(name: \"Methods\", clpv: (quality: Low, {fields})),")])
+    };
     let with_camera = |at: &str, fields: &str| {
-        scene(&[floor, ball, lamp, methods, &format!("(name: \"Camera\", transform: (translation: {at}), camera: ({fields})),")])
+        scene(&[
+            floor,
+            ball,
+            lamp,
+            methods,
+            &format!("(name: \"Camera\", transform: (translation: {at}), camera: ({fields})),"),
+        ])
     };
     vec![
         ("an empty scene", scene(&[])),
@@ -38,14 +49,20 @@ pub fn scenes() -> Vec<(&'static str, String)> {
         ("no lamp", scene(&[floor, ball, camera, methods])),
         ("no object", scene(&[lamp, camera, methods])),
         ("scale zero", whole("(name: \"Flat\", transform: (scale: 0), mesh: Sphere(radius: 1)),")),
-        ("scale zero along one axis", whole("(name: \"Flat\", transform: (scale: (1, 0, 1)), mesh: Sphere(radius: 1)),")),
+        (
+            "scale zero along one axis",
+            whole("(name: \"Flat\", transform: (scale: (1, 0, 1)), mesh: Sphere(radius: 1)),"),
+        ),
         ("scale NaN", whole("(name: \"Odd\", transform: (scale: NaN), mesh: Sphere(radius: 1)),")),
         ("a scale of 1e30", whole("(name: \"Huge\", transform: (scale: 1e30), mesh: Sphere(radius: 1)),")),
         ("a place of 1e30", whole("(name: \"Far\", transform: (translation: (1e30, 0, 0)), mesh: Sphere(radius: 1)),")),
         ("a radius of 1e-30", whole("(name: \"Dot\", mesh: Sphere(radius: 1e-30)),")),
         ("a radius below zero", whole("(name: \"Odd\", mesh: Sphere(radius: -1)),")),
         ("a lamp in a wall", whole("(name: \"Inside\", light: (kind: Point, intensity: 3, rsm_size: 16)),")),
-        ("a lamp on the camera", whole("(name: \"On\", transform: (translation: (0, 1, 3)), light: (kind: Point, intensity: 3)),")),
+        (
+            "a lamp on the camera",
+            whole("(name: \"On\", transform: (translation: (0, 1, 3)), light: (kind: Point, intensity: 3)),"),
+        ),
         ("a camera in an object", with_camera("(0, 0.5, 0)", "fov: 45")),
         ("a camera at a lamp", with_camera("(1, 2, 1)", "fov: 45")),
         ("a field of view of 0", with_camera("(0, 1, 3)", "fov: 0")),
@@ -67,14 +84,46 @@ pub fn scenes() -> Vec<(&'static str, String)> {
         ("a spot light without width", with_lamp("Spot(inner: 0, outer: 0)", "3")),
         ("a spot light of half a turn", with_lamp("Spot(inner: 90, outer: 90)", "3")),
         ("a spot light inside out", with_lamp("Spot(inner: 60, outer: 30)", "3")),
-        ("a shadow map of a million texels", whole("(name: \"Wide\", light: (kind: Point, intensity: 1, shadow_size: 1000000)),")),
-        ("virtual lights without number", scene(&[floor, ball, lamp, camera, "(name: \"M\", vpl: (particles: 4000000000)),"])),
-        ("a light map of a million texels", scene(&[floor, ball, lamp, camera, "(name: \"M\", slc: (rsm_size: 1000000)),"])),
-        ("a million lamps", whole("(name: \"Lamps\", transform: (scale: 1e-3), children: [], prefab: \"many.prefab.ron\", repeat: Grid(count: (100, 100, 100), spacing: (1, 1, 1))),")),
-        ("a material of albedo 1", format!("Scene(materials: {{\"w\": (color: (1, 1, 1))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])")),
-        ("a material brighter than light", format!("Scene(materials: {{\"w\": (color: (9, 9, 9))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])")),
-        ("an object that shines 1e30", format!("Scene(materials: {{\"w\": (color: (1, 1, 1), emissive: (1e30, 1e30, 1e30))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])")),
-        ("a sky of 1e30", format!("Scene(settings: (sky: (1e30, 1e30, 1e30)), entities: [{floor}{ball}{lamp}{camera}{methods}])")),
+        (
+            "a shadow map of a million texels",
+            whole("(name: \"Wide\", light: (kind: Point, intensity: 1, shadow_size: 1000000)),"),
+        ),
+        (
+            "virtual lights without number",
+            scene(&[floor, ball, lamp, camera, "(name: \"M\", vpl: (particles: 4000000000)),"]),
+        ),
+        (
+            "a light map of a million texels",
+            scene(&[floor, ball, lamp, camera, "(name: \"M\", slc: (rsm_size: 1000000)),"]),
+        ),
+        (
+            "a million lamps",
+            whole(
+                "(name: \"Lamps\", transform: (scale: 1e-3), children: [], prefab: \"many.prefab.ron\", repeat: Grid(count: (100, 100, 100), spacing: (1, 1, 1))),",
+            ),
+        ),
+        (
+            "a material of albedo 1",
+            format!(
+                "Scene(materials: {{\"w\": (color: (1, 1, 1))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
+            ),
+        ),
+        (
+            "a material brighter than light",
+            format!(
+                "Scene(materials: {{\"w\": (color: (9, 9, 9))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
+            ),
+        ),
+        (
+            "an object that shines 1e30",
+            format!(
+                "Scene(materials: {{\"w\": (color: (1, 1, 1), emissive: (1e30, 1e30, 1e30))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
+            ),
+        ),
+        (
+            "a sky of 1e30",
+            format!("Scene(settings: (sky: (1e30, 1e30, 1e30)), entities: [{floor}{ball}{lamp}{camera}{methods}])"),
+        ),
         ("an object in itself", scene(&[floor, ball, ball, lamp, camera, methods])),
     ]
 }

@@ -114,7 +114,13 @@ fn fill(rig: &mut Rig, rows: &[Setup], methods: &[Method]) -> Result<Table> {
             let outcome = degenerate::attempt(rig, method, text);
             log::info!("{name}, {}: {outcome:?}", method.name());
             let broken = matches!(outcome, degenerate::Outcome::Broken(_));
-            table.enter(Invariant::Degenerate, method, f64::from(u8::from(broken)), &format!("{name}: {outcome:?}"), text);
+            table.enter(
+                Invariant::Degenerate,
+                method,
+                f64::from(u8::from(broken)),
+                &format!("{name}: {outcome:?}"),
+                text,
+            );
             bar.inc(1);
         }
     }

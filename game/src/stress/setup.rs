@@ -170,8 +170,7 @@ impl Setup {
         let lamp = |name, place, turn, kind: &str, intensity: f32, lit: bool| {
             // Not zero: a dark lamp has no light map, and the diffusion takes its blockers from those.
             let intensity = if lit { intensity } else { 1e-20 * intensity };
-            let parts =
-                format!("light: (kind: {kind}, intensity: {intensity:e}, rsm_size: 64, shadow_size: 256)");
+            let parts = format!("light: (kind: {kind}, intensity: {intensity:e}, rsm_size: 64, shadow_size: 256)");
             Entity { name, place, turn, parts }
         };
         let (inside, sun) = (self.lamps != Lamps::Sun, self.lamps != Lamps::Inside);

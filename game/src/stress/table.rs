@@ -100,10 +100,7 @@ impl Table {
     /// If it cannot be written.
     pub fn write_picture(&self, path: &Path) -> Result<()> {
         let (cell, left, top) = ([130, 26], 150, 34);
-        let size = [
-            left + cell[0] * Method::ALL.len() as u32 + 10,
-            top + cell[1] * Invariant::ALL.len() as u32 + 10,
-        ];
+        let size = [left + cell[0] * Method::ALL.len() as u32 + 10, top + cell[1] * Invariant::ALL.len() as u32 + 10];
         let mut rgb = vec![255; 3 * (size[0] * size[1]) as usize];
         for (column, method) in (0u32..).zip(Method::ALL) {
             let x = left + column * cell[0];
@@ -111,7 +108,13 @@ impl Table {
             for (row, invariant) in (0u32..).zip(Invariant::ALL) {
                 let y = top + row * cell[1];
                 let Some(worst) = self.cells.get(&(invariant, method)) else { continue };
-                fill(&mut rgb, size, [x, y], [cell[0] - 2, cell[1] - 2], color(worst.deviation, invariant.bound(method).most));
+                fill(
+                    &mut rgb,
+                    size,
+                    [x, y],
+                    [cell[0] - 2, cell[1] - 2],
+                    color(worst.deviation, invariant.bound(method).most),
+                );
                 plot::text(&mut rgb, size, [x as i32 + 6, y as i32 + 4], &self.cell(invariant, method))?;
             }
         }

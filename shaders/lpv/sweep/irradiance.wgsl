@@ -50,12 +50,12 @@ fn share(point: vec3f) -> f32 {
 }
 
 // The finest level that covers a point gives its light; over its border the next coarser takes over.
-fn blend(so_far: vec4f, point: vec3f, n: vec3f) -> vec4f {
+fn blend(so_far: vec4f, point: vec3f, n: vec3f, to_eye: vec3f) -> vec4f {
     let w = so_far.a * share(point);
     if w <= 0.0 {
         return so_far;
     }
-    return vec4f(so_far.rgb + w * irradiance(lookup.cascade.volume, point, n), so_far.a - w);
+    return vec4f(so_far.rgb + w * irradiance(lookup.cascade.volume, point, n, to_eye), so_far.a - w);
 }
 
 @compute @workgroup_size(64)
@@ -68,7 +68,7 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
             e = received[index];
         }
         if surfel.area > 0.0 {
-            e = blend(e, surfel.position, surfel.normal);
+            e = blend(e, surfel.position, surfel.normal, vec3f(0.0));
         }
         received[index] = e;
     }
@@ -88,7 +88,8 @@ fn relight(@builtin(global_invocation_id) thread: vec3u) {
     let z = textureLoad(depth, pixel, 0);
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
-        e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)));
+        let to_eye = normalize(view.eye - point);
+        e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)), to_eye);
     }
     if lookup.is_last == 0u {
         partial[index] = e;

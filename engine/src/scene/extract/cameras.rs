@@ -41,7 +41,8 @@ impl Cameras {
             context.log.forget(entity);
         }
         for (entity, identity, name, place, orientation, camera) in &changed {
-            let world_from_view = Affine3A { matrix3: orientation.0, translation: place.relative_to(scene.origin).translation };
+            let world_from_view =
+                Affine3A { matrix3: orientation.0, translation: place.relative_to(scene.origin).translation };
             if !world_from_view.is_finite() {
                 context.log.warn(entity, name, "is a camera that cannot be used: its place in the world is not finite");
                 elements.remove(entity);

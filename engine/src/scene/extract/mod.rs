@@ -5,8 +5,8 @@
 
 mod cameras;
 mod clpv;
-mod origin;
 mod lights;
+mod origin;
 mod primitives;
 mod slc;
 mod sorted;

@@ -3,8 +3,8 @@
 use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
 use super::Level;
-use super::directions::Directions;
 use super::balance::BalanceUniform;
+use super::directions::Directions;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
@@ -146,7 +146,15 @@ pub(super) fn declare<'a>(
     let lights: Vec<u64> = sources.rsms.iter().map(|rsm| rsm.light.revision).collect();
     let lights = if step.bounce == 0 { lights } else { Vec::new() };
     let sky_bits = sky.to_array().map(f32::to_bits);
-    pass.key(&(volume.key(), lights, sky_bits, sources.scale.to_bits(), step.bounce, directions.values.len(), frame.scene.identity));
+    pass.key(&(
+        volume.key(),
+        lights,
+        sky_bits,
+        sources.scale.to_bits(),
+        step.bounce,
+        directions.values.len(),
+        frame.scene.identity,
+    ));
     let emit = EmitUniform {
         scale: sources.scale,
         bounce: step.bounce,
