@@ -83,8 +83,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let n = decode_normal(packed);
         let roughness = f32(packed.z) / 65535.0;
-        let d = lobe_direction(n, normalize(view.eye - point), roughness);
-        let e = irradiance_around(swept, point, n, d);
+        let to_eye = normalize(view.eye - point);
+        let d = lobe_direction(n, to_eye, roughness);
+        let e = irradiance_around(swept, point, n, d, to_eye);
         // The surface's own plane hides a part of the hemisphere around d, of even light (1 − n·d)/2; none of the lobe.
         let before = 0.5 + 0.5 * dot(n, d);
         let share = saturate(luminance(e) / max(before * luminance(open_irradiance(d)), 1e-30));

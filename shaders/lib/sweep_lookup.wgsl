@@ -150,9 +150,10 @@ fn beyond(volume: Volume, base: vec3f, n: vec3f, d: vec3f) -> vec3f {
     return of_cell(cell_index(volume, vec3u(cell)), d);
 }
 
-// Irradiance of a surface with normal n at a point [m], for another direction d. `to_eye` is the unit vector to the eye that sees it, or zero: surfels may be
-// hidden in another solid. What is seen is never in the dark because the cells around it count as solid, as along the
-// edges of a room that the grid cuts in halves: there the clear cells nearby fill in.
+// Irradiance before a surface with normal n at a point [m], for another direction d. `to_eye` is the unit vector to the
+// eye that sees it, or zero: surfels may be hidden in another solid. What is seen is never in the dark because the cells
+// around it count as solid, as along the edges of a room that the grid cuts in halves: there the clear cells nearby fill
+// in.
 fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> vec3f {
     let x = (point - volume.origin) / volume.cell;
     var all_cells = interpolated(volume, x, n, d, to_eye);
@@ -170,6 +171,7 @@ fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f, to_eye: v
     return all_cells.sum / all_cells.weights;
 }
 
+// Irradiance of a surface, see `irradiance_around`.
 fn irradiance(volume: Volume, point: vec3f, n: vec3f, to_eye: vec3f) -> vec3f {
     return irradiance_around(volume, point, n, n, to_eye);
 }
