@@ -174,29 +174,3 @@ fn metals_show_the_sky() {
         check("sweep", &drawn(&gpu, &stage, GiMethod::Clpv, Layer::Indirect));
     }
 }
-
-/// A block of small parts, all smaller than a cell, has no black places under an open sky.
-#[test]
-fn small_solids_are_not_black() {
-    let gpu = gpu();
-    let mut stage = Stage::new(Vec3::new(0.5, 3.0, 1.2), Vec3::new(0.0, 2.7, 0.0), 96);
-    stage.add(Shape::Plane { size: [24.0; 2], subdivisions: [1; 2] }, Vec3::splat(0.5), Affine3A::IDENTITY);
-    for i in 0..9 {
-        let at = Vec3::new((i % 3) as f32 - 1.0, 0.0, (i / 3) as f32 - 1.0) * 3.7;
-        let mut part = |y: f32, size: Vec3| {
-            let place = Affine3A::from_rotation_y(0.3 * i as f32);
-            let place = Affine3A::from_translation(at + Vec3::Y * y) * place;
-            stage.add(Shape::Box { size: size.to_array() }, Vec3::splat(0.5), place);
-        };
-        part(1.4, Vec3::new(0.3, 2.4, 0.3));
-        part(2.65, Vec3::new(0.4, 0.1, 0.4));
-        part(2.8, Vec3::new(0.52, 0.14, 0.52));
-        part(2.93, Vec3::new(0.62, 0.14, 0.62));
-    }
-    stage.scene.sky = Vec3::ONE;
-    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
-    let image = drawn(&gpu, &stage, GiMethod::Clpv, Layer::Total);
-    let black = image.pixels().iter().filter(|p| p[1] < 0.02).count();
-    println!("{black} of {} pixels are black", image.pixels().len());
-    assert!(black < 10, "{black} pixels are black");
-}

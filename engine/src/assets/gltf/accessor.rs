@@ -16,6 +16,8 @@ pub(super) struct Buffers<'a> {
     pub data: Vec<Cow<'a, [u8]>>,
     /// Buffer views that were compressed, by index.
     pub decoded: HashMap<usize, Vec<u8>>,
+    /// What accessors hold whose primitive was compressed, tightly packed, by index.
+    pub replaced: HashMap<usize, Vec<u8>>,
 }
 
 /// A checked range of elements.
@@ -94,6 +96,9 @@ impl Buffers<'_> {
         if count == 0 {
             return self.fail(&place, "has no elements");
         }
+        if self.replaced.contains_key(&accessor.index()) {
+            return Ok(());
+        }
         match accessor.view() {
             Some(view) => {
                 self.elements(&place, &view, accessor.offset(), count, size)?;
@@ -119,6 +124,9 @@ impl Buffers<'_> {
     fn read<T: Clone>(&self, accessor: &Accessor, zero: T, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>, AssetError> {
         self.check(accessor)?;
         let (place, count, size) = (place(accessor), accessor.count(), accessor.size());
+        if let Some(bytes) = self.replaced.get(&accessor.index()) {
+            return Ok(bytes.chunks_exact(size).map(decode).collect());
+        }
         let mut out: Vec<T> = match accessor.view() {
             Some(view) => self.elements(&place, &view, accessor.offset(), count, size)?.iter().map(&decode).collect(),
             None => vec![zero; count],

@@ -1,17 +1,18 @@
 //! The JSON document: parsing, validation, extensions, and loading of its buffers.
 
 use super::accessor::Buffers;
-use super::{BufferData, meshopt, source};
+use super::{BufferData, draco, meshopt, source};
 use crate::assets::AssetError;
 use gltf::Document;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 12] = [
+const SUPPORTED: [&str; 13] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    draco::NAME,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -32,6 +33,7 @@ pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Res
     check_extensions(path, &root, warnings)?;
     check_attributes(path, &root)?;
     check_channels(path, &root)?;
+    draco::give_views(&mut root);
     let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     // They were checked above, against what is supported here rather than by the parser.
     root.extensions_required.clear();

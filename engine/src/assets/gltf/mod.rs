@@ -7,6 +7,7 @@
 mod accessor;
 mod animation;
 mod document;
+mod draco;
 #[cfg(test)]
 mod fuzz_tests;
 mod import;
@@ -24,6 +25,7 @@ mod source;
 mod tangents;
 #[cfg(test)]
 mod tests;
+mod thin;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 
@@ -167,8 +169,10 @@ impl Gltf {
         warnings.extend(container.warning.clone());
         let (document, quantized) = document::parse(path, container.json, &mut warnings)?;
         let data = document::load_buffers(path, &document, container.bin, &mut files, &mut warnings)?;
-        let mut reader = Reader { buffers: Buffers { path, data, decoded: HashMap::new() }, quantized };
+        let mut reader =
+            Reader { buffers: Buffers { path, data, decoded: HashMap::new(), replaced: HashMap::new() }, quantized };
         reader.buffers.decoded = meshopt::decode(&document, &reader.buffers)?;
+        reader.buffers.replaced = draco::decode(&document, &reader.buffers)?;
         document::check_data(&document, &reader.buffers)?;
         let (mut nodes, roots) = nodes::read(path, &document, &mut warnings)?;
         let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
@@ -252,7 +256,10 @@ fn load_meshes(
             if index == next {
                 let counts = primitive.get(&gltf::Semantic::Positions).map_or(0, |a| a.count());
                 corners = corners.saturating_add(counts.saturating_mul(1 + primitive.morph_targets().len()));
-                corners = corners.saturating_add(primitive.indices().map_or(0, |a| a.count().saturating_mul(3)));
+                // A corner of a line becomes up to 48 of its solid.
+                let each = if thin::is_thin(primitive.mode()) { 48 } else { 3 };
+                corners =
+                    corners.saturating_add(primitive.indices().map_or(counts, |a| a.count()).saturating_mul(each));
                 let place = format!("mesh {} \"{name}\", primitive {}", mesh.index(), primitive.index());
                 if corners > MAX_CORNERS {
                     let problem = format!("the file's meshes are too large: over {MAX_CORNERS} corners");

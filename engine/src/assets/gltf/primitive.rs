@@ -2,7 +2,7 @@
 
 use super::accessor::{Buffers, place};
 use super::material::UvSource;
-use super::tangents;
+use super::{tangents, thin};
 use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
 use glam::Vec3;
 use gltf::accessor::{Accessor, DataType, Dimensions};
@@ -41,14 +41,14 @@ impl Reader<'_> {
     pub fn load(&self, job: &Job) -> Result<Loaded, AssetError> {
         let mut warnings = Vec::new();
         let mode = job.primitive.mode();
-        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-            return Ok((None, vec![format!("{}: points and lines are not drawn", job.place)]));
-        }
         let Some(positions) = job.primitive.get(&Semantic::Positions) else {
             return Ok((None, vec![format!("{}: has no positions and is not drawn", job.place)]));
         };
         let attributes = self.attributes(job, &positions)?;
         let corners = self.corners(job, attributes.positions.len())?;
+        if thin::is_thin(mode) {
+            return self.load_thin(job, attributes, &corners);
+        }
         let mut indices = triangles(mode, corners, &mut warnings, &job.place);
         if indices.is_empty() {
             return Ok((None, vec![format!("{}: has no triangle and is not drawn", job.place)]));
@@ -80,6 +80,22 @@ impl Reader<'_> {
         let mut mesh = Mesh::new(job.name.clone(), vertices, indices);
         mesh.carry(&own, &origins);
         Ok((Some(mesh), warnings))
+    }
+
+    /// Points and lines, as solids.
+    fn load_thin(&self, job: &Job, attributes: Attributes, corners: &[u32]) -> Result<Loaded, AssetError> {
+        let mut own = Mesh::new("", Vec::new(), Vec::new());
+        own.extras = extras(&attributes).map(Arc::new);
+        own.deform = self.deform(job, attributes.positions.len())?.map(|d| Arc::new(Deform { flat: true, ..d }));
+        let (mut vertices, origins) = thin::solids(job.primitive.mode(), &weave(attributes), corners);
+        if vertices.is_empty() {
+            return Ok((None, vec![format!("{}: its lines have no length and are not drawn", job.place)]));
+        }
+        vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent));
+        let indices = (0..vertices.len() as u32).collect();
+        let mut mesh = Mesh::new(job.name.clone(), vertices, indices);
+        mesh.carry(&own, &origins);
+        Ok((Some(mesh), Vec::new()))
     }
 
     fn attributes<'a>(&self, job: &Job<'a>, positions: &Accessor) -> Result<Attributes, AssetError> {
