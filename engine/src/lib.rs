@@ -9,6 +9,9 @@
 //!    what has not changed is reused. Knows no light.
 //! 5. [`gpu`]: the device, shaders with imports and hot reload, pipelines, timestamps, readback.
 //!
+//! A game is made of [`game`]: steps of time, input, prefabs at run time, scenes, questions to the space around, saved
+//! games; with components of its own by [`files::SceneData`]. The crate `lightwell_game` puts it into a window.
+//!
 //! Beside them: [`assets`] (meshes, materials, textures, glTF), [`bvh`] (hierarchies that rays are cast at), [`files`]
 //! (scenes and prefabs), [`measure`] (image error metrics) and [`profile`] (times of the last frames).
 //!
@@ -50,7 +53,10 @@
 //! | render passes and their order (ch. 5) | [`graph::Graph`], declared in [`render`] |
 //! | world, entities, components (4.3, 6.2) | [`world::GameWorld`] and the components in [`world`] |
 //! | scene with primitives and lights (4.2.1) | [`scene::Scene`], [`scene::Extractor`] |
-//! | prefabs and their files (6.3) | [`files`] |
+//! | clones, deferred despawn, behaviours (6.2) | [`world::GameWorld::clone_subtree`], [`world::DespawnQueue`], systems in [`game::FixedStep`] |
+//! | prefabs and their files (6.3) | [`files`], [`game::GameCommands::spawn_prefab`] |
+//! | picking, ray casts | [`game::Space`], [`bvh`] |
+//! | main loop, events, input | [`game::Game`], [`game::Input`]; the window in `lightwell_game::App` |
 //! | resources, import (4.4, 6.3) | [`assets::AssetLibrary`], [`assets::Gltf`] |
 //! | reflective shadow maps IGB, GRSM (5.2) | [`render::rsm`] |
 //! | injection IL, IB; propagation PRP; relight REL (5.3 to 5.6) | [`render::lpv`] |

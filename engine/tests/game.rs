@@ -192,6 +192,22 @@ fn scenes_change_and_what_persists_stays() {
 }
 
 #[test]
+fn what_persists_is_saved_with_the_next_scene() {
+    let folder = Folder::new();
+    let mut game = folder.game();
+    let wall = game.world.find("Wall").unwrap();
+    game.world.ecs.entity_mut(wall).insert(Persistent);
+    game.enter(&folder.path("b.scene.ron")).unwrap();
+    let file = folder.path("slot.save.ron");
+    game.save(&file).unwrap();
+    game.load(&file).unwrap();
+    let wall = game.world.find("Wall").unwrap();
+    let renderer = game.world.ecs.get::<MeshRenderer>(wall).unwrap();
+    assert_eq!(renderer.material.base_color.truncate(), Vec3::X, "its material is no name of the new scene");
+    assert!(game.world.ecs.get::<Persistent>(wall).is_some() && game.world.roots().len() == 2);
+}
+
+#[test]
 fn a_scene_that_cannot_be_loaded_leaves_the_present_one() {
     let folder = Folder::new();
     let mut game = folder.game();

@@ -7,7 +7,7 @@ use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, SceneFile, TransformFile};
 use super::load::{Context, Loader, canonical_entities, environment_image, fault_error, key};
 use super::save::{Writer, scene_without_entities};
-use super::source::SceneInfo;
+use super::source::{SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;
 use crate::assets::AssetLibrary;
@@ -67,11 +67,12 @@ fn enter(
     let (info, path) = (SceneInfo::new(&document, &file), document.path.clone());
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
     let before = world.roots();
+    let shapes = world.ecs.get_resource::<SceneInfo>().map(|info| info.shapes.clone()).unwrap_or_default();
     let mut loader = Loader::new(library, options, std::mem::take(world), info, &path);
     let mut entities = file.entities.iter().enumerate();
     let result = entities
         .try_for_each(|(index, entity)| loader.entity(entity, &context, None, &[key("entities"), Step::Index(index)]));
-    let Loader { world: lent, info, .. } = loader;
+    let Loader { world: lent, mut info, .. } = loader;
     *world = lent;
     if let Err(error) = result {
         let new = world.roots().into_iter().filter(|root| !before.contains(root)).collect::<Vec<_>>();
@@ -79,6 +80,12 @@ fn enter(
         return Err(error);
     }
     despawn(world, old);
+    for root in before.into_iter().filter(|root| !old.contains(root)) {
+        keep(world, root);
+    }
+    for (mesh, shape) in shapes {
+        info.shapes.entry(mesh).or_insert(shape);
+    }
     world.ecs.insert_resource(file.settings);
     match image {
         Some(image) => world.ecs.insert_resource(image),
@@ -87,6 +94,15 @@ fn enter(
     world.ecs.insert_resource(info);
     world.set_tick(0);
     Ok(())
+}
+
+/// What stays from another scene names its materials no longer: they are the other file's.
+fn keep(world: &mut GameWorld, root: Entity) {
+    for entity in world.subtree(root) {
+        if let Some(mut source) = world.ecs.get_mut::<Source>(entity) {
+            source.material = None;
+        }
+    }
 }
 
 fn despawn(world: &mut GameWorld, entities: &[Entity]) {

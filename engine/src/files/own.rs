@@ -37,6 +37,24 @@ pub use lightwell_derive::SceneData;
 ///     value: u32,
 /// }
 /// ```
+///
+/// Without the derive a type is refused by the compiler, with what to add:
+///
+/// ```compile_fail,E0277
+/// #[derive(bevy_ecs::prelude::Component, Clone, Default)]
+/// struct Bare;
+///
+/// lightwell::game::Game::new().add_component::<Bare>();
+/// ```
+///
+/// So is a generic type, which would be many under one name:
+///
+/// ```compile_fail
+/// use lightwell::files::SceneData;
+///
+/// #[derive(SceneData, Clone, Default)]
+/// struct Pair<T>(T, T);
+/// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot stand in scene files",
     note = "add `#[derive(SceneData)]` to it, next to `Component` (or `Resource`), `Clone` and `Default`"

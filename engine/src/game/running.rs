@@ -36,8 +36,9 @@ pub struct EachFrame;
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Look;
 
-/// An entity without a parent that stays, with all below it, when the scene changes.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// An entity without a parent that stays, with all below it, when the scene changes. A scene that holds one brings
+/// another one each time that it is entered: such entities are best spawned by a system.
+#[derive(Component, SceneData, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Persistent;
 
 /// The scene that is played.
@@ -96,6 +97,7 @@ impl Game {
         // No other types can have these names yet.
         let _ = game.add_component::<Ghost>();
         let _ = game.add_component::<LightProbe>();
+        let _ = game.add_component::<Persistent>();
         game
     }
 
@@ -276,7 +278,7 @@ impl Game {
     /// When the file cannot be read or does not fit this game; the present state stays then.
     pub fn load(&mut self, path: &Path) -> Result<(), GameError> {
         let saved = SavedGame::read(path)?;
-        let old = self.scene_roots();
+        let old = self.world.roots();
         saved.restore(path, &mut self.world, &mut self.library, &self.options, &old)?;
         self.settle();
         Ok(())

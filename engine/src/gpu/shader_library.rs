@@ -185,6 +185,11 @@ impl ShaderLibrary {
 }
 
 impl ShaderLibrary {
+    /// Adds a shader that lies in no file of the folder, or puts it in place of the one of that name.
+    pub fn add(&self, path: &str, source: &str) -> Vec<ShaderEvent> {
+        self.state().take_sources(BTreeMap::from([(path.to_owned(), source.to_owned())]))
+    }
+
     /// Reads and compiles all shaders anew, changed or not; all that depends on them is made again.
     pub fn reload_all(&self) -> Vec<ShaderEvent> {
         match watch::read_shaders(&self.dir) {

@@ -14,6 +14,7 @@ use super::blend::{self, Source};
 use super::compare;
 use super::compose::{self, Lights, RADIANCE};
 use super::debug::{self, DebugView};
+use super::extra::{self, ExtraPass, Picture};
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::gpu_scene::GpuScene;
@@ -92,6 +93,7 @@ pub struct Renderer {
     probes: Vec<ProbePoint>,
     /// Whether the last frame looked up their light.
     has_probe_light: bool,
+    extra: Vec<ExtraPass>,
 }
 
 impl Renderer {
@@ -107,7 +109,15 @@ impl Renderer {
             has_blended: false,
             probes: Vec::new(),
             has_probe_light: false,
+            extra: Vec::new(),
         }
+    }
+
+    /// Adds a pass of one's own, after those that were added before: it makes of the radiance that is shown another
+    /// one. It comes before the tone map of display images; [`Renderer::radiance`] stays what was drawn. What it needs
+    /// of shaders goes to [`ShaderLibrary::add`](crate::gpu::ShaderLibrary::add). `docs/frame.md` has an example.
+    pub fn add_pass(&mut self, pass: impl Fn(&mut Graph<'_>, &Picture<'_>) -> Handle<Texture> + Send + Sync + 'static) {
+        self.extra.push(Box::new(pass));
     }
 
     /// Sets the points whose indirect light the next frames look up; see [`Renderer::probe_light`].
@@ -177,6 +187,9 @@ impl Renderer {
         let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
         let shown = match (beside, tracer) {
             (Some(beside), Some(tracer)) => declare_beside(&mut graph, settings, radiance, tracer, &beside),
+            _ if settings.display && settings.only == Layer::Total => {
+                extra::declare(&mut graph, &self.extra, &gbuffer, radiance, view.size)
+            }
             _ => radiance,
         };
         finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer)));

@@ -8,6 +8,7 @@ pub mod debug;
 mod deferred;
 mod direct;
 mod environment;
+mod extra;
 pub mod frame;
 mod gbuffer;
 mod gloss;
@@ -29,6 +30,7 @@ pub mod slc;
 pub mod vpl;
 
 pub use deferred::{RenderError, Renderer};
+pub use extra::Picture;
 pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};
 pub use ray_scene::{RayError, RayScene};

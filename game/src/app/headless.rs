@@ -2,7 +2,7 @@
 
 use super::canvas::Canvas;
 use super::player::Drawn;
-use super::{App, GameArgs, Hud, Sounds, default_folder};
+use super::{App, GameArgs, Hud, OwnPass, Sounds, default_folder};
 use crate::commands::render::numbered;
 use crate::play::paint::Painted;
 use crate::{progress, session};
@@ -34,9 +34,10 @@ pub struct Outcome {
 }
 
 /// Plays as the command line says.
-pub(super) fn run_args(app: App, args: &GameArgs, script: Option<InputScript>) -> Result<()> {
+pub(super) fn run_args(mut app: App, args: &GameArgs, script: Option<InputScript>) -> Result<()> {
     let name = app.name();
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&name));
+    let passes = std::mem::take(&mut app.passes);
     let game = app.start_with(args.scene.as_deref(), &args.common)?;
     let rate = u64::from(game.world.ecs.resource::<Time>().rate);
     let mut script = script.unwrap_or(InputScript { steps: 2 * rate, events: Vec::new() });
@@ -44,15 +45,21 @@ pub(super) fn run_args(app: App, args: &GameArgs, script: Option<InputScript>) -
     let pictures = Pictures { size: args.size.unwrap_or([512, 320]), every: args.every, folder: Some(folder.clone()) };
     let gpu = session::open_gpu(&args.common)?;
     say!("playing {} steps of `{name}`, pictures in {}/ ...", script.steps, folder.display());
-    let mut drawn = Drawn::new(game, gpu.into(), args.look());
+    let mut drawn = Drawn::new(game, gpu.into(), args.look(), &passes);
     let outcome = go_on(&mut drawn, &script, &pictures)?;
     say!("wrote {} pictures, {:.2} s apart", outcome.1, args.every as f64 / rate as f64);
     Ok(())
 }
 
 /// Plays a script.
-pub(super) fn play(game: Game, gpu: Gpu, script: &InputScript, pictures: &Pictures) -> Result<Outcome> {
-    let mut drawn = Drawn::new(game, gpu.into(), Default::default());
+pub(super) fn play(
+    game: Game,
+    gpu: Gpu,
+    passes: &[OwnPass],
+    script: &InputScript,
+    pictures: &Pictures,
+) -> Result<Outcome> {
+    let mut drawn = Drawn::new(game, gpu.into(), Default::default(), passes);
     let (picture, count) = go_on(&mut drawn, script, pictures)?;
     Ok(Outcome { game: drawn.game, picture, count })
 }

@@ -45,6 +45,7 @@ pub use sounds::Sounds;
 use crate::cli::Common;
 use crate::editor::OwnComponent;
 use crate::editor::schema::Shape;
+use crate::session::Painter;
 use crate::{logging, play, scene_path, session};
 use anyhow::{Context, Result};
 use bevy_ecs::message::Message;
@@ -54,10 +55,15 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
 use clap::{CommandFactory, FromArgMatches};
 use lightwell::files::SceneData;
-use lightwell::game::{Actions, EachFrame, Game, GameError, InputScript};
+use lightwell::game::{Actions, EachFrame, Game, GameError, Ghost, InputScript, LightProbe, Persistent};
+use lightwell::graph::{Graph, Handle, Texture};
+use lightwell::render::Picture;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// Adds a pass to what draws the game.
+type OwnPass = Box<dyn Fn(&mut Painter)>;
 
 /// A game: what it is made of, until it runs.
 ///
@@ -68,6 +74,7 @@ pub struct App {
     actions: Option<String>,
     title: Option<String>,
     own: Vec<OwnComponent>,
+    passes: Vec<OwnPass>,
     fault: Option<GameError>,
 }
 
@@ -78,8 +85,8 @@ impl App {
         game.world.ecs.init_resource::<Hud>();
         game.world.ecs.init_resource::<Sounds>();
         game.add_systems(EachFrame, hud::show_trouble);
-        let own = vec![own::<lightwell::game::Ghost>(), own::<lightwell::game::LightProbe>()];
-        Self { game, scene: scene.into(), actions: None, title: None, own, fault: None }
+        let own = vec![own::<Ghost>(), own::<LightProbe>(), own::<Persistent>()];
+        Self { game, scene: scene.into(), actions: None, title: None, own, passes: Vec::new(), fault: None }
     }
 
     fn try_to(mut self, work: impl FnOnce(&mut Game) -> Result<(), GameError>) -> Self {
@@ -131,6 +138,19 @@ impl App {
     /// Sets the file that says what buttons and sticks mean; its path is relative to the first scene's folder.
     pub fn actions(mut self, path: impl Into<String>) -> Self {
         self.actions = Some(path.into());
+        self
+    }
+
+    /// Adds a render pass, which is declared by a function and whose shader has a name and a text, as `docs/frame.md`
+    /// explains. `pass` is added to every renderer of the game.
+    pub fn pass<F>(mut self, shader: &'static str, source: &'static str, pass: F) -> Self
+    where
+        F: Fn(&mut Graph<'_>, &Picture<'_>) -> Handle<Texture> + Send + Sync + Clone + 'static,
+    {
+        self.passes.push(Box::new(move |painter| {
+            painter.gpu.shaders.add(shader, source);
+            painter.renderer.add_pass(pass.clone());
+        }));
         self
     }
 
@@ -238,10 +258,11 @@ impl App {
     ///
     /// # Errors
     /// As [`App::simulate`], and if there is no device or a frame cannot be drawn.
-    pub fn headless(self, script: &InputScript, pictures: &Pictures) -> Result<Outcome> {
+    pub fn headless(mut self, script: &InputScript, pictures: &Pictures) -> Result<Outcome> {
         let common = Common::default();
         let gpu = session::open_gpu(&common)?;
-        headless::play(self.start()?, gpu, script, pictures)
+        let passes = std::mem::take(&mut self.passes);
+        headless::play(self.start()?, gpu, &passes, script, pictures)
     }
 }
 

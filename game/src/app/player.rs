@@ -1,5 +1,6 @@
 //! A game with what draws it: the same with and without a window.
 
+use super::OwnPass;
 use super::hud::Hud;
 use crate::cli::LookArgs;
 use crate::session::Painter;
@@ -18,8 +19,9 @@ pub struct Drawn {
 
 impl Drawn {
     /// A game that was started.
-    pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs) -> Self {
+    pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs, passes: &[OwnPass]) -> Self {
         let mut drawn = Self { game, painter: Painter::new(gpu, look) };
+        passes.iter().for_each(|add| add(&mut drawn.painter));
         drawn.follow();
         drawn
     }

@@ -6,7 +6,7 @@ use super::pads::Pads;
 use super::player::Drawn;
 #[cfg(feature = "sound")]
 use super::speaker::Speaker;
-use super::{App, GameArgs, Hud, Sounds};
+use super::{App, GameArgs, Hud, OwnPass, Sounds};
 use crate::play::screen::Screen;
 use crate::play::ui::UiSurface;
 use crate::session;
@@ -21,23 +21,25 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
 /// Most steps between two frames: a machine that cannot keep up plays slower, and not in ever longer jumps.
-const MOST_STEPS: u64 = 8;
+const MOST_STEPS: u64 = 15;
 
 /// Plays in a window until it is closed, the game ends or its script does.
 ///
 /// # Errors
 /// If the game cannot begin, nothing can draw on the window, or the device is lost.
-pub(super) fn run(app: App, args: &GameArgs, script: Option<InputScript>) -> Result<()> {
+pub(super) fn run(mut app: App, args: &GameArgs, script: Option<InputScript>) -> Result<()> {
     let event_loop = EventLoop::new().context("the display cannot be used; try --headless")?;
     let title = app.name();
+    let passes = std::mem::take(&mut app.passes);
     let game = app.start_with(args.scene.as_deref(), &args.common)?;
-    let mut handler = Handler { game: Some(game), title, args, script, open: None, failure: None };
+    let mut handler = Handler { game: Some(game), passes, title, args, script, open: None, failure: None };
     event_loop.run_app(&mut handler)?;
     handler.failure.map_or(Ok(()), Err)
 }
 
 struct Handler<'a> {
     game: Option<Game>,
+    passes: Vec<OwnPass>,
     title: String,
     args: &'a GameArgs,
     script: Option<InputScript>,
@@ -79,7 +81,7 @@ impl Handler<'_> {
             window,
             screen,
             ui,
-            drawn: Drawn::new(game, Arc::new(gpu), self.args.look()),
+            drawn: Drawn::new(game, Arc::new(gpu), self.args.look(), &self.passes),
             input: Gathered::default(),
             #[cfg(feature = "gamepad")]
             pads: Pads::open(),
