@@ -5,6 +5,7 @@ use lightwell::bvh::{Ray, SceneBvh};
 use lightwell::render::vpl::{CastCounts, Caster};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
+use lightwell_game::bench::plot::{Curve, sweep};
 use lightwell_tests::{Stage, folder_from_env, root};
 use std::time::Instant;
 
@@ -43,14 +44,35 @@ fn the_hierarchy_beats_brute_force_on_sponza() {
     assert!(each(all) > 500.0 * each(tests));
 }
 
+/// Writes the tests of simulations over the number of particles, if `LIGHTWELL_PLOTS` names a folder.
+fn plot(scene: &str, title: &str, rows: &[[f64; 4]]) {
+    let Some(folder) = std::env::var_os("LIGHTWELL_PLOTS").map(std::path::PathBuf::from) else { return };
+    let curve = |label, column: usize| Curve { label, points: rows.iter().map(|row| (row[0], row[column])).collect() };
+    let curves =
+        [curve("B·N/(1−ρ)", 1), curve("objects, one by one", 2), curve("boxes and triangles of the hierarchy", 3)];
+    sweep(&folder.join(format!("casts_{scene}.png")), title, &curves, "particles N")
+        .unwrap_or_else(|e| panic!("{e:#}"));
+}
+
 /// Object by object a simulation takes B·N/(1−ρ) tests, where no particle is lost; through the hierarchy a ray takes
 /// about as many tests whatever N.
 #[test]
 fn tests_of_a_simulation_follow_the_report() {
-    let mut stage = Stage::open(&root().join("scenes/cornell.scene.ron"), None, [16; 2]);
+    for scene in ["cornell", "glasshouse"] {
+        follow_the_report(scene);
+    }
+}
+
+fn follow_the_report(scene: &str) {
+    let mut stage = Stage::open(&root().join(format!("scenes/{scene}.scene.ron")), None, [16; 2]);
+    // The sky's particles come from all around, and many of them miss.
+    (stage.scene.sky, stage.scene.sky_map) = (glam::Vec3::ZERO, None);
     let settings = RenderSettings { gi: GiMethod::Vpl, only: Layer::Indirect, display: false, ..Default::default() };
     let objects = stage.scene.primitives.iter().filter(|primitive| primitive.casts_shadow).count() as f64;
-    eprintln!("     N    B·N/(1−ρ)   objects one by one   boxes and triangles of the hierarchy");
+    let mut rows = Vec::new();
+    eprintln!(
+        "{scene}, {objects} objects\n     N    B·N/(1−ρ)   objects one by one   boxes and triangles of the hierarchy"
+    );
     for particles in [64, 256, 1024, 4096] {
         let [brute, hierarchy] = [ParticleCasts::BruteForce, ParticleCasts::Hierarchy].map(|casts| {
             stage.scene.vpl = Some(InstantRadiosity { particles, casts, ..Default::default() });
@@ -61,9 +83,11 @@ fn tests_of_a_simulation_follow_the_report() {
         let predicted = objects * f64::from(particles) / (1.0 - brute.1);
         let (found, tree) = (brute.0.objects as f64, hierarchy.0);
         eprintln!("{particles:>6} {predicted:>12.0} {found:>20.0} {:>20} and {}", tree.boxes, tree.triangles);
+        rows.push([f64::from(particles), predicted, found, (tree.boxes + tree.triangles) as f64]);
         // Particles that leave by the open side, or meet black, go no further.
         assert!((0.5..1.02).contains(&(found / predicted)), "{found} tests, {predicted} by the formula");
     }
+    plot(scene, &format!("Intersection tests of a simulation: {scene}, {objects} objects"), &rows);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 // One virtual light over the whole scene, drawn once more and blended additively where the depth is equal: the
 // report's accumulation. What it adds is computed as in shade.wgsl, so that both give the same image to rounding.
-//   UNSHADOWED, PUBLISHED as there
+//   UNSHADOWED, PUBLISHED, MATTE as there
 
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::mesh::{Vertex, Instance, world_from_object_point}

@@ -1,6 +1,7 @@
 // Sums virtual lights over the G-buffer: all of them in one pass, so that a pixel's surface is read once.
 //   UNSHADOWED  lights shine through everything; else a ray for each pixel and light (Keller's full method)
 //   PUBLISHED   the report's formula
+//   MATTE       as in lib/vpl.wgsl
 
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::view::View

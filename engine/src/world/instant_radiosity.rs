@@ -97,7 +97,7 @@ pub enum ParticleCasts {
 pub struct InstantRadiosity {
     /// Particles N of all lights together, dealt out by flux and at least one each. With reflectance ρ they leave up
     /// to N/(1−ρ) lights. Time and noise: cost grows with the number of lights times the pixels, the error falls with
-    /// its square root or faster. Limited by memory alone, 48 bytes a light.
+    /// its square root or faster. Limited by memory alone, 80 bytes a light.
     pub particles: u32,
     /// How many particles go on.
     pub schedule: Schedule,

@@ -14,7 +14,7 @@ mod paper;
 mod pareto;
 mod picture;
 mod plan;
-pub(crate) mod plot;
+pub mod plot;
 mod reference;
 mod reference_file;
 mod report;

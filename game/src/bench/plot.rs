@@ -230,7 +230,11 @@ pub fn sweep(path: &Path, title: &str, curves: &[Curve], x: &str) -> Result<()> 
             let series = chart.draw_series(line).map_err(wrong)?;
             series.label(curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], color));
         }
+        // Where rising curves leave room, or falling ones.
+        let rises = curves.iter().all(|curve| curve.points.last().map(|p| p.1) > curve.points.first().map(|p| p.1));
+        let corner = if rises { SeriesLabelPosition::UpperLeft } else { SeriesLabelPosition::UpperRight };
         let mut legend = chart.configure_series_labels();
+        legend.position(corner);
         legend.label_font((FONT, 16)).background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3));
         legend.draw().map_err(wrong)
     })

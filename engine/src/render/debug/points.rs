@@ -23,8 +23,8 @@ pub(crate) struct PointsUniform {
 /// Where a method keeps what of a light, in vectors of four numbers.
 fn layout(method: GiMethod) -> Option<(u32, u32, u32)> {
     match method {
-        // `VirtualLight` of `lib/vpl.wgsl`: place, normal, intensity.
-        GiMethod::Vpl => Some((3, 1, 2)),
+        // `VirtualLight` of `lib/vpl.wgsl`: place, normal, intensity, and two more.
+        GiMethod::Vpl => Some((5, 1, 2)),
         // `VirtualLight` of `lib/slc.wgsl`: position, direction, normal, flux, and two more.
         GiMethod::Slc => Some((6, 2, 3)),
         _ => None,

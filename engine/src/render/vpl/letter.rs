@@ -6,6 +6,7 @@ use crate::gpu::{Binding, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::{GBuffer, depth_state};
+use crate::render::gloss;
 use crate::render::gpu_scene::{DrawFilter, MaterialClass};
 use crate::world::{VirtualShading, VirtualVisibility};
 use encase::ShaderType;
@@ -161,7 +162,8 @@ impl Work<'_> {
         let published = settings.shading == VirtualShading::AsPublished;
         let shadowed = settings.visibility == VirtualVisibility::ShadowRays && !published;
         let mut defs = if shadowed { self.state.rays.shader("vpl/letter.wgsl", "add_light").defs } else { Vec::new() };
-        let flags = [("UNSHADOWED", !shadowed), ("PUBLISHED", published)];
+        let matte = !gloss::is_wanted(self.frame.scene);
+        let flags = [("UNSHADOWED", !shadowed), ("PUBLISHED", published), ("MATTE", matte)];
         defs.extend(flags.into_iter().filter(|(_, set)| *set).map(|(name, _)| (name, ShaderDef::Flag(true))));
         let one = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,

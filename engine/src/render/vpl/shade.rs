@@ -6,6 +6,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
+use crate::render::gloss;
 use crate::render::reference::dispatch_rays;
 use crate::world::{VirtualShading, VirtualVisibility};
 use encase::ShaderType;
@@ -28,7 +29,7 @@ const RAYS_A_SUBMIT: u64 = 1 << 23;
 /// takes some hundred of them in a large scene.
 const LIGHTS_A_DISPATCH: u64 = 1 << 15;
 const RAYS_A_DISPATCH: u64 = 1 << 7;
-/// Ranges of a buffer begin at multiples of this many lights: 48 bytes times 16 are three times 256.
+/// Ranges of a buffer begin at multiples of this many lights: 80 bytes times 16 are five times 256.
 const ALIGNMENT: u32 = 16;
 
 /// Declares the pass; the result is reflected radiance.
@@ -146,15 +147,17 @@ impl Work<'_> {
         let [width, height] = self.frame.view.size;
         let groups = [width.div_ceil(8), height.div_ceil(8), 1];
         let published = self.state.settings.shading == VirtualShading::AsPublished;
+        let matte = !gloss::is_wanted(self.frame.scene);
         let with = |key: ComputeKey, name: &'static str, set: bool| {
             if set { key.def(name, ShaderDef::Flag(true)) } else { key }
         };
         if self.state.settings.visibility == VirtualVisibility::ShadowRays && !published {
-            let key = self.state.rays.shader("vpl/shade.wgsl", "main");
+            let key = with(self.state.rays.shader("vpl/shade.wgsl", "main"), "MATTE", matte);
             cx.counts().dispatches += 1;
             return dispatch_rays(gpu, cx.encoder(), &key, &group, &self.state.rays, groups);
         }
         let key = ComputeKey::new("vpl/shade.wgsl", "main").def("UNSHADOWED", ShaderDef::Flag(true));
+        let key = with(key, "MATTE", matte);
         cx.dispatch(&with(key, "PUBLISHED", published), &group, groups)
     }
 }

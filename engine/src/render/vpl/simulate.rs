@@ -14,7 +14,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
-/// A surface that shines diffusely.
+/// A surface.
 pub const SURFACE: u32 = 0;
 /// Parallel light from far away.
 pub const DISTANT: u32 = 1;
@@ -35,6 +35,16 @@ pub struct VirtualLight {
     pub intensity: [f32; 3],
     /// How far a ray must end before the surface \[m\].
     pub offset: f32,
+    /// Flux that arrives, over the number of particles \[W\]; for glossy surfaces.
+    pub flux: [f32; 3],
+    /// Roughness and F90 in 65535ths; 0: no glossy surface.
+    pub gloss: u32,
+    /// Unit direction that the flux comes from, octahedral, in 32767ths.
+    pub incident: u32,
+    /// √F0, ten bits a channel.
+    pub specular: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
 }
 
 /// What a simulation left.
@@ -234,6 +244,7 @@ impl Shooter<'_> {
             flight.flux *= (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
         }
         let published = self.published();
+        let arrived = flight.flux;
         flight.flux *= if published { met.albedo / PI } else { met.reflectance(cosine) };
         if !(flight.flux.max_element() > 0.0 && flight.flux.is_finite()) {
             return None;
@@ -242,18 +253,27 @@ impl Shooter<'_> {
         let share = if published { 1.0 / count } else { 1.0 / (PI * count) };
         // The inverse of the density with which particles arrive, over their number.
         let per_area = flight.per_area + flight.per_solid_angle / (distance * distance).max(f32::MIN_POSITIVE);
-        Some(Left {
-            hit,
-            area: 1.0 / (per_area * cosine.max(1e-3) * count),
-            light: VirtualLight {
-                place: met.position.to_array(),
-                kind: SURFACE,
-                normal: met.normal.to_array(),
-                nearest: 0.0,
-                intensity: (flight.flux * share).to_array(),
-                offset: 4.0 * met.error,
+        let area = 1.0 / (per_area * cosine.max(1e-3) * count);
+        let light = VirtualLight {
+            place: met.position.to_array(),
+            kind: SURFACE,
+            normal: met.normal.to_array(),
+            intensity: (flight.flux * share).to_array(),
+            offset: 4.0 * met.error,
+            ..Default::default()
+        };
+        let light = match met.gloss() {
+            Some((gloss, specular)) if !published => VirtualLight {
+                intensity: (arrived * met.albedo * share).to_array(),
+                flux: (arrived / count).to_array(),
+                gloss,
+                specular,
+                incident: octahedral(-flight.direction),
+                ..light
             },
-        })
+            _ => light,
+        };
+        Some(Left { hit, area, light })
     }
 
     /// Sends the particle on; false where it would go into the surface.
@@ -272,6 +292,15 @@ impl Shooter<'_> {
         flight.per_solid_angle = direction.dot(met.normal).max(1e-3) / PI;
         true
     }
+}
+
+/// A unit vector in two times 16 bits (Cigolle et al. 2014), as `unpack2x16snorm` reads them.
+fn octahedral(d: Vec3) -> u32 {
+    let p = d.truncate() / d.abs().element_sum().max(f32::MIN_POSITIVE);
+    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    let [x, y] = if d.z >= 0.0 { [p.x, p.y] } else { [(1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)] };
+    let word = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    word(x) | word(y) << 16
 }
 
 /// A particle on its way.

@@ -147,8 +147,20 @@ fn with_material(primitive: &Primitive, place: &Place) -> Met {
 }
 
 impl Met {
-    /// Share of the light from a direction (cosine to the normal) that is reflected at all. The specular part is sent
-    /// out diffusely with the rest: its energy is kept, its direction is not. Diffuse light loses Schlick's term averaged
+    /// Roughness and F90, and √F0, packed as [`super::simulate::VirtualLight`] has them; none for diffuse surfaces.
+    pub(super) fn gloss(&self) -> Option<(u32, u32)> {
+        if self.normal_reflectance == Vec3::ZERO && self.grazing_reflectance <= 0.0 {
+            return None;
+        }
+        let unit = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
+        let root = |value: f32| (value.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32;
+        let [r, g, b] = self.normal_reflectance.to_array().map(root);
+        // Bits are left where both are zero: a perfect mirror is glossy too.
+        Some((unit(self.roughness).max(1) | unit(self.grazing_reflectance) << 16, r | g << 10 | b << 20))
+    }
+
+    /// Share of the light from a direction (cosine to the normal) that is reflected at all. A particle goes on
+    /// diffusely with all of it: the energy of the specular part is kept, its direction is not. Diffuse light loses Schlick's term averaged
     /// over the hemisphere, F0 + (F90−F0)/21.
     pub(super) fn reflectance(&self, cosine: f32) -> Vec3 {
         if self.normal_reflectance == Vec3::ZERO && self.grazing_reflectance <= 0.0 {
