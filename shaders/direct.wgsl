@@ -1,6 +1,6 @@
 // Direct light of one light, added to the radiance of the pixels that it can reach.
 
-#import lightwell::brdf::eval_brdf_cosine
+#import lightwell::direct::{is_lit, reflected_light}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
 #import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
@@ -49,25 +49,17 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     }
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let incidence = light_incidence(light, position);
-    if all(incidence.irradiance <= vec3f(0.0)) {
-        return;
-    }
     let surface = decode_surface(
         textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );
-    if dot(surface.normal, incidence.to_light) <= 0.0 {
+    if !is_lit(surface, incidence) {
         return;
     }
     let lit = visibility(position, surface.normal, incidence.to_light);
     if lit <= 0.0 {
         return;
     }
-    let alpha = max(surface.roughness * surface.roughness, 1e-3);
-    let to_eye = normalize(view.eye - position);
-    let response = eval_brdf_cosine(
-        surface.normal, to_eye, incidence.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, alpha,
-    );
-    let reflected = response * incidence.irradiance * lit;
+    let reflected = reflected_light(surface, view.eye, incidence) * lit;
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

@@ -137,6 +137,9 @@ pub struct LookArgs {
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,
+    /// Draw each light in a pass of its own; without this those without shadows share one
+    #[arg(long)]
+    pub each_light_alone: bool,
     /// Instant radiosity: show the light of one virtual light alone, by its number from 0
     #[arg(long, value_name = "N")]
     pub virtual_light: Option<u32>,

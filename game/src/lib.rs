@@ -22,7 +22,7 @@ pub mod scene_test;
 pub mod session;
 mod set;
 mod sheet;
-mod stress;
+pub mod stress;
 
 pub use app::{App, GameArgs, Hud, Outcome, Pictures, Sounds};
 

@@ -1,5 +1,7 @@
-//! Direct light: one compute pass a light, over the pixels that the light can reach.
+//! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
+//! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]).
 
+use super::direct_tiled;
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::light_uniform::LightUniform;
@@ -20,12 +22,21 @@ pub(crate) struct Region {
 /// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lamps: &[Lamp<'a>]) -> Handle<Texture> {
     let mut radiance = declare_clear(graph, frame);
-    for lamp in lamps {
+    let (shadowed, others): (Vec<&Lamp>, Vec<&Lamp>) = lamps.iter().partition(|lamp| lamp.shadow.is_some());
+    let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
+    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (lamps.iter().collect(), Vec::new()) };
+    for lamp in alone {
         let name = format!("direct {}", lamp.light.pass_name());
         radiance = declare_light(graph, frame, gbuffer, radiance, &name, lamp.clone());
     }
-    radiance
+    if tiled.is_empty() {
+        return radiance;
+    }
+    direct_tiled::declare(graph, frame, gbuffer, radiance, tiled.into_iter().cloned().collect())
 }
+
+/// Lights without shadows from which on they share a pass.
+const FEWEST: usize = 4;
 
 /// A light that reaches the view, with what the passes need that it lights.
 #[derive(Clone)]

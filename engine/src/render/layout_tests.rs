@@ -5,6 +5,7 @@ use super::compare::CompareUniform;
 use super::compose::ComposeUniform;
 use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
 use super::direct::Region;
+use super::direct_tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
@@ -42,6 +43,8 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, ShadowUniform::min_size().get(), "direct.wgsl", "Shadow");
     check(&gpu, LightUniform::min_size().get(), "direct.wgsl", "Light");
     check(&gpu, Region::min_size().get(), "direct.wgsl", "Region");
+    check(&gpu, LightsUniform::min_size().get(), "direct_tiled.wgsl", "Lights");
+    check(&gpu, LightUniform::min_size().get(), "direct_tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
     check(&gpu, ReflectionUniform::min_size().get(), "sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "blend.wgsl", "Blend");

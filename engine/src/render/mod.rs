@@ -7,6 +7,7 @@ mod compose;
 pub mod debug;
 mod deferred;
 mod direct;
+mod direct_tiled;
 mod environment;
 mod extra;
 pub mod frame;

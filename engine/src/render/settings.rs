@@ -126,6 +126,8 @@ pub struct RenderSettings {
     pub exposure: f32,
     /// Recompute everything, whatever the cache holds.
     pub no_cache: bool,
+    /// A pass for each light, those without shadows too.
+    pub each_light_alone: bool,
     /// Instant radiosity: the light of this virtual light alone, by its place in the list.
     pub virtual_light: Option<u32>,
     /// Instant radiosity: ways of so many particles of each source, drawn over the image as lines. Changes the
@@ -153,6 +155,7 @@ impl Default for RenderSettings {
             only: Layer::Total,
             exposure: 0.0,
             no_cache: false,
+            each_light_alone: false,
             virtual_light: None,
             particle_paths: 0,
             display: true,

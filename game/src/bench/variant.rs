@@ -152,6 +152,7 @@ impl Variant {
             gi: Some(self.gi),
             only: cli::Only::Total,
             no_mlaa: true,
+            each_light_alone: false,
             mlaa_edges: cli::Edges::default(),
             virtual_light: None,
             particle_paths: 0,

@@ -75,6 +75,7 @@ impl Painter {
             },
             exposure: settings(world).exposure,
             no_cache: false,
+            each_light_alone: self.look.each_light_alone,
             virtual_light: self.look.virtual_light,
             particle_paths: self.look.particle_paths,
             display,

@@ -1,5 +1,8 @@
 //! `lightwell stress`: what must hold for every scene, held against a matrix of scales, lights, grids, turns and places.
 //!
+//! `--full` takes a covering array of all pairs of method, scale, light, turn, place and grid; otherwise one row for each
+//! method is drawn.
+//!
 //! ```text
 //! cover (which rows) ─ setup (the room as text) ─ rig (draws it) ─┬─ checks (invariants of a row) ─┬─ table
 //!                      degenerate, room ──────────────────────────┘                                └─ scenes of the worst

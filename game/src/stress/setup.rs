@@ -38,7 +38,7 @@ impl Method {
 
     /// Whether its images have noise, which other random numbers change.
     pub fn is_random(self) -> bool {
-        matches!(self, Self::Vpl | Self::Slc | Self::Reference)
+        matches!(self, Self::Vpl | Self::Reference)
     }
 
     /// What is drawn of it: the light that the method itself computes.
@@ -183,15 +183,18 @@ impl Setup {
     }
 
     fn settings_of_methods(&self) -> Entity {
+        // Ahead of the camera the coarsest volume holds the room: the second of the diffusion, the sweep's only one.
+        let has_two = self.grid == Grid::Camera && self.method == Method::Diffusion;
+        let cell = CELL * self.scale * if self.grid == Grid::Camera && !has_two { 2.0 } else { 1.0 };
         let (place, size) = match self.grid {
             Grid::Auto => ("Fixed", "Auto".to_owned()),
-            Grid::Fixed => ("Fixed", format!("Meters({:e})", CELL * self.scale)),
-            Grid::Camera => ("Camera(ahead: 0.5)", format!("Meters({:e})", CELL * self.scale)),
+            Grid::Fixed => ("Fixed", format!("Meters({cell:e})")),
+            Grid::Camera => ("Camera(ahead: 0.5)", format!("Meters({cell:e})")),
         };
         let cells = 32;
         let transport = if self.method == Method::Diffusion { "Diffusion" } else { "Sweep" };
         let (particles, rsm) = ([32, 64, 128][self.grid as usize], [32, 64, 64][self.grid as usize]);
-        let cascades = if self.grid == Grid::Camera { 2 } else { 1 };
+        let cascades = if has_two { 2 } else { 1 };
         let seed = self.seed;
         let parts = format!(
             "clpv: (quality: Low, transport: {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \

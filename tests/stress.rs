@@ -1,0 +1,18 @@
+//! What must hold for every scene, in the short run of `lightwell stress`.
+
+use lightwell_game::cli::{Common, StressArgs};
+use std::process::ExitCode;
+
+#[test]
+fn a_row_of_each_method_is_within_all_bounds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let args = StressArgs { output: folder.path().to_owned(), full: false, methods: Vec::new() };
+    let code = lightwell_game::stress::run(&args, &Common::default()).expect("a device");
+    let table = std::fs::read_to_string(folder.path().join("stress.txt")).expect("the table");
+    assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::SUCCESS), "{table}");
+    assert!(folder.path().join("stress.png").exists());
+    // Every method was held against what it must hold.
+    for method in ["direct", "diffusion", "sweep", "vpl", "slc", "reference"] {
+        assert!(table.contains(method), "{table}");
+    }
+}
