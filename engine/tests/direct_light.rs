@@ -213,3 +213,43 @@ fn a_still_frame_is_kept_and_a_moved_light_pays_for_itself_alone() {
     let fresh = stage.render(&gpu, GiMethod::None, Layer::Total);
     assert_eq!(cached, fresh, "reuse changed a bit");
 }
+
+#[test]
+fn lights_without_shadows_share_a_pass_and_give_the_same_light() {
+    let gpu = gpu();
+    let mut stage = floor();
+    stage.add(Shape::Sphere { radius: 0.5, segments: 32, rings: 16 }, ALBEDO, Affine3A::from_translation(Vec3::Y));
+    for i in 0..150 {
+        let place = Vec3::new(0.07 * i as f32 - 5.0, 0.3 + 0.01 * (i % 7) as f32, (i % 13) as f32 * 0.5 - 3.0);
+        let shape = if i % 3 == 0 { LightShape::Spot { inner: 0.3, outer: 0.9 } } else { LightShape::Point };
+        let light = stage.light(shape, Vec3::new(0.1, 0.2, 0.3), place, Vec3::NEG_Y);
+        (light.casts_shadow, light.range) = (false, (i % 5 != 0).then_some(0.8));
+    }
+    stage.light(LightShape::Directional, Vec3::ONE, Vec3::ZERO, Vec3::new(0.3, -1.0, 0.2).normalize()).casts_shadow =
+        true;
+    let settings = |each_light_alone| RenderSettings {
+        gi: GiMethod::None,
+        only: Layer::Direct,
+        each_light_alone,
+        ..RenderSettings::default()
+    };
+    let (tiled, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings(false));
+    let (alone, each) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings(true));
+    for (a, b) in tiled.rgba.iter().zip(&alone.rgba) {
+        for channel in 0..3 {
+            assert!((a[channel] - b[channel]).abs() <= 1e-5 * b[channel].max(1e-3), "{a:?} for {b:?}");
+        }
+    }
+    let passes =
+        |report: &lightwell::graph::FrameReport| report.passes.iter().filter(|p| p.name.starts_with("direct")).count();
+    assert!(passes(&report) < 5 && passes(&each) > 100, "{report}");
+    assert!(report.ran("direct, lights without shadows"), "{report}");
+    // A lamp that moves pays for the one pass, and again it is the same light.
+    stage.scene.lights[7].position.y += 0.1;
+    stage.scene.lights[7].revision += 1;
+    let mut renderer = Renderer::new(&gpu);
+    let (first, _) = stage.render_with(&gpu, &mut renderer, &settings(false));
+    let (again, report) = stage.render_with(&gpu, &mut renderer, &settings(false));
+    assert_eq!(first, again);
+    assert!(!report.ran("direct, lights without shadows"), "{report}");
+}

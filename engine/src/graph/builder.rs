@@ -1,5 +1,6 @@
 //! Declaring a frame: resources, and the passes that read and write them.
 
+use std::collections::HashSet;
 use std::hash::Hash;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -56,6 +57,8 @@ pub struct Graph<'a> {
     pub(super) passes: Vec<PassNode<'a>>,
     pub(super) orders: Vec<(usize, usize)>,
     pub(super) skipped: Vec<(String, String)>,
+    /// Names of passes and of skipped ones.
+    names: HashSet<String>,
     pub(super) outputs: Vec<Version>,
     /// Mistakes made while declaring; compilation returns the first.
     pub(super) errors: Vec<GraphError>,
@@ -74,6 +77,7 @@ impl<'a> Graph<'a> {
             passes: Vec::new(),
             orders: Vec::new(),
             skipped: Vec::new(),
+            names: HashSet::new(),
             outputs: Vec::new(),
             errors: Vec::new(),
         }
@@ -219,9 +223,7 @@ impl<'a> Graph<'a> {
     }
 
     fn check_pass_name(&mut self, name: &str) {
-        let taken =
-            self.passes.iter().any(|pass| pass.name == name) || self.skipped.iter().any(|(skipped, _)| skipped == name);
-        if taken {
+        if !self.names.insert(name.to_owned()) {
             self.errors.push(GraphError::DuplicatePass { pass: name.into() });
         }
     }

@@ -11,6 +11,7 @@
 mod checks;
 mod cover;
 mod degenerate;
+mod endurance;
 mod invariant;
 mod rig;
 mod room;
@@ -20,6 +21,7 @@ mod table;
 use crate::cli::{Common, StressArgs};
 use crate::progress;
 use anyhow::{Context, Result};
+use endurance::Endured;
 use invariant::Invariant;
 use rig::Rig;
 use setup::{Grid, Lamps, Method, Setup};
@@ -30,6 +32,8 @@ use table::Table;
 
 /// Lengths of a unit \[m\]. By powers of two nothing is rounded, so that any length of fixed size shows.
 const SCALES: [f32; 7] = [1.0, 1.0 / 1024.0, 1.0 / 128.0, 0.1, 10.0, 128.0, 1024.0];
+/// Frames of the long run where not all is asked for.
+const SHORT: u32 = 40;
 /// Factors on all light.
 const INTENSITIES: [f32; 5] = [1.0, 1e-6, 1e-3, 1e3, 1e6];
 /// Euler angles \[degrees\].
@@ -52,13 +56,29 @@ pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
         start.elapsed().as_secs_f64(),
         table.broken().count()
     );
-    let text = format!("{summary}\n\n{}", table.text());
+    let runs = long_runs(&rig, args, common)?;
+    let faults: Vec<String> = runs.iter().flat_map(Endured::faults).collect();
+    let text = format!("{summary}\n\n{}\n{}{}", table.text(), endurance::table(&runs), faults.join("\n"));
     let path = args.output.join("stress.txt");
     std::fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     table.write_picture(&args.output.join("stress.png"))?;
     let broken = keep_worst(&args.output, &table)?;
     say!("{text}");
-    Ok(ExitCode::from(u8::from(broken > 0)))
+    Ok(ExitCode::from(u8::from(broken > 0 || !faults.is_empty())))
+}
+
+/// The long runs: of all scenes, or a short one of the first.
+fn long_runs(rig: &Rig, args: &StressArgs, common: &Common) -> Result<Vec<Endured>> {
+    let scenes = if args.full { &endurance::SCENES[..] } else { &endurance::SCENES[..1] };
+    let frames = |share: u32| (if args.full { args.frames } else { SHORT } / share).max(2);
+    let bar = progress::bar(scenes.iter().map(|(_, share)| u64::from(frames(*share))).sum(), "long runs");
+    let run = |&(scene, share): &(&str, u32)| {
+        let run = endurance::endure(rig.gpu(), scene, frames(share), common, &|| bar.inc(1));
+        run.with_context(|| format!("the long run of {scene}"))
+    };
+    let runs = scenes.iter().map(run).collect();
+    bar.finish_and_clear();
+    runs
 }
 
 /// All rows, or one for each method.

@@ -82,6 +82,11 @@ impl Rig {
         std::mem::take(&mut self.not_finite)
     }
 
+    /// The device.
+    pub fn gpu(&self) -> Arc<Gpu> {
+        self.gpu.clone()
+    }
+
     /// Forgets kept images.
     pub fn forget(&mut self) {
         self.images.clear();
