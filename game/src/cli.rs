@@ -26,6 +26,7 @@ Examples:
   lightwell explain cornell                   what runs, what is reused, what is skipped, and why
   lightwell test                              the scene tests in tests/scenes
   lightwell sheet ~/models -o out/sheets      a thumbnail of each model below a folder
+  lightwell stress -o out/stress              what must hold for every scene
 
 A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
 Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
