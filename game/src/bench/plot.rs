@@ -8,7 +8,7 @@ use plotters::style::{FontStyle, register_font};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Size of a plot [pixels].
+/// Size of a plot \[pixels\].
 const SIZE: [u32; 2] = [1000, 680];
 const FONT: &str = "sans-serif";
 
@@ -17,9 +17,9 @@ const FONT: &str = "sans-serif";
 pub struct Dot {
     /// Name.
     pub label: String,
-    /// Time [ms].
+    /// Time \[ms\].
     pub time: f64,
-    /// Least and greatest time [ms].
+    /// Least and greatest time \[ms\].
     pub range: (f64, f64),
     /// Error.
     pub error: f64,
