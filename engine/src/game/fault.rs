@@ -30,7 +30,11 @@ pub fn take() -> Vec<String> {
 /// bevy's way to tell of errors.
 pub fn handle(error: BevyError, context: ErrorContext) {
     let text = error.to_string();
-    let text = text.trim();
+    // bevy's own help comes after the first line, and ours says it for this engine.
+    let text = match text.trim().split_once("\nIf this is an expected state") {
+        Some((first, _)) => first,
+        None => text.trim(),
+    };
     let help = help(text).map(|help| format!("\n  help: {help}")).unwrap_or_default();
     note(format!("{} `{}` failed: {text}{help}", context.kind(), context.name()));
 }
