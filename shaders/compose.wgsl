@@ -7,9 +7,7 @@
 
 struct Compose {
     sky: vec3f,            // radiance [W/(m² sr)]
-    layer: u32,
     sky_turn: f32,         // of the map [rad]
-    has_sky_map: u32,
 }
 
 const TOTAL: u32 = 0u;
@@ -18,6 +16,14 @@ const INDIRECT: u32 = 2u;
 const ALBEDO: u32 = 3u;
 const NORMAL: u32 = 4u;
 const DEPTH: u32 = 5u;
+
+// Known when the shader is compiled. Where a branch hangs on a uniform alone, Mesa's software driver (22.3) compiles the
+// shader anew for each set of uniforms, every frame that the camera moves, and keeps all of them.
+#ifdef LAYER
+const LAYER: u32 = #{LAYER}u;
+#else
+const LAYER: u32 = TOTAL;
+#endif
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> compose: Compose;
@@ -38,19 +44,20 @@ const DEPTH: u32 = 5u;
 const MAX_RADIANCE: f32 = 1e32;
 
 fn sky_at(pixel: vec2u) -> vec3f {
-    if compose.has_sky_map == 0u {
-        return compose.sky;
-    }
+#ifdef SKY_MAP
     // The point at infinity, or on the far plane, in homogeneous coordinates.
     let at = (vec2f(pixel) + 0.5) / vec2f(view.size);
     let far = view.world_from_clip * vec4f(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0);
     return sky_radiance(sky, normalize(far.xyz - view.eye * far.w), compose.sky_turn);
+#else
+    return compose.sky;
+#endif
 }
 
 fn shown(pixel: vec2u) -> vec3f {
     let z = textureLoad(depth, pixel, 0);
     if z <= 0.0 {
-        return select(vec3f(0.0), sky_at(pixel), compose.layer == TOTAL || compose.layer == DIRECT);
+        return select(vec3f(0.0), sky_at(pixel), LAYER == TOTAL || LAYER == DIRECT);
     }
     let reflected = vec3f(
         textureLoad(direct, pixel, 0, 0).r, textureLoad(direct, pixel, 1, 0).r, textureLoad(direct, pixel, 2, 0).r,
@@ -58,7 +65,7 @@ fn shown(pixel: vec2u) -> vec3f {
     let emitted = decode_radiance(textureLoad(emissive, pixel, 0).xy);
     let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb
         + textureLoad(sky_light, min(pixel, textureDimensions(sky_light) - 1u), 0).rgb;
-    switch compose.layer {
+    switch LAYER {
         case DIRECT: { return reflected + emitted; }
         case INDIRECT: { return bounced; }
         case ALBEDO: { return decode_base_color(textureLoad(base_color, pixel, 0)); }

@@ -3,7 +3,7 @@
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::settings::Layer;
-use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use encase::ShaderType;
 use glam::Vec3;
@@ -15,9 +15,7 @@ pub const RADIANCE: &str = "radiance";
 #[derive(ShaderType)]
 pub(crate) struct ComposeUniform {
     sky: Vec3,
-    layer: u32,
     sky_turn: f32,
-    has_sky_map: u32,
 }
 
 /// Light that the layer is made of; what is missing counts as zero.
@@ -51,7 +49,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
     let map = frame.scene.sky_map.as_deref();
-    let (sky_turn, has_sky_map) = (map.map_or(0.0, |map| map.turn), u32::from(map.is_some()));
+    let sky_turn = map.map_or(0.0, |map| map.turn);
+    let has_map = map.is_some();
     let layer = layer_index(frame.settings.only);
     pass.key(&(
         sky.to_array().map(f32::to_bits),
@@ -73,14 +72,15 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
         cx.counts().texels += u64::from(width) * u64::from(height);
+        let mut key = ComputeKey::new("compose.wgsl", "main").def("LAYER", ShaderDef::Uint(layer));
+        if has_map {
+            key = key.def("SKY_MAP", ShaderDef::Flag(true));
+        }
         cx.dispatch(
-            &ComputeKey::new("compose.wgsl", "main"),
+            &key,
             &[
                 ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                (
-                    "compose",
-                    Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, layer, sky_turn, has_sky_map })),
-                ),
+                ("compose", Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, sky_turn }))),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("emissive", Binding::Texture(&emissive)),

@@ -3,6 +3,7 @@
 use crate::cli::{Common, LookArgs};
 use crate::session::Session;
 use anyhow::Result;
+use bevy_ecs::entity::Entity;
 use lightwell::gpu::Gpu;
 use lightwell::measure::Image;
 use lightwell::scene::SceneView;
@@ -72,7 +73,7 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
     for frame in 1..frames {
         last = draw(&mut session, frame)?.1;
         if frame == (frames / 10).max(1) {
-            early = (memory(), last, entities(&session));
+            early = (memory(), last, entities(&mut session));
         }
         drawn();
     }
@@ -83,14 +84,15 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
         seconds: start.elapsed().as_secs_f64(),
         memory: early.0.zip(memory()).map(|(early, late)| [early, late]),
         targets: [early.1, last],
-        entities: [early.2, entities(&session)],
+        entities: [early.2, entities(&mut session)],
         not_finite,
         returns,
     })
 }
 
-fn entities(session: &Session) -> usize {
-    session.world().ecs.entities().len() as usize
+fn entities(session: &mut Session) -> usize {
+    let world = &mut session.parts().world.ecs;
+    world.query::<Entity>().iter(world).count()
 }
 
 /// Memory of the process, where the system tells [MiB].
