@@ -14,11 +14,10 @@ struct Cascade {
     padding: f32,
 }
 
+// FIRST: the cascade is the finest, it starts the sum. LAST: the coarsest, it takes all that is left. No uniforms: where a
+// branch hangs on a uniform alone, Mesa's software driver (22.3) makes the shader anew in every frame, and keeps all.
 struct Lookup {
     cascade: Cascade,
-    is_first: u32,         // the finest: starts the sum
-    is_last: u32,          // the coarsest: takes all that is left
-    padding: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> lookup: Lookup;
@@ -41,12 +40,16 @@ fn share(point: vec3f) -> f32 {
     if any(inside < vec3f(-1e-3 * cascade.volume.cell)) {
         return 0.0;
     }
-    if lookup.is_last != 0u || cascade.fade_cells <= 0.0 {
+#ifdef LAST
+    return 1.0;
+#else
+    if cascade.fade_cells <= 0.0 {
         return 1.0;
     }
     let margin = cascade.fade_half - abs(point - cascade.fade_center);
     let least = min(margin.x, min(margin.y, margin.z));
     return saturate(least / (cascade.fade_cells * cascade.volume.cell));
+#endif
 }
 
 // The finest level that covers a point gives its light; over its border the next coarser takes over.
@@ -64,9 +67,9 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
     if index < arrayLength(&surfels) {
         let surfel = surfels[index];
         var e = vec4f(0.0, 0.0, 0.0, 1.0);
-        if lookup.is_first == 0u {
-            e = received[index];
-        }
+#ifndef FIRST
+        e = received[index];
+#endif
         if surfel.area > 0.0 {
             e = blend(e, surfel.position, surfel.normal, vec3f(0.0));
         }
@@ -82,20 +85,20 @@ fn relight(@builtin(global_invocation_id) thread: vec3u) {
     }
     let index = pixel.y * view.size.x + pixel.x;
     var e = vec4f(0.0, 0.0, 0.0, 1.0);
-    if lookup.is_first == 0u {
-        e = partial[index];
-    }
+#ifndef FIRST
+    e = partial[index];
+#endif
     let z = textureLoad(depth, pixel, 0);
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let to_eye = normalize(view.eye - point);
         e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)), to_eye);
     }
-    if lookup.is_last == 0u {
-        partial[index] = e;
-        return;
-    }
+#ifdef LAST
     let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
     let radiance = select(vec3f(0.0), min(albedo * e.rgb * 0.318309886, vec3f(1e32)), z > 0.0);
     textureStore(indirect, pixel, vec4f(radiance, 1.0));
+#else
+    partial[index] = e;
+#endif
 }

@@ -4,30 +4,33 @@ use super::super::linear_groups;
 use super::super::relight::CascadeUniform;
 use super::emit::Sources;
 use super::{Irradiance, Level};
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use encase::ShaderType;
-use glam::UVec2;
 use wgpu::BufferUsages;
 
 /// `Lookup` of `lpv/sweep/irradiance.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
 pub(crate) struct LookupUniform {
     cascade: CascadeUniform,
-    is_first: u32,
-    is_last: u32,
-    padding: UVec2,
 }
 
 pub(super) fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
-    LookupUniform {
-        cascade: CascadeUniform::new(&levels[index].volume, fade_cells),
-        is_first: u32::from(index == 0),
-        is_last: u32::from(index + 1 == levels.len()),
-        padding: UVec2::ZERO,
+    LookupUniform { cascade: CascadeUniform::new(&levels[index].volume, fade_cells) }
+}
+
+/// The shader for one of so many cascades, finest first.
+pub(super) fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
+    let mut key = ComputeKey::new("lpv/sweep/irradiance.wgsl", entry);
+    if index == 0 {
+        key = key.def("FIRST", ShaderDef::Flag(true));
     }
+    if index + 1 == count {
+        key = key.def("LAST", ShaderDef::Flag(true));
+    }
+    key
 }
 
 /// Width of the border between cascades at the surfels [cells].
@@ -62,12 +65,12 @@ pub(super) fn at_surfels<'a>(
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE)).collect();
     pass.execute(move |cx| {
         let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
-        for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
+        for (index, ((lookup, light), opacity)) in lookups.iter().zip(&light).zip(&opacities).enumerate() {
             let opacity = cx.buffer(*opacity).clone();
             let lookup = cx.gpu.uniform("lookup", lookup);
             let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
             cx.dispatch(
-                &ComputeKey::new("lpv/sweep/irradiance.wgsl", "at_surfels"),
+                &shader("at_surfels", index, lookups.len()),
                 &[
                     ("lookup", Binding::Buffer(&lookup)),
                     ("axes", Binding::Buffer(&axes)),
@@ -133,12 +136,12 @@ pub(super) fn relight<'a>(
         let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
         let (target, partial) = (cx.view(indirect), cx.buffer(partial).clone());
         cx.counts().texels += pixels;
-        for ((lookup, light), opacity) in lookups.iter().zip(&light).zip(&opacities) {
+        for (index, ((lookup, light), opacity)) in lookups.iter().zip(&light).zip(&opacities).enumerate() {
             let opacity = cx.buffer(*opacity).clone();
             let lookup = gpu.uniform("lookup", lookup);
             let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
             cx.dispatch(
-                &ComputeKey::new("lpv/sweep/irradiance.wgsl", "relight"),
+                &shader("relight", index, lookups.len()),
                 &[
                     ("lookup", Binding::Buffer(&lookup)),
                     ("axes", Binding::Buffer(&axes)),
