@@ -28,8 +28,6 @@ pub struct Endured {
     targets: [u64; 2],
     entities: [usize; 2],
     not_finite: u32,
-    /// Whether the device is the processor, and the memory of both the same.
-    drawn_by_processor: bool,
     /// Whether the first frame, drawn again at the end, is the same bit for bit.
     returns: bool,
 }
@@ -52,7 +50,6 @@ pub const SCENES: [(&str, u32); 8] = [
 /// If it cannot be drawn.
 pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &dyn Fn()) -> Result<Endured> {
     let start = Instant::now();
-    let drawn_by_processor = gpu.info.device_type == wgpu::DeviceType::Cpu;
     let mut session = Session::open(gpu, scene, &LookArgs::default(), common)?;
     if session.scene().clpv.is_some() {
         let sets = vec![("clpv.quality".to_owned(), "Low".to_owned())];
@@ -89,7 +86,6 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
         targets: [early.1, last],
         entities: [early.2, entities(&mut session)],
         not_finite,
-        drawn_by_processor,
         returns,
     })
 }
@@ -122,9 +118,7 @@ impl Endured {
         // Targets differ a little from frame to frame, as lamps come into view and leave it.
         let [early, late] = self.targets;
         check(late <= early + early / 4, format!("{early} bytes of targets became {late}"));
-        // A driver that draws on the processor keeps its shaders in the same memory, for good: Mesa 22.3 makes new ones
-        // for each new set of some uniforms. There the figures are told and not judged.
-        let [early, late] = self.memory.filter(|_| !self.drawn_by_processor).unwrap_or_default();
+        let [early, late] = self.memory.unwrap_or_default();
         check(late <= early + early / 20 + SLACK, format!("the process grew from {early} to {late} MiB"));
         faults
     }
