@@ -191,7 +191,7 @@ fn on_lit(_: On<Lit>, mut run: ResMut<Run>, mut sounds: ResMut<Sounds>) {
     run.lamps[0] += 1;
     run.score += 50;
     run.glow = (run.glow + 0.35).min(1.0);
-    sounds.play("lit.ogg", 0.8);
+    sounds.play("lit.wav", 0.8);
 }
 
 fn catch(
@@ -228,7 +228,7 @@ fn leave(
     if on == all && ball.translation.distance(gate.0.translation.into()) < 1.2 {
         run.phase = Phase::Won;
         run.score += (100.0 * run.glow).round() as u32;
-        sounds.play("won.ogg", 1.0);
+        sounds.play("won.wav", 1.0);
     }
 }
 
