@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bevy_ecs::prelude::Entity;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use lightwell::game::{FixedStep, Game, Ghost, LightProbe, Space};
 use lightwell::world::Transform;
 use proptest::prelude::*;
@@ -203,4 +203,16 @@ fn direct_light_of_a_probe_is_what_formulas_say() {
     game.step(&[]).unwrap();
     let d2 = (2.0 / half).powi(2);
     close(probe(&game, "All").irradiance(), Vec3::splat(8.0 / d2 * 0.25 / 4.0));
+}
+
+#[test]
+fn probes_are_asked_for_from_the_origin_of_the_scene_that_is_drawn() {
+    let (_folder, game) = game(
+        r#"(name: "Far", transform: (translation: (100000, 0, -200000)), children: [
+            (name: "Probe", transform: (translation: (0.001, 2, 0)), components: {"LightProbe": (offset: (0, 0.5, 0))})])"#,
+    );
+    let origin = DVec3::new(100_000.0, 0.0, -200_000.0);
+    let near = game.probe_points(origin)[0].position;
+    assert!(near.distance(Vec3::new(0.001, 2.5, 0.0)) < 1e-6, "{near}");
+    assert!(game.probe_points(DVec3::ZERO)[0].position.x > 99_999.0);
 }

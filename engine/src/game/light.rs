@@ -9,7 +9,7 @@ use crate::files::SceneData;
 pub use crate::scene::ProbePoint;
 use crate::world::{GameWorld, GlobalTransform, Identity, Light, LightKind, Orientation, forward};
 use bevy_ecs::prelude::*;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Measures the light where its entity stands.
 ///
@@ -94,12 +94,13 @@ fn arriving(light: &Light, place: &GlobalTransform, axes: &Orientation, at: Vec3
 }
 
 impl super::Game {
-    /// The points whose indirect light the renderer is to look up, in an order that stays.
-    pub fn probe_points(&self) -> Vec<ProbePoint> {
+    /// The points whose indirect light the renderer is to look up, in an order that stays, from the
+    /// [origin](crate::scene::Scene::origin) of the scene that it draws.
+    pub fn probe_points(&self, origin: DVec3) -> Vec<ProbePoint> {
         let found = probes(&self.world).into_iter();
         found
             .map(|(_, _, probe, place)| ProbePoint {
-                position: Vec3::from(place.0.translation) + probe.offset,
+                position: Vec3::from(place.relative_to(origin).translation) + probe.offset,
                 normal: probe.normal,
             })
             .collect()

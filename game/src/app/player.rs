@@ -56,7 +56,7 @@ impl Drawn {
         let limit = self.painter.gpu.limits.max_texture_dimension_2d;
         let view =
             SceneView { camera: self.painter.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
-        self.painter.renderer.set_probes(self.game.probe_points());
+        self.painter.renderer.set_probes(self.game.probe_points(self.painter.scene.origin));
         let settings = self.painter.display_settings(&self.game.world);
         self.painter.render(&view, &settings)?;
         if let Some(reason) = self.painter.gpu.device_lost() {

@@ -5,7 +5,7 @@ use super::super::relight::CascadeUniform;
 use super::emit::Sources;
 use super::{Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use encase::ShaderType;
@@ -22,7 +22,7 @@ pub(super) fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupU
 }
 
 /// The shader for one of so many cascades, finest first.
-pub(super) fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
+fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
     let mut key = ComputeKey::new("lpv/sweep/irradiance.wgsl", entry);
     if index == 0 {
         key = key.def("FIRST", ShaderDef::Flag(true));
@@ -65,26 +65,37 @@ pub(super) fn at_surfels<'a>(
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE)).collect();
     pass.execute(move |cx| {
         let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
-        for (index, ((lookup, light), opacity)) in lookups.iter().zip(&light).zip(&opacities).enumerate() {
-            let opacity = cx.buffer(*opacity).clone();
-            let lookup = cx.gpu.uniform("lookup", lookup);
-            let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
-            cx.dispatch(
-                &shader("at_surfels", index, lookups.len()),
-                &[
-                    ("lookup", Binding::Buffer(&lookup)),
-                    ("axes", Binding::Buffer(&axes)),
-                    ("facing", Binding::Buffer(&facing)),
-                    ("opacity", Binding::Buffer(&opacity)),
-                    ("surfels", Binding::Buffer(&surfels)),
-                    ("received", Binding::Buffer(&target)),
-                ],
-                linear_groups(count),
-            )?;
-        }
-        Ok(())
+        look_up(cx, &lookups, &light, &opacities, [&surfels, &target], count)
     });
     received
+}
+
+/// Looks up the light of all cascades at surfels, and writes what each receives.
+pub(super) fn look_up(
+    cx: &mut PassContext,
+    lookups: &[LookupUniform],
+    light: &[Irradiance],
+    opacities: &[Handle<Buffer>],
+    [surfels, received]: [&wgpu::Buffer; 2],
+    count: u32,
+) -> Result<(), PassError> {
+    for (index, ((lookup, light), opacity)) in lookups.iter().zip(light).zip(opacities).enumerate() {
+        let lookup = cx.gpu.uniform("lookup", lookup);
+        let [axes, facing, opacity] = [light.axes, light.facing, *opacity].map(|handle| cx.buffer(handle).clone());
+        cx.dispatch(
+            &shader("at_surfels", index, lookups.len()),
+            &[
+                ("lookup", Binding::Buffer(&lookup)),
+                ("axes", Binding::Buffer(&axes)),
+                ("facing", Binding::Buffer(&facing)),
+                ("opacity", Binding::Buffer(&opacity)),
+                ("surfels", Binding::Buffer(surfels)),
+                ("received", Binding::Buffer(received)),
+            ],
+            linear_groups(count),
+        )?;
+    }
+    Ok(())
 }
 
 /// What the pass at the visible surfaces and its image are called.

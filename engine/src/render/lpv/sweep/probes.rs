@@ -1,9 +1,7 @@
 //! Indirect light at points that a game asks for: looked up as for the surfels of a bounce, in the sum over all bounces.
 
-use super::super::linear_groups;
-use super::irradiance::{SURFEL_FADE, lookup, shader};
+use super::irradiance::{SURFEL_FADE, look_up, lookup};
 use super::{Irradiance, Level};
-use crate::gpu::Binding;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::scene::{ProbePoint, Surfel};
@@ -56,24 +54,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     pass.execute(move |cx| {
         let target = cx.buffer(found).clone();
         let surfels = cx.gpu.storage("probes", &surfels, BufferUsages::empty());
-        for (index, ((lookup, light), opacity)) in lookups.iter().zip(&light).zip(&opacities).enumerate() {
-            let opacity = cx.buffer(*opacity).clone();
-            let lookup = cx.gpu.uniform("lookup", lookup);
-            let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
-            cx.dispatch(
-                &shader("at_surfels", index, lookups.len()),
-                &[
-                    ("lookup", Binding::Buffer(&lookup)),
-                    ("axes", Binding::Buffer(&axes)),
-                    ("facing", Binding::Buffer(&facing)),
-                    ("opacity", Binding::Buffer(&opacity)),
-                    ("surfels", Binding::Buffer(&surfels)),
-                    ("received", Binding::Buffer(&target)),
-                ],
-                linear_groups(count),
-            )?;
-        }
-        Ok(())
+        look_up(cx, &lookups, &light, &opacities, [&surfels, &target], count)
     });
     found
 }
