@@ -8,6 +8,7 @@
 #import lightwell::mesh::{Vertex, VertexExtra, OPAQUE_ALPHA}
 #import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
 #import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
+#import lightwell::view::toward_eye
 #ifdef SWEPT
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::sweep_lookup::{irradiance, irradiance_around}
@@ -120,7 +121,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     if s.base.a >= OPAQUE_ALPHA || s.base.a <= 0.0 {
         discard;
     }
-    let to_eye = normalize(view.eye - in.position);
+    let to_eye = normalize(toward_eye(view, in.position));
     var radiance = direct_light(s, in.position, to_eye);
     if blend.is_first != 0u {
         radiance += indirect_light(s, in.position, to_eye);

@@ -3,7 +3,7 @@
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
 #import lightwell::sky::sky_radiance
-#import lightwell::view::View
+#import lightwell::view::{View, eye_distance}
 
 struct Compose {
     sky: vec3f,            // radiance [W/(m² sr)]
@@ -48,7 +48,8 @@ fn sky_at(pixel: vec2u) -> vec3f {
     // The point at infinity, or on the far plane, in homogeneous coordinates.
     let at = (vec2f(pixel) + 0.5) / vec2f(view.size);
     let far = view.world_from_clip * vec4f(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0);
-    return sky_radiance(sky, normalize(far.xyz - view.eye * far.w), compose.sky_turn);
+    let ahead = select(-view.eye.xyz, far.xyz - view.eye.xyz * far.w, view.eye.w > 0.0);
+    return sky_radiance(sky, normalize(ahead), compose.sky_turn);
 #else
     return compose.sky;
 #endif
@@ -70,7 +71,7 @@ fn shown(pixel: vec2u) -> vec3f {
         case INDIRECT: { return bounced; }
         case ALBEDO: { return decode_base_color(textureLoad(base_color, pixel, 0)); }
         case NORMAL: { return decode_normal(textureLoad(normal, pixel, 0)) * 0.5 + 0.5; }
-        case DEPTH: { return vec3f(distance(world_position(pixel, view.size, z, view.world_from_clip), view.eye)); }
+        case DEPTH: { return vec3f(eye_distance(view, world_position(pixel, view.size, z, view.world_from_clip))); }
         default: { return reflected + emitted + bounced; }
     }
 }

@@ -4,7 +4,7 @@
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
 #import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 
 struct Region {
     origin: vec2u,         // first pixel
@@ -59,7 +59,7 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     if lit <= 0.0 {
         return;
     }
-    let reflected = reflected_light(surface, view.eye, incidence) * lit;
+    let reflected = reflected_light(surface, toward_eye(view, position), incidence) * lit;
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

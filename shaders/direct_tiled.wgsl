@@ -5,7 +5,7 @@
 #import lightwell::direct::{is_lit, reflected_light}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, DIRECTIONAL, light_incidence}
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 
 struct Lights {
     count: u32,
@@ -84,7 +84,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(local_invocation_
                 bits &= bits - 1u;
                 let incidence = light_incidence(light, position);
                 if is_lit(surface, incidence) {
-                    sum += reflected_light(surface, view.eye, incidence);
+                    sum += reflected_light(surface, toward_eye(view, position), incidence);
                 }
             }
         }

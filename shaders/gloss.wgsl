@@ -5,7 +5,7 @@
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::sweep_lookup::irradiance_around
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -32,7 +32,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, point,
         );
         if any(s.normal_reflectance > vec3f(0.0)) || s.grazing_reflectance > 0.0 {
-            let to_eye = normalize(view.eye - point);
+            let to_eye = normalize(toward_eye(view, point));
             let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
             let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
             let around = irradiance_around(swept, point, s.normal, lobe_direction(s.normal, to_eye, s.roughness), to_eye);

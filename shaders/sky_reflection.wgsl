@@ -6,7 +6,7 @@
 #import lightwell::gbuffer::{decode_normal, decode_normal_reflectance, world_position}
 #import lightwell::sh::sh_basis_nine
 #import lightwell::sweep_lookup::irradiance_around
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
 
 struct Reflection {
@@ -83,7 +83,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let n = decode_normal(packed);
         let roughness = f32(packed.z) / 65535.0;
-        let to_eye = normalize(view.eye - point);
+        let to_eye = normalize(toward_eye(view, point));
         let d = lobe_direction(n, to_eye, roughness);
         let e = irradiance_around(swept, point, n, d, to_eye);
         // The surface's own plane hides a part of the hemisphere around d, of even light (1 − n·d)/2; none of the lobe.

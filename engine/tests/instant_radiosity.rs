@@ -9,7 +9,7 @@ use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::vpl::{CastCounts, Caster, intersect_square, intersect_unit_box};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::scene::LightShape;
+use lightwell::scene::{LightShape, ViewProjection};
 use lightwell::world::{
     Accumulation, Bounces, InstantRadiosity, ParticleCasts, ParticleSequence, VirtualPlacement, VirtualVisibility,
 };
@@ -225,7 +225,7 @@ fn the_sum_converges_to_the_path_tracer() {
     let gpu = gpu();
     let mut stage = Stage::new(Vec3::new(0.0, 0.5, 0.0), Vec3::new(0.0, 2.0, 0.001), 8);
     // Small pixels: the tracer takes their mean, the frame their centres.
-    stage.view.camera.vertical_fov = 0.3;
+    stage.view.camera.projection = ViewProjection::Perspective { vertical_fov: 0.3 };
     let plane = |edge: f32| Shape::Plane { size: [edge, edge], subdivisions: [1, 1] };
     stage.add(plane(3.0), Vec3::splat(0.8), Affine3A::IDENTITY);
     let down = Quat::from_rotation_arc(Vec3::Y, Vec3::NEG_Y);

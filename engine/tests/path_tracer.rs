@@ -8,7 +8,7 @@ use lightwell::gpu::Gpu;
 use lightwell::measure::Image;
 use lightwell::render::Layer;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key, measure_throughput};
-use lightwell::scene::LightShape;
+use lightwell::scene::{LightShape, ViewProjection};
 use std::f32::consts::PI;
 use support::{Stage, gpu};
 
@@ -118,7 +118,7 @@ fn reflected_at_normal_incidence(roughness: f32) -> f64 {
 fn an_emissive_square_lights_the_floor_by_its_form_factor() {
     let gpu = gpu();
     let mut stage = Stage::new(Vec3::new(0.0, 2.0, 0.001), Vec3::ZERO, 8);
-    stage.view.camera.vertical_fov = 0.01;
+    stage.view.camera.projection = ViewProjection::Perspective { vertical_fov: 0.01 };
     stage.add(Shape::Plane { size: [4.0, 4.0], subdivisions: [1, 1] }, Vec3::splat(0.5), Affine3A::IDENTITY);
     let lamp = Material { emissive: Vec3::splat(10.0), ..Material::diffuse("lamp", Vec3::ZERO) };
     let down = Quat::from_rotation_x(PI);
@@ -171,7 +171,7 @@ fn reflected_by_quadrature(stage: &Stage, roughness: f32) -> f64 {
         .map(|p| lamp.transform_point3(p - Vec3::new(1.0, 0.0, 1.0)))
         .collect();
     let eye = stage.view.eye();
-    let tangent = (0.5 * stage.view.camera.vertical_fov).tan();
+    let tangent = stage.view.camera.half_height();
     let axes = stage.view.camera.world_from_view.matrix3;
     let mut sum = 0.0;
     for index in 0..edge * edge * fine * fine {
@@ -328,7 +328,7 @@ fn the_key_changes_with_what_the_image_depends_on() {
         |stage| stage.scene.primitives[6].world_from_object.translation.x += 1e-6,
         |stage| stage.scene.sky = Vec3::splat(1e-3),
         |stage| stage.view.size = [48, 49],
-        |stage| stage.view.camera.vertical_fov += 1e-6,
+        |stage| stage.view.camera.projection = ViewProjection::Perspective { vertical_fov: 1.570_797_3 },
         |stage| {
             let primitive = &mut stage.scene.primitives[7];
             primitive.material = std::sync::Arc::new(Material { roughness: 0.9, ..(*primitive.material).clone() });

@@ -2,7 +2,7 @@
 
 #import lightwell::sh::{sh_basis, COSINE_ZERO, COSINE_ONE}
 #import lightwell::sweep::Surfel
-#import lightwell::view::View
+#import lightwell::view::{View, eye_distance, toward_eye}
 #import lightwell::volume::Volume
 
 struct Cells {
@@ -172,7 +172,7 @@ fn sphere(index: u32, out: ptr<function, Varying>) {
 
 // Right, up and towards the eye.
 fn facing(center: vec3f) -> mat3x3f {
-    let back = normalize(view.eye - center);
+    let back = normalize(toward_eye(view, center));
     let helper = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(back.y) > 0.99);
     let right = normalize(cross(helper, back));
     return mat3x3f(right, cross(back, right), back);
@@ -204,7 +204,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
     let place = vec3u(instance % count.x, (instance / count.x) % count.y, instance / count.x / count.y);
     let within = select(0.5, 0.0, is_on_corners());
     out.center = cells.volume.origin + (vec3f(place) + within) * cells.volume.cell;
-    let is_near = cells.content < VOXELS_OF_BLOCKERS && distance(out.center, view.eye) < NEAREST * cells.volume.cell;
+    let is_near = cells.content < VOXELS_OF_BLOCKERS && eye_distance(view, out.center) < NEAREST * cells.volume.cell;
     if is_near || is_empty(instance) {
         out.clip = vec4f(0.0, 0.0, 2.0, 1.0);
         return out;
@@ -231,7 +231,7 @@ fn fragment(in: Varying) -> Shown {
     if cells.content >= VOXELS_OF_BLOCKERS {
         out.depth = in.clip.z;
         // What lies far before the visible surface is a wall that the camera looks through from behind.
-        let toward = normalize(in.position - view.eye);
+        let toward = -normalize(toward_eye(view, in.position));
         if surface > 0.0 && depth_of(in.position + toward * (3.0 * cells.volume.cell)) > surface {
             discard;
         }

@@ -1,6 +1,6 @@
 // Lines with smooth edges; what lies behind a surface is dim.
 
-#import lightwell::view::View
+#import lightwell::view::{View, is_behind}
 
 struct Line {
     from_point: vec3f,     // [m]
@@ -69,7 +69,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let surface = textureLoad(depth, vec2i(in.clip.xy), 0);
-    let hidden = in.clip.z < surface * (1.0 - BIAS);
+    let hidden = is_behind(view, in.clip.z, surface, BIAS);
     let edge = saturate(in.half_width + 0.5 - abs(in.across));
     return vec4f(in.color.rgb, in.color.a * edge * select(1.0, HIDDEN, hidden));
 }

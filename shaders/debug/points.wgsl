@@ -1,6 +1,6 @@
 // Virtual lights: a disc on the surface that each stands for.
 
-#import lightwell::view::View
+#import lightwell::view::{View, is_behind}
 
 struct Points {
     stride: u32,           // vectors of a light
@@ -64,7 +64,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
 fn fragment(in: Varying) -> @location(0) vec4f {
     let surface = textureLoad(depth, vec2i(in.clip.xy), 0);
     let off = length(in.at);
-    if off > 1.0 || in.clip.z < surface * (1.0 - BIAS) {
+    if off > 1.0 || is_behind(view, in.clip.z, surface, BIAS) {
         discard;
     }
     return vec4f(select(in.color, 0.3 * in.color, off > 0.8), 0.95);

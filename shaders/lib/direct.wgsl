@@ -11,12 +11,11 @@ fn is_lit(surface: Surface, incidence: Incidence) -> bool {
     return any(incidence.irradiance > vec3f(0.0)) && dot(surface.normal, incidence.to_light) > 0.0;
 }
 
-// Radiance [W/(m² sr)] without regard to shadows.
-fn reflected_light(surface: Surface, eye: vec3f, incidence: Incidence) -> vec3f {
+// Radiance [W/(m² sr)] without regard to shadows. The way to the eye need not be of unit length.
+fn reflected_light(surface: Surface, to_eye: vec3f, incidence: Incidence) -> vec3f {
     let alpha = max(surface.roughness * surface.roughness, 1e-3);
-    let to_eye = normalize(eye - surface.position);
     let response = eval_brdf_cosine(
-        surface.normal, to_eye, incidence.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, alpha,
+        surface.normal, normalize(to_eye), incidence.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, alpha,
     );
     return response * incidence.irradiance;
 }

@@ -10,7 +10,7 @@
 #import lightwell::slc::{LightRange, Culling, DIFFUSE_LOBE, acceptance, brightest, diffuse_share, grazing_weight}
 #import lightwell::slc::{specular_factor, squeezed}
 #import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
-#import lightwell::view::View
+#import lightwell::view::{View, depth_error, toward_eye}
 #ifdef RAYS
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
 #endif
@@ -41,7 +41,7 @@ struct Pixel {
 
 // Nothing brighter is added, so that sums stay finite.
 const MAX_RADIANCE: f32 = 1e28;
-// How far rounding may have moved a point, over its coordinates and its distance from the eye.
+// How far rounding may have moved a point, over its coordinates and what its depth is rounded by.
 const POSITION_ERROR: f32 = 2e-5;
 
 #ifdef RAYS
@@ -154,13 +154,13 @@ fn load_pixel(at: vec2u, z: f32) -> Pixel {
     pixel.surface = decode_surface(
         textureLoad(base_color, at, 0), textureLoad(normal, at, 0), textureLoad(object, at, 0).xy, z, position,
     );
-    pixel.to_eye = normalize(view.eye - position);
+    pixel.to_eye = normalize(toward_eye(view, position));
     pixel.n_dot_v = max(dot(pixel.surface.normal, pixel.to_eye), 1e-4);
     pixel.alpha = max(pixel.surface.roughness * pixel.surface.roughness, 1e-3);
     pixel.is_glossy = pixel.surface.grazing_reflectance > 0.0 || any(pixel.surface.normal_reflectance > vec3f(0.0));
     pixel.delta = bound.x;
     let c = abs(position);
-    let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), distance(position, view.eye));
+    let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), depth_error(view, position));
     pixel.origin = position + pixel.surface.normal * error;
     return pixel;
 }

@@ -3,7 +3,7 @@
 // What the camera sees of a surface: its vertices and its material's textures, for all passes that draw the view.
 
 #import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped, emission_color}
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> instances: array<Instance>;
@@ -102,7 +102,7 @@ fn sample_material(in: Varying, front: bool) -> Sampled {
     out.emissive = glow
         * textureSampleGrad(emissive_texture, emissive_sampler, glow_at.uv, glow_at.dx, glow_at.dy).rgb;
     let flip = material.double_sided != 0u && !front;
-    out.normal = shading_normal(in.normal, in.tangent, in.position, bend, material.normal_scale, flip, view.eye - in.position);
+    out.normal = shading_normal(in.normal, in.tangent, in.position, bend, material.normal_scale, flip, toward_eye(view, in.position));
     out.base = base;
     out.metallic = saturate(material.metallic * metallic_roughness.b);
     out.roughness = saturate(material.roughness * metallic_roughness.g);

@@ -4,6 +4,48 @@
 struct View {
     clip_from_world: mat4x4f,
     world_from_clip: mat4x4f,
-    eye: vec3f,
+    // Where lines of sight come from, in homogeneous coordinates: the eye [m] with w = 1, or where they are parallel the
+    // unit vector towards it with w = 0.
+    eye: vec4f,
+    axis: vec4f,           // the plane from which distances along the view's axis are measured [m]
     size: vec2u,           // [pixels]
+}
+
+// From a point towards the eye; not of unit length. In a perspective it reaches as far as the eye.
+fn toward_eye(view: View, position: vec3f) -> vec3f {
+    return view.eye.xyz - position * view.eye.w;
+}
+
+// Distance along the view's axis [m].
+fn view_depth(view: View, position: vec3f) -> f32 {
+    return view.axis.x * position.x + view.axis.y * position.y + view.axis.z * position.z + view.axis.w;
+}
+
+// Distance of a visible point: from the eye, or along parallel lines of sight [m].
+fn eye_distance(view: View, position: vec3f) -> f32 {
+    return select(view_depth(view, position), distance(position, view.eye.xyz), view.eye.w > 0.0);
+}
+
+// What rounding of a position is relative to, beside its coordinates [m]: in a perspective the distance from the eye. With
+// parallel lines of sight depth is linear, and as coarse everywhere as at the far plane; 2⁻²⁴ of that range counts here
+// as much as 2⁻¹⁷ of a distance.
+fn depth_error(view: View, position: vec3f) -> f32 {
+    let row = vec3f(view.clip_from_world[0].z, view.clip_from_world[1].z, view.clip_from_world[2].z);
+    let range = inverseSqrt(max(dot(row, row), 1e-36));
+    return select(max(view_depth(view, position), 0.0078125 * range), distance(position, view.eye.xyz), view.eye.w > 0.0);
+}
+
+// The same for each coordinate.
+fn eye_offset(view: View, position: vec3f) -> vec3f {
+    return select(vec3f(depth_error(view, position)), position - view.eye.xyz, view.eye.w > 0.0);
+}
+
+// Whether a stored depth is behind another one by more than a part of the distance, or where lines of sight are parallel
+// by more than that part of the image's height.
+fn is_behind(view: View, depth: f32, surface: f32, part: f32) -> bool {
+    let c = view.clip_from_world;
+    let along = vec3f(c[0].z, c[1].z, c[2].z);
+    let upwards = vec3f(c[0].y, c[1].y, c[2].y);
+    let height = 2.0 * length(along) * inverseSqrt(max(dot(upwards, upwards), 1e-36));
+    return depth < select(surface - part * height, surface * (1.0 - part), view.eye.w > 0.0);
 }

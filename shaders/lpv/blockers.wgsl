@@ -5,7 +5,7 @@
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received, texel_solid_angle}
 #import lightwell::sh::{sh_cosine_lobe, BAND_ZERO, COSINE_ZERO}
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 #import lightwell::volume::{Volume, corner_index, BEHIND}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -26,7 +26,7 @@
 
 struct CameraSamples {
     stride: u32,           // [pixels] from sample to sample
-    half_height: f32,      // tangent of half the vertical field of view
+    half_height: f32,      // of what is seen, at distance 1 in a perspective, at all [m] if lines of sight are parallel
 }
 
 // 64 faces of a cell are more area than one view can show in it: the sum stays below 2³⁰.
@@ -79,7 +79,7 @@ fn from_camera(@builtin(global_invocation_id) thread: vec3u) {
     }
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let n = decode_normal(textureLoad(camera_normal, pixel, 0));
-    let offset = view.eye - position;
+    let offset = toward_eye(view, position);
     let d = max(length(offset), 1e-18);
     // The sample stands for stride² pixels.
     let size = vec2f(view.size);
@@ -87,7 +87,9 @@ fn from_camera(@builtin(global_invocation_id) thread: vec3u) {
     let low = (2.0 * (vec2f(thread.xy * camera.stride)) / size - 1.0) * extent;
     let high = (2.0 * (vec2f((thread.xy + 1u) * camera.stride)) / size - 1.0) * extent;
     let albedo = decode_albedo(textureLoad(camera_base_color, pixel, 0));
-    add_surface(position, n, albedo, texel_solid_angle(low, high) * d * d, dot(n, offset / d));
+    let parallel = (high - low).x * (high - low).y;
+    let across = select(parallel, texel_solid_angle(low, high) * d * d, view.eye.w > 0.0);
+    add_surface(position, n, albedo, across, dot(n, offset / d));
 }
 
 // One view into the merged volume. Of two views the one that sees more area counts, with its whole vector: a

@@ -4,7 +4,8 @@
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
 // passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): UNLIT, no surface emits light;
-// DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions. Direct light is what comes straight from the lights to the surface that the camera sees, with that
+// DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions;
+// ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to the surface that the camera sees, with that
 // surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
@@ -83,9 +84,14 @@ fn add(path: ptr<function, Path>, radiance: vec3f, is_direct: bool) {
 // Starts anew, but for what the last path has still to bring.
 fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sampler>) {
     let at = (vec2f(pixel) - params.jitter + next_pair(random)) / vec2f(params.size) * 2.0 - 1.0;
+#ifdef ORTHOGRAPHIC
+    let eye = params.eye + at.x * params.right - at.y * params.up;
+    (*path).ray = Ray(eye + params.forward * params.near, params.forward);
+#else
     let direction = params.forward + at.x * params.right - at.y * params.up;
     // Not of unit length: the near and far planes lie at fixed distances along the axis.
     (*path).ray = Ray(params.eye + direction * params.near, direction);
+#endif
     (*path).reach = params.far - params.near;
     (*path).throughput = vec3f(1.0);
     (*path).density = 0.0;

@@ -9,7 +9,7 @@
 
 #import lightwell::gbuffer::world_position
 #import lightwell::slc::{LightRange, Culling, mask_stride, squeezed}
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye, view_depth}
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> culling: Culling;
@@ -36,12 +36,6 @@ var<workgroup> summaries: array<atomic<u32>, 64>;
 // Corners of the tile's pyramid between its depths, and the extents of the slices between them in 0..1.
 var<workgroup> near_corners: array<vec3f, 4>;
 var<workgroup> far_corners: array<vec3f, 4>;
-
-// Distance along the view's axis [m].
-fn view_depth(position: vec3f) -> f32 {
-    let c = view.clip_from_world;
-    return c[0].w * position.x + c[1].w * position.y + c[2].w * position.z + c[3].w;
-}
 
 fn slice_at(w: f32, near: f32, far: f32) -> u32 {
     if !(far > near) {
@@ -71,7 +65,7 @@ struct Frame {
 // Axes of the box: the tile's own, in squeezed space.
 fn box_frame(axis: vec3f, squeeze: f32) -> Frame {
     let middle = 0.25 * (far_corners[0] + far_corners[1] + far_corners[2] + far_corners[3]);
-    let forward = normalize(squeezed(middle - view.eye, axis, squeeze));
+    let forward = normalize(squeezed(-toward_eye(view, middle), axis, squeeze));
     // A tile at the image's border may be one pixel wide: then any perpendicular does.
     let wide = squeezed(far_corners[1] + far_corners[3] - far_corners[0] - far_corners[2], axis, squeeze);
     let tall = squeezed(far_corners[2] + far_corners[3] - far_corners[0] - far_corners[1], axis, squeeze);
@@ -168,7 +162,8 @@ fn main(
     }
     var w = 0.0;
     if z > 0.0 {
-        w = view_depth(world_position(pixel, view.size, z, view.world_from_clip));
+        // Bits of what is above zero are ordered as the numbers are.
+        w = max(view_depth(view, world_position(pixel, view.size, z, view.world_from_clip)), 1e-30);
         atomicMin(&nearest, bitcast<u32>(w));
         atomicMax(&farthest, bitcast<u32>(w));
         atomicMin(&shallowest, bitcast<u32>(z));

@@ -4,7 +4,7 @@
 
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::mesh::{Vertex, Instance, world_from_object_point}
-#import lightwell::view::View
+#import lightwell::view::{View, eye_offset, toward_eye}
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
@@ -55,11 +55,11 @@ fn add_light(in: Varying) -> @location(0) vec4f {
 #ifdef PUBLISHED
     let c = connect_as_published(light, surface);
 #else
-    let c = connect(light, surface, normalize(view.eye - position));
+    let c = connect(light, surface, normalize(toward_eye(view, position)));
 #endif
 #ifndef UNSHADOWED
     if any(c.radiance > vec3f(0.0)) {
-        let origin = shadow_origin(surface, view.eye);
+        let origin = shadow_origin(surface, eye_offset(view, position));
         let ray = Ray(origin, select(c.end - origin, c.to_light, c.distant));
         if trace(letter.root, ray, select(1.0, 3e38, c.distant), SHADOW).triangle != NONE {
             return vec4f(0.0);

@@ -8,10 +8,11 @@ use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::load::{Context, Loader, Resolved};
-use super::own::{Canonical, ComponentTypes};
+use super::own::Canonical;
 use super::save::{Writer, scene_without_entities};
 use super::source::{Origin, SceneInfo, Source};
 use super::surfaces::renderer;
+use super::tracks;
 use super::tree::Step;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetLibrary, Material};
@@ -94,6 +95,13 @@ pub fn edit_entity(
     let mut now = now.clone();
     canonical(context, |canonical| canonical.patch(&mut now, &[]))?;
     let now = &now;
+    // A model that changes too is not there yet.
+    if let Some(animation) =
+        now.animation.as_ref().filter(|_| now.model == before.model && now.animation != before.animation)
+        && let Some(fault) = tracks::fault(world, entity, animation)
+    {
+        return Err(fault_error(context.path, fault));
+    }
     let described = world.ecs.get::<Source>(entity).and_then(|source| source.material.clone());
     let shared = shared_material(world, now);
     let surface_differs =
@@ -210,81 +218,6 @@ pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneF
     info.presets = now.presets;
     info.materials = now.materials;
     Ok(())
-}
-
-/// Makes an instance of a prefab plain entities of the scene file.
-pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
-    for entity in world.subtree(instance) {
-        let material = world.ecs.get::<Source>(entity).and_then(|s| s.material.clone());
-        let info = world.ecs.get_resource::<SceneInfo>();
-        let described = info.zip(material).and_then(|(info, m)| info.materials_by_id.get(&m.id).cloned());
-        let Some(mut source) = world.ecs.get_mut::<Source>(entity) else { continue };
-        if matches!(source.origin, Origin::Prefab { .. }) {
-            if source.components.material.is_some() {
-                source.components.material = described.or(source.components.material.take());
-            }
-            source.origin = Origin::File;
-        }
-        if entity == instance {
-            source.prefab = None;
-            source.repeat = None;
-            source.members.clear();
-        }
-    }
-}
-
-/// Writes a prefab file of the entity with all below it: its children, or the entity itself if it has components
-/// besides its place. Entities of inner prefabs are written in full.
-///
-/// # Errors
-/// If something has no form in a file, or the file cannot be written.
-pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path) -> Result<(), FileError> {
-    let tree = describe_subtree(world, entity, scene)?;
-    let bare = EntityFile { name: tree.name.clone(), transform: tree.transform, ..Default::default() };
-    let only_children = EntityFile { children: Vec::new(), ..tree.clone() } == bare;
-    let entities = match only_children {
-        true => tree.children,
-        false => vec![EntityFile { transform: None, ..tree }],
-    };
-    write_prefab(world, entities, path)
-}
-
-/// Writes a prefab file of some entities with all below them.
-///
-/// # Errors
-/// As [`save_prefab`].
-pub fn save_prefab_children(
-    world: &GameWorld,
-    entities: &[Entity],
-    scene: &Path,
-    path: &Path,
-) -> Result<(), FileError> {
-    let entities = with_writer(world, scene, |writer| writer.entities(entities))?;
-    write_prefab(world, entities, path)
-}
-
-fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
-    let info = world.ecs.get_resource::<SceneInfo>();
-    let mut names = std::collections::BTreeSet::new();
-    entities.iter().for_each(|entity| material_names_of(entity, &mut names));
-    let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
-    let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
-    let prefab = PrefabFile { description: String::new(), materials, entities };
-    Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
-    let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
-        .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
-    super::write::write_atomically(path, &text)
-}
-
-fn material_names_of(entity: &EntityFile, names: &mut std::collections::BTreeSet<String>) {
-    let overridden = entity.overrides.values().filter_map(|o| o.material.as_ref());
-    for material in entity.material.iter().chain(overridden) {
-        if let MaterialRef::Named(name) = material {
-            names.insert(name.clone());
-        }
-    }
-    let added = entity.overrides.values().flat_map(|o| &o.children);
-    entity.children.iter().chain(added).for_each(|child| material_names_of(child, names));
 }
 
 /// Shape, model and material of the entity; gives the material.
@@ -422,7 +355,7 @@ fn material_names(world: &GameWorld) -> Vec<String> {
     world.ecs.get_resource::<SceneInfo>().map(|info| info.materials.keys().cloned().collect()).unwrap_or_default()
 }
 
-fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> T) -> T {
+pub(super) fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> T) -> T {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
     read(&Writer { world, info, path })

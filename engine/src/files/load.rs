@@ -1,18 +1,18 @@
 //! From files to a world: prefabs are put in, overrides applied, assets loaded, entities spawned.
 
 use super::LoadOptions;
-use super::document::{Document, folder_of, io_error};
+use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::own::{Canonical, ComponentTypes};
 use super::source::{Origin, SceneInfo, Source};
-use super::suggest::suggestion;
+use super::tracks;
 use super::tree::Step;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetError, AssetLibrary, Material, SkyMap};
 use crate::world::{Environment, EnvironmentImage, GameWorld, SceneSettings};
 use bevy_ecs::prelude::Entity;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -80,7 +80,7 @@ pub(super) fn fault_error(document: &Document, fault: Fault) -> FileError {
     }
 }
 
-fn canonical(path: &Path) -> PathBuf {
+pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
@@ -93,26 +93,27 @@ pub(super) struct Context {
 }
 
 /// A prefab's file and entities.
-type Prefab = (Rc<Context>, Vec<EntityFile>);
+pub(super) type Prefab = (Rc<Context>, Vec<EntityFile>);
 
 /// A prefab instance that is being spawned.
-struct Level {
-    overrides: BTreeMap<String, OverrideFile>,
-    context: Rc<Context>,
+pub(super) struct Level {
+    pub overrides: BTreeMap<String, OverrideFile>,
+    pub context: Rc<Context>,
     /// Path of the overrides in their file.
-    at: Vec<Step>,
+    pub at: Vec<Step>,
     /// Names from the instance down to the present entity.
-    trail: Vec<String>,
+    pub trail: Vec<String>,
     /// Every path met so far.
-    members: Vec<String>,
+    pub members: Vec<String>,
 }
 
 /// The components of an entity with the files that they come from.
 pub(super) struct Resolved {
     pub components: OverrideFile,
-    /// File and path that give the material, and those that give the mesh or model, for errors.
+    /// File and path that give the material, those that give the mesh or model, and the animation, for errors.
     pub material: (Rc<Context>, Vec<Step>),
     pub surface: (Rc<Context>, Vec<Step>),
+    animation: (Rc<Context>, Vec<Step>),
     origin: Origin,
     /// Children that overrides add.
     added: Vec<(Vec<EntityFile>, Rc<Context>, Vec<Step>)>,
@@ -124,11 +125,11 @@ pub(super) struct Loader<'a> {
     pub options: &'a LoadOptions,
     pub world: GameWorld,
     pub info: SceneInfo,
-    prefabs: HashMap<PathBuf, Rc<Prefab>>,
+    pub prefabs: HashMap<PathBuf, Rc<Prefab>>,
     /// Files that are being read, the scene first.
-    chain: Vec<PathBuf>,
+    pub chain: Vec<PathBuf>,
     /// Instances that the present entity is inside of, the outermost first.
-    levels: Vec<Level>,
+    pub levels: Vec<Level>,
     /// Named materials by file and name.
     pub named: HashMap<(PathBuf, String), Arc<Material>>,
     /// The entity that the next one spawned is put on, if it is there already.
@@ -178,8 +179,8 @@ impl Resolved {
     /// Components that one file gives.
     pub fn of(components: OverrideFile, context: &Rc<Context>) -> Self {
         let here = (context.clone(), Vec::new());
-        let (material, surface) = (here.clone(), here);
-        Self { components, material, surface, origin: Origin::File, added: Vec::new(), removed: false }
+        let (material, surface, animation) = (here.clone(), here.clone(), here);
+        Self { components, material, surface, animation, origin: Origin::File, added: Vec::new(), removed: false }
     }
 }
 
@@ -196,7 +197,7 @@ impl Loader<'_> {
     }
 
     /// Spawns an entity, and below it those of a prefab of which it holds a copy.
-    fn holder(
+    pub(super) fn holder(
         &mut self,
         file: &EntityFile,
         context: &Rc<Context>,
@@ -260,7 +261,8 @@ impl Loader<'_> {
         for (children, context, at) in &resolved.added {
             self.added(entity, children, context, at)?;
         }
-        Ok(())
+        let (context, at) = &resolved.animation;
+        tracks::check(&self.world, entity, &context.document, at)
     }
 
     /// Children that an override adds belong to the file of the override: no instance's overrides reach them.
@@ -302,7 +304,8 @@ impl Loader<'_> {
         let mut resolved = Resolved {
             components: file.components(),
             material: here.clone(),
-            surface: here,
+            surface: here.clone(),
+            animation: here,
             origin: Origin::File,
             added: Vec::new(),
             removed: false,
@@ -322,86 +325,6 @@ impl Loader<'_> {
         }
         resolved
     }
-
-    /// Spawns the entities of a prefab below the instance; gives their paths.
-    fn instance(
-        &mut self,
-        file: &EntityFile,
-        context: &Rc<Context>,
-        entity: Entity,
-        at: &[Step],
-    ) -> Result<Vec<String>, FileError> {
-        let written = file.prefab.as_deref().unwrap_or_default();
-        let place = extended(at, &[key("prefab")]);
-        let (path, prefab) = self.prefab(written, context, &place)?;
-        self.chain.push(path);
-        self.levels.push(Level {
-            overrides: file.overrides.clone(),
-            context: context.clone(),
-            at: extended(at, &[key("overrides")]),
-            trail: Vec::new(),
-            members: Vec::new(),
-        });
-        match &file.repeat {
-            None => self.prefab_entities(&prefab.0, &prefab.1, entity)?,
-            Some(repeat) => {
-                for index in 0..repeat.count() {
-                    let name = (index + 1).to_string();
-                    let holder = EntityFile { name, transform: Some(repeat.place(index)), ..Default::default() };
-                    self.holder(&holder, &prefab.0, Some(entity), &[key("entities")], Some(&*prefab))?;
-                }
-            }
-        }
-        self.chain.pop();
-        let level = self.levels.pop();
-        let members = level.map(|l| l.members).unwrap_or_default();
-        check_overrides(file, context, at, written, &members)?;
-        let own: Vec<&str> = match &file.repeat {
-            None => prefab.1.iter().map(|entity| entity.name.as_str()).collect(),
-            Some(_) => members.iter().filter(|path| !path.contains('/')).map(String::as_str).collect(),
-        };
-        check_children(file, context, at, &own)?;
-        Ok(members)
-    }
-
-    /// Spawns the entities of a prefab's file.
-    fn prefab_entities(
-        &mut self,
-        context: &Rc<Context>,
-        entities: &[EntityFile],
-        parent: Entity,
-    ) -> Result<(), FileError> {
-        for (i, child) in entities.iter().enumerate() {
-            self.entity(child, context, Some(parent), &[key("entities"), Step::Index(i)])?;
-        }
-        Ok(())
-    }
-
-    fn prefab(&mut self, written: &str, context: &Context, at: &[Step]) -> Result<(PathBuf, Rc<Prefab>), FileError> {
-        let path = context.document.folder().join(written);
-        let identity = canonical(&path);
-        if let Some(start) = self.chain.iter().position(|p| *p == identity) {
-            return Err(cycle_error(&self.chain[start..], &identity, context, at));
-        }
-        if let Some(known) = self.prefabs.get(&identity) {
-            return Ok((identity, known.clone()));
-        }
-        if !path.is_file() {
-            let looked = io_error(&path, "", &std::io::ErrorKind::NotFound.into());
-            let message = format!("there is no prefab `{written}` (looked for {})", path.display());
-            let error = context.document.error(at, Kind::MissingFile, message);
-            let help = looked.help.unwrap_or_else(|| "paths of prefabs start at the folder of this file".into());
-            return Err(error.with_help(help));
-        }
-        let (document, mut file) = Document::read::<PrefabFile>(&path)?;
-        Validator::prefab(&file).map_err(|fault| fault_error(&document, *fault))?;
-        canonical_entities(&document, &mut file.entities, &self.options.types)?;
-        let context = Rc::new(Context { document, materials: file.materials, is_root: false });
-        let prefab = Rc::new((context, file.entities));
-        self.library.note(&identity);
-        self.prefabs.insert(identity.clone(), prefab.clone());
-        Ok((identity, prefab))
-    }
 }
 
 impl Resolved {
@@ -418,56 +341,12 @@ impl Resolved {
             (c.mesh, c.model) = (None, None);
             self.surface = place.clone();
         }
+        if patch.animation.is_some() {
+            self.animation = place.clone();
+        }
         c.replace_with(patch);
         if !patch.children.is_empty() {
             self.added.push((patch.children.clone(), place.0, place.1));
         }
     }
-}
-
-fn check_overrides(
-    file: &EntityFile,
-    context: &Context,
-    at: &[Step],
-    prefab: &str,
-    members: &[String],
-) -> Result<(), FileError> {
-    let known: HashSet<&str> = members.iter().map(String::as_str).collect();
-    for path in file.overrides.keys() {
-        if known.contains(path.as_str()) {
-            continue;
-        }
-        let at = extended(at, &[key("overrides"), key(path)]);
-        let error = context.document.error(&at, Kind::UnknownName, format!("`{prefab}` has no entity `{path}`"));
-        return Err(match suggestion(path, members.iter().map(String::as_str)) {
-            Some(help) => error.with_help(help),
-            None => error,
-        });
-    }
-    Ok(())
-}
-
-/// An instance's own children must not bear the names of the prefab's.
-fn check_children(file: &EntityFile, context: &Context, at: &[Step], prefab: &[&str]) -> Result<(), FileError> {
-    for (i, child) in file.children.iter().enumerate() {
-        if prefab.contains(&child.name.as_str()) {
-            let at = extended(at, &[key("children"), Step::Index(i), key("name")]);
-            let message = format!("the prefab has a child named `{}` already", child.name);
-            let error = context.document.error(&at, Kind::DuplicateName, message);
-            return Err(error.with_help("give it another name, or change the prefab's child under `overrides`"));
-        }
-    }
-    Ok(())
-}
-
-fn cycle_error(chain: &[PathBuf], again: &Path, context: &Context, at: &[Step]) -> FileError {
-    let names: Vec<String> =
-        chain.iter().map(PathBuf::as_path).chain([again]).map(|p| short_name(p, folder_of(again))).collect();
-    let message = format!("the prefab contains itself: {}", names.join(" → "));
-    let error = context.document.error(at, Kind::PrefabCycle, message);
-    error.with_help("take one of these instances out")
-}
-
-fn short_name(path: &Path, folder: &Path) -> String {
-    path.strip_prefix(folder).unwrap_or(path).display().to_string()
 }

@@ -13,8 +13,7 @@ use crate::assets::{AssetLibrary, Gltf, ImportFault, Material};
 use crate::scene::Aabb;
 use crate::world::animation::{Track, Wrap};
 use crate::world::{
-    Animation, Camera, Clips, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings,
-    Transform,
+    Animation, Camera, Clpv, GameWorld, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings, Transform,
 };
 use bevy_ecs::prelude::Entity;
 use glam::Vec3;
@@ -64,7 +63,7 @@ impl Loader<'_> {
         let Some(name) = &details.node else {
             model.spawn(&gltf.roots, entity);
             model.finish();
-            return self.check_clips(entity, components, &path, context, at);
+            return Ok(());
         };
         let Some(index) = gltf.nodes.iter().position(|node| node.name == *name) else {
             let names = gltf.nodes.iter().map(|n| n.name.as_str());
@@ -79,34 +78,6 @@ impl Loader<'_> {
         let holder = gltf.nodes[index].parent.map_or(entity, |parent| model.holder(parent));
         model.spawn(&[index], holder);
         model.finish();
-        self.check_clips(entity, components, &path, context, at)
-    }
-
-    /// Whether the clips that the entity plays are there.
-    fn check_clips(
-        &self,
-        entity: Entity,
-        components: &OverrideFile,
-        path: &Path,
-        context: &Context,
-        at: &[Step],
-    ) -> Result<(), FileError> {
-        let clips = self.world.ecs.get::<Clips>(entity).cloned().unwrap_or_else(|| Clips(Arc::default()));
-        for track in components.animation.iter().flat_map(|a| &a.tracks) {
-            let Track::Clip { name, .. } = track else { continue };
-            if clips.find(name).is_some() {
-                continue;
-            }
-            let message = match clips.0.is_empty() {
-                true => format!("the model {} has no clips to play", path.display()),
-                false => format!("the model {} has no clip `{name}`", path.display()),
-            };
-            let error = context.document.error(at, Kind::UnknownName, message);
-            return Err(match suggestion(name, clips.0.iter().map(|c| c.name.as_str())) {
-                Some(help) => error.with_help(help),
-                None => error,
-            });
-        }
         Ok(())
     }
 

@@ -28,9 +28,10 @@ use super::vpl::{self, VirtualLights, VplError};
 use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
 use crate::gpu::{Gpu, ReadbackError, read_buffer};
 use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
-use crate::scene::{Aabb, ProbePoint, Scene, SceneView};
+use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
 use crate::world::Transport;
 use glam::Vec3;
+use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Why a frame could not be drawn.
@@ -429,15 +430,22 @@ fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {
     }
     let camera = &view.camera;
     let wrong = |what: String| Err(RenderError::Camera { camera: camera.name.clone(), what });
-    if !(camera.near > 0.0 && camera.near.is_finite()) {
+    let is_near_valid = camera.near > 0.0 || (camera.near == 0.0 && camera.is_orthographic());
+    if !(is_near_valid && camera.near.is_finite()) {
         return wrong(format!("the near plane is at {} m; give a distance above 0", camera.near));
     }
     if camera.far.is_some_and(|far| !(far > camera.near)) {
         return wrong(format!("the far plane must lie beyond the near plane at {} m", camera.near));
     }
-    if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f32::consts::PI) {
-        let degrees = camera.vertical_fov.to_degrees();
-        return wrong(format!("the field of view is {degrees}°; give one between 0° and 180°"));
+    match camera.projection {
+        ViewProjection::Perspective { vertical_fov } if !(vertical_fov > 0.0 && vertical_fov < PI) => {
+            let degrees = vertical_fov.to_degrees();
+            return wrong(format!("the field of view is {degrees}°; give one between 0° and 180°"));
+        }
+        ViewProjection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+            return wrong(format!("it sees {height} m of height; give a length above 0"));
+        }
+        _ => {}
     }
     if !camera.world_from_view.is_finite() {
         return wrong("its place is not finite".into());

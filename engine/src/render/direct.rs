@@ -175,7 +175,8 @@ fn reached_region(light: &SceneLight, view: &SceneView) -> Option<Region> {
         return None;
     }
     let corners = reach.corners().map(|corner| clip_from_world * corner.extend(1.0));
-    if corners.iter().any(|corner| corner.w <= view.camera.near) {
+    // In an orthographic image w is 1, wherever the corner lies.
+    if !view.camera.is_orthographic() && corners.iter().any(|corner| corner.w <= view.camera.near) {
         return Some(full);
     }
     let size = glam::Vec2::new(view.size[0] as f32, view.size[1] as f32);
@@ -189,7 +190,7 @@ fn reached_region(light: &SceneLight, view: &SceneView) -> Option<Region> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{LightShape, SceneCamera, SceneId};
+    use crate::scene::{LightShape, SceneCamera, SceneId, ViewProjection};
     use glam::Affine3A;
 
     fn view() -> SceneView {
@@ -197,7 +198,7 @@ mod tests {
             id: SceneId(1),
             name: "camera".into(),
             world_from_view: Affine3A::IDENTITY,
-            vertical_fov: 1.0,
+            projection: ViewProjection::Perspective { vertical_fov: 1.0 },
             near: 0.1,
             far: None,
             primary: true,
@@ -230,5 +231,11 @@ mod tests {
         assert_eq!(reached_region(&lamp(Vec3::new(0.0, 0.0, 10.0), Some(1.0)), &view()), None);
         let whole = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), None), &view()).expect("everywhere");
         assert_eq!(whole.size, UVec2::new(128, 64));
+        let mut parallel = view();
+        parallel.camera.projection = ViewProjection::Orthographic { height: 8.0 };
+        for distance in [0.0, 2.0, 40.0] {
+            let region = reached_region(&lamp(Vec3::new(2.0, 0.0, -distance), Some(1.0)), &parallel).expect("in view");
+            assert_eq!((region.origin, region.size), (UVec2::new(72, 24), UVec2::new(16, 16)), "at {distance} m");
+        }
     }
 }

@@ -8,14 +8,15 @@ use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
 use encase::ShaderType;
-use glam::{Mat4, UVec2, Vec3};
+use glam::{Mat4, UVec2, Vec4};
 
 /// `View` of `lib/view.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct ViewUniform {
     clip_from_world: Mat4,
     world_from_clip: Mat4,
-    eye: Vec3,
+    eye: Vec4,
+    axis: Vec4,
     size: UVec2,
 }
 
@@ -65,7 +66,8 @@ impl Frame<'_> {
             &ViewUniform {
                 clip_from_world: self.view.clip_from_world(),
                 world_from_clip: self.view.world_from_clip(),
-                eye: self.view.eye(),
+                eye: self.view.eye_point(),
+                axis: self.view.axis(),
                 size: self.view.size.into(),
             },
         )

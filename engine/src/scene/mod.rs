@@ -16,7 +16,7 @@ pub use light::{LightShape, SceneLight};
 pub use probe::ProbePoint;
 pub(crate) use surfels::texel;
 pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
-pub use view::{SceneCamera, SceneView, perspective};
+pub use view::{SceneCamera, SceneView, ViewProjection, orthographic, perspective};
 
 use crate::assets::{Material, Mesh, SkyMap};
 use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};

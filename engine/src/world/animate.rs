@@ -1,9 +1,10 @@
 //! The system that plays animations: writes what they say at the clock's time, and only where it differs.
 
-use super::clips::{self, ClipTarget, Clips, MorphWeights};
+use super::below::TrackTarget;
+use super::clips::{self, Called, ClipTarget, Clips, MorphWeights};
 use super::rest::RestPose;
 use super::sample::{MaterialSample, Sample};
-use super::{Animation, Camera, Clock, Light, LightKind, MeshRenderer, Name, Transform};
+use super::{Animation, Camera, Clock, Light, LightKind, MeshRenderer, Name, Projection, Transform};
 use crate::assets::{AssetId, Material};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -24,34 +25,54 @@ pub(super) struct Animated {
     weights: Option<&'static mut MorphWeights>,
 }
 
-type Moved = (Option<Ref<'static, Animation>>, Option<&'static ClipTarget>, Animated);
+type Moved = (Option<Ref<'static, Animation>>, Option<&'static ClipTarget>, Option<&'static TrackTarget>, Animated);
 
-/// What may be moved: by an animation of its own, or by a clip of the model that it belongs to.
-type Moves = Or<(With<Animation>, With<ClipTarget>)>;
+/// What may be moved: by an animation of its own, by a clip of the model that it belongs to, or by a track of an entity
+/// above it.
+type Moves = Or<(With<Animation>, With<ClipTarget>, With<TrackTarget>)>;
+type Still = (Without<Animation>, Without<ClipTarget>, Without<TrackTarget>);
 
 /// Brings all animated entities to the pose of the clock's time.
 pub(super) fn animate(
     clock: Res<Clock>,
     mut animated: Query<Moved, Moves>,
-    players: Query<(Entity, &Animation, &Clips)>,
+    players: Query<(Entity, &Animation, Option<&Clips>)>,
 ) {
-    for (animation, _, mut item) in &mut animated {
+    for (animation, _, _, mut item) in &mut animated {
         if let Some(animation) = animation.filter(|a| a.is_changed()) {
             check(&animation, &mut item);
         }
     }
     let sound = players.iter().filter(|(_, animation, _)| animation.validate().is_ok());
     let playing = clips::playing(&clock, sound);
-    for (animation, target, mut item) in &mut animated {
-        let of_clips = target.and_then(|t| Some(clips::sample(playing.get(&t.player)?, t.node)));
-        let (of_clips, weights) = of_clips.unwrap_or_default();
+    for (animation, clip, track, mut item) in &mut animated {
         let base = item.transform.as_deref().map(|t| item.rest.transform(t)).unwrap_or_default();
-        let sample = match animation.filter(|_| !item.rest.faulty) {
-            Some(animation) => animation.sample_over(of_clips, &clock, &base),
-            None => of_clips,
-        };
-        pose(&sample, weights, &mut item);
+        let mut sample = Sample::default();
+        for (player, called) in callers(clip, track) {
+            if let Some(playing) = playing.get(&player) {
+                clips::sample(playing, &called, &base, &mut sample);
+            }
+        }
+        if let Some(animation) = animation.filter(|_| !item.rest.faulty) {
+            sample = animation.sample_over(sample, &clock, &base);
+        }
+        pose(&sample, &mut item);
     }
+}
+
+/// Who may move the entity, in the order in which they do.
+fn callers<'a>(clip: Option<&ClipTarget>, track: Option<&'a TrackTarget>) -> Vec<(Entity, Called<'a>)> {
+    let mut callers: Vec<(Entity, Called)> = Vec::new();
+    if let Some(target) = clip {
+        callers.push((target.player, Called { node: Some(target.node), names: Vec::new() }));
+    }
+    for (player, name) in track.iter().flat_map(|target| &target.0) {
+        match callers.iter_mut().find(|(known, _)| known == player) {
+            Some((_, called)) => called.names.push(name),
+            None => callers.push((*player, Called { node: None, names: vec![name] })),
+        }
+    }
+    callers
 }
 
 fn check(animation: &Animation, item: &mut AnimatedItem) {
@@ -64,17 +85,14 @@ fn check(animation: &Animation, item: &mut AnimatedItem) {
 }
 
 /// Gives entities that have lost their animation their own values back.
-pub(super) fn put_to_rest(
-    mut commands: Commands,
-    mut left: Query<Animated, (Without<Animation>, Without<ClipTarget>)>,
-) {
+pub(super) fn put_to_rest(mut commands: Commands, mut left: Query<Animated, Still>) {
     for mut item in &mut left {
-        pose(&Sample::default(), None, &mut item);
+        pose(&Sample::default(), &mut item);
         commands.entity(item.entity).remove::<RestPose>();
     }
 }
 
-fn pose(sample: &Sample, weights: Option<Vec<f32>>, item: &mut AnimatedItem) {
+fn pose(sample: &Sample, item: &mut AnimatedItem) {
     let rest = &mut *item.rest;
     if let Some(transform) = &mut item.transform {
         let now = Transform {
@@ -87,7 +105,8 @@ fn pose(sample: &Sample, weights: Option<Vec<f32>>, item: &mut AnimatedItem) {
         }
     }
     if let Some(shown) = &mut item.weights {
-        let now = drive(&mut rest.weights, weights, shown.0.clone());
+        let animated = weighted(rest.weights.as_ref().unwrap_or(&shown.0), &sample.weights);
+        let now = drive(&mut rest.weights, animated, shown.0.clone());
         if !now.iter().map(|w| w.to_bits()).eq(shown.0.iter().map(|w| w.to_bits())) {
             shown.0 = now;
         }
@@ -96,10 +115,7 @@ fn pose(sample: &Sample, weights: Option<Vec<f32>>, item: &mut AnimatedItem) {
         shine(sample, rest, light);
     }
     if let Some(camera) = &mut item.camera {
-        let fov = drive(&mut rest.fov, sample.fov, camera.fov);
-        if fov.to_bits() != camera.fov.to_bits() {
-            camera.fov = fov;
-        }
+        project(sample, rest, camera);
     }
     if let Some(renderer) = &mut item.renderer {
         let visible = drive(&mut rest.visible, sample.visible, renderer.visible);
@@ -129,6 +145,30 @@ fn shine(sample: &Sample, rest: &mut RestPose, light: &mut Mut<Light>) {
     let bits = |l: &Light| (l.intensity.to_bits(), vector_bits(l.color), l.range.map(f32::to_bits));
     if bits(&now) != bits(light) || now.kind != light.kind {
         **light = now;
+    }
+}
+
+/// The weights of morph targets with those that are animated; none if there are none such.
+fn weighted(own: &[f32], animated: &[(usize, f32)]) -> Option<Vec<f32>> {
+    let mut weights = own.to_vec();
+    for (index, weight) in animated {
+        if let Some(slot) = weights.get_mut(*index) {
+            *slot = *weight;
+        }
+    }
+    (!animated.is_empty()).then_some(weights)
+}
+
+fn project(sample: &Sample, rest: &mut RestPose, camera: &mut Mut<Camera>) {
+    let own = rest.projection.unwrap_or(camera.projection);
+    let projection = match own {
+        Projection::Orthographic { .. } => sample.height.map(|height| Projection::Orthographic { height }),
+        Projection::Perspective => None,
+    };
+    let fov = drive(&mut rest.fov, sample.fov, camera.fov);
+    let projection = drive(&mut rest.projection, projection, camera.projection);
+    if fov.to_bits() != camera.fov.to_bits() || projection != camera.projection {
+        (camera.fov, camera.projection) = (fov, projection);
     }
 }
 

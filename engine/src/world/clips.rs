@@ -1,10 +1,10 @@
 //! Clips of models: which entities they move, and what they say at a time.
 
-use super::Clock;
 use super::animation::{Animation, Track};
 use super::rest::RestPose;
 use super::sample::{Sample, Time};
-use crate::assets::{Clip, Curve};
+use super::{Clock, Transform};
+use crate::assets::{Clip, Curve, NodeCurves};
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use std::collections::HashMap;
@@ -36,51 +36,75 @@ pub struct ClipTarget {
     pub node: usize,
 }
 
-/// A clip and the time to show it at.
-pub(super) struct Playing<'a> {
-    clip: &'a Clip,
-    time: f64,
+/// What an animation makes of entities below its own.
+pub(super) enum Playing<'a> {
+    /// A clip at a time: it says where nodes are, by their index in the model.
+    Clip { clip: &'a Clip, time: f64 },
+    /// A track of keys for one entity.
+    Keys { track: &'a Track, time: Time },
 }
 
-/// What all entities that hold models play, in the order of their tracks.
+/// What all entities play that have something to say of entities below them, in the order of their tracks.
 pub(super) fn playing<'a>(
     clock: &Clock,
-    players: impl Iterator<Item = (Entity, &'a Animation, &'a Clips)>,
+    players: impl Iterator<Item = (Entity, &'a Animation, Option<&'a Clips>)>,
 ) -> HashMap<Entity, Vec<Playing<'a>>> {
-    let of = |animation: &Animation, clips: &'a Clips| {
+    let of = |animation: &'a Animation, clips: Option<&'a Clips>| {
         let tracks = animation.tracks.iter().filter(|_| animation.playing);
-        tracks.filter_map(|track| play(clock, animation, track, clips)).collect()
+        tracks.filter_map(|track| play(clock, animation, track, clips)).collect::<Vec<_>>()
     };
-    players.map(|(entity, animation, clips)| (entity, of(animation, clips))).collect()
+    let all = players.map(|(entity, animation, clips)| (entity, of(animation, clips)));
+    all.filter(|(_, playing)| !playing.is_empty()).collect()
 }
 
-fn play<'a>(clock: &Clock, animation: &Animation, track: &Track, clips: &'a Clips) -> Option<Playing<'a>> {
-    let Track::Clip { name, speed, offset, wrap } = track else { return None };
-    let clip = clips.find(name)?;
-    let time =
-        Time { flicks: clock.flicks(), speed: animation.speed * speed, offset: animation.offset * speed + offset };
-    let time = if clip.duration > 0.0 { time.within(clip.duration, *wrap) } else { 0.0 };
-    Some(Playing { clip, time })
+fn play<'a>(clock: &Clock, animation: &Animation, track: &'a Track, clips: Option<&'a Clips>) -> Option<Playing<'a>> {
+    match track {
+        Track::Clip { name, speed, offset, wrap } => {
+            let clip = clips?.find(name)?;
+            let (speed, offset) = (animation.speed * speed, animation.offset * speed + offset);
+            let time = Time { flicks: clock.flicks(), speed, offset };
+            let time = if clip.duration > 0.0 { time.within(clip.duration, *wrap) } else { 0.0 };
+            Some(Playing::Clip { clip, time })
+        }
+        track if !track.node().is_empty() => Some(Playing::Keys { track, time: animation.time(clock) }),
+        _ => None,
+    }
 }
 
-/// What the clips say of a node: later ones instead of earlier ones.
-pub(super) fn sample(clips: &[Playing], node: usize) -> (Sample, Option<Vec<f32>>) {
-    let (mut sample, mut weights) = (Sample::default(), None);
-    for Playing { clip, time } in clips {
-        let Some(curves) = clip.nodes.get(&node) else { continue };
-        let vector = |curve: &Curve| Vec3::from_slice(&curve.at(*time));
-        if let Some(translation) = curves.translation.as_ref().map(vector).filter(|v| v.is_finite()) {
-            sample.translation = Some(translation);
-        }
-        if let Some(scale) = curves.scale.as_ref().map(vector).filter(|v| v.is_finite()) {
-            sample.scale = Some(scale);
-        }
-        if let Some(curve) = &curves.rotation {
-            sample.rotation = Some(Quat::from_slice(&curve.at(*time)));
-        }
-        if let Some(found) = curves.weights.as_ref().map(|c| c.at(*time)).filter(|w| w.iter().all(|x| x.is_finite())) {
-            weights = Some(found);
+/// Whom a player may mean: a node of its model, and the names by which its tracks call the entity.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Called<'a> {
+    pub node: Option<usize>,
+    pub names: Vec<&'a str>,
+}
+
+/// What a player says of an entity: later tracks instead of earlier ones.
+pub(super) fn sample(playing: &[Playing], called: &Called, rest: &Transform, sample: &mut Sample) {
+    for part in playing {
+        match part {
+            Playing::Clip { clip, time } => {
+                if let Some(curves) = called.node.and_then(|node| clip.nodes.get(&node)) {
+                    sample_curves(curves, *time, sample);
+                }
+            }
+            Playing::Keys { track, time } if called.names.contains(&track.node()) => track.apply(time, rest, sample),
+            Playing::Keys { .. } => {}
         }
     }
-    (sample, weights)
+}
+
+fn sample_curves(curves: &NodeCurves, time: f64, sample: &mut Sample) {
+    let vector = |curve: &Curve| Vec3::from_slice(&curve.at(time));
+    if let Some(translation) = curves.translation.as_ref().map(vector).filter(|v| v.is_finite()) {
+        sample.translation = Some(translation);
+    }
+    if let Some(scale) = curves.scale.as_ref().map(vector).filter(|v| v.is_finite()) {
+        sample.scale = Some(scale);
+    }
+    if let Some(curve) = &curves.rotation {
+        sample.rotation = Some(Quat::from_slice(&curve.at(time)));
+    }
+    if let Some(found) = curves.weights.as_ref().map(|c| c.at(time)).filter(|w| w.iter().all(|x| x.is_finite())) {
+        sample.weights.extend(found.into_iter().enumerate());
+    }
 }

@@ -4,6 +4,7 @@ use crate::assets::{Material, Mesh};
 use bevy_ecs::prelude::*;
 use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub use super::animation::Animation;
@@ -188,15 +189,35 @@ impl Default for Light {
     }
 }
 
-/// A perspective camera looking along −Z.
+/// How a camera projects what it sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Projection {
+    /// What is farther away is smaller. The camera's field of view counts.
+    #[default]
+    Perspective,
+    /// Along parallel lines: all is drawn to one scale, whatever its distance.
+    Orthographic {
+        /// Height of what is seen \[m\].
+        height: f32,
+    },
+}
+
+impl Projection {
+    /// Heights that an orthographic camera may have \[m\].
+    pub const HEIGHTS: RangeInclusive<f32> = 1e-6..=1e9;
+}
+
+/// A camera looking along −Z.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// Vertical field of view \[degrees\].
+    /// Perspective, or orthographic with the height of what is seen.
+    pub projection: Projection,
+    /// Vertical field of view of a perspective \[degrees\].
     pub fov: f32,
-    /// Near plane \[m\].
+    /// Near plane \[m\]; an orthographic camera may have it at 0.
     pub near: f32,
-    /// Far plane \[m\]; none: infinite.
+    /// Far plane \[m\]; none: infinite, or 100 heights away for an orthographic camera.
     pub far: Option<f32>,
     /// The camera that is used when none is named.
     pub primary: bool,
@@ -204,7 +225,7 @@ pub struct Camera {
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { fov: 60.0, near: 0.05, far: None, primary: false }
+        Self { projection: Projection::Perspective, fov: 60.0, near: 0.05, far: None, primary: false }
     }
 }
 

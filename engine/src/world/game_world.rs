@@ -3,7 +3,7 @@
 use super::identity::{Identities, Identity, identify};
 use super::{
     Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
-    WorldError, animate, deform, hierarchy, transform,
+    WorldError, animate, below, deform, hierarchy, transform,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -70,7 +70,15 @@ impl GameWorld {
         ecs.add_observer(hierarchy::refuse_cycles);
         let mut frame = Schedule::new(Frame);
         frame.add_systems(
-            (identify, animate::put_to_rest, animate::animate, transform::propagate, deform::deform, despawn_queued)
+            (
+                identify,
+                below::bind,
+                animate::put_to_rest,
+                animate::animate,
+                transform::propagate,
+                deform::deform,
+                despawn_queued,
+            )
                 .chain(),
         );
         Self { ecs, behaviours: Schedule::new(Behaviours), frame }

@@ -5,6 +5,7 @@
 
 mod animate;
 pub mod animation;
+mod below;
 mod clips;
 mod clock;
 mod components;
@@ -23,6 +24,7 @@ mod stash;
 mod tests;
 mod transform;
 
+pub use below::NotBelow;
 pub use clips::{ClipTarget, Clips, MorphWeights};
 pub use clock::{Clock, FLICKS_PER_SECOND};
 pub use components::*;

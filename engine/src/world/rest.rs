@@ -1,6 +1,6 @@
 //! What an entity is without its animation.
 
-use super::{Camera, GameWorld, Light, LightKind, MeshRenderer, Transform};
+use super::{Camera, GameWorld, Light, LightKind, MeshRenderer, Projection, Transform};
 use crate::assets::Material;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
@@ -20,6 +20,7 @@ pub struct RestPose {
     pub(super) range: Option<Option<f32>>,
     pub(super) kind: Option<LightKind>,
     pub(super) fov: Option<f32>,
+    pub(super) projection: Option<Projection>,
     pub(super) visible: Option<bool>,
     pub(super) weights: Option<Vec<f32>>,
     pub(super) material: Option<Arc<Material>>,
@@ -76,6 +77,8 @@ impl GameWorld {
         if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Light>()) {
             now.intensity = hold(&mut rest.intensity, now.intensity, current.intensity);
             now.color = hold(&mut rest.color, now.color, current.color);
+            now.range = hold(&mut rest.range, now.range, current.range);
+            now.kind = hold(&mut rest.kind, now.kind, current.kind);
             entity.insert(rest);
         }
         entity.insert(now);
@@ -87,6 +90,7 @@ impl GameWorld {
         let mut now = camera;
         if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Camera>()) {
             now.fov = hold(&mut rest.fov, now.fov, current.fov);
+            now.projection = hold(&mut rest.projection, now.projection, current.projection);
             entity.insert(rest);
         }
         entity.insert(now);
@@ -95,8 +99,9 @@ impl GameWorld {
     /// The camera without animation, as files hold it.
     pub fn rest_camera(&self, entity: Entity) -> Option<Camera> {
         let camera = self.ecs.get::<Camera>(entity)?.clone();
-        let fov = self.ecs.get::<RestPose>(entity).and_then(|rest| rest.fov).unwrap_or(camera.fov);
-        Some(Camera { fov, ..camera })
+        let Some(rest) = self.ecs.get::<RestPose>(entity) else { return Some(camera) };
+        let (fov, projection) = (rest.fov.unwrap_or(camera.fov), rest.projection.unwrap_or(camera.projection));
+        Some(Camera { fov, projection, ..camera })
     }
 
     /// Whether the entity's mesh is drawn without animation, as files hold it.

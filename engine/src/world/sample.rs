@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec3};
 use std::f64::consts::TAU;
 
 /// What an animation says at a time. None: nothing, the entity's own value holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Translation \[m\].
     pub translation: Option<Vec3>,
@@ -30,10 +30,14 @@ pub struct Sample {
     pub outer: Option<f32>,
     /// Field of view of the camera \[degrees\].
     pub fov: Option<f32>,
+    /// Height of what the orthographic camera sees \[m\].
+    pub height: Option<f32>,
     /// Whether the mesh is drawn.
     pub visible: Option<bool>,
     /// What changes of the material.
     pub material: MaterialSample,
+    /// Weights of morph targets, by number; later ones hold.
+    pub weights: Vec<(usize, f32)>,
 }
 
 /// What an animation says of a material at a time.
@@ -58,15 +62,21 @@ impl Animation {
         self.sample_over(Sample::default(), clock, rest)
     }
 
-    /// The same on top of what a clip says.
+    /// The same on top of what the model says that the entity belongs to.
     pub(super) fn sample_over(&self, mut sample: Sample, clock: &Clock, rest: &Transform) -> Sample {
         if self.playing {
-            let time = Time { flicks: clock.flicks(), speed: self.speed, offset: self.offset };
-            for track in &self.tracks {
+            let time = self.time(clock);
+            // Other tracks say nothing of the entity itself.
+            for track in self.tracks.iter().filter(|track| track.node().is_empty()) {
                 track.apply(&time, rest, &mut sample);
             }
         }
         sample
+    }
+
+    /// Time of the tracks.
+    pub(super) fn time(&self, clock: &Clock) -> Time {
+        Time { flicks: clock.flicks(), speed: self.speed, offset: self.offset }
     }
 }
 
@@ -111,7 +121,12 @@ impl Time {
 }
 
 impl Track {
-    fn apply(&self, time: &Time, rest: &Transform, out: &mut Sample) {
+    /// The entity below that it is for; empty for the entity itself.
+    pub(super) fn node(&self) -> &str {
+        if let Self::Keys { node, .. } = self { node } else { "" }
+    }
+
+    pub(super) fn apply(&self, time: &Time, rest: &Transform, out: &mut Sample) {
         match self {
             Self::Spin { axis, degrees_per_second } => {
                 let phase = if *degrees_per_second == 0.0 { 0.0 } else { time.phase(360.0 / degrees_per_second) };
@@ -128,7 +143,7 @@ impl Track {
                     set(&mut out.rotation, Quat::from_mat3(&axes).normalize(), Quat::is_finite);
                 }
             }
-            Self::Keys { target, keys, interpolation, wrap } => {
+            Self::Keys { target, keys, interpolation, wrap, .. } => {
                 let Some((last, _)) = keys.last() else { return };
                 // A single key at zero spans no time, and says the same at all times.
                 let now = if *last > 0.0 { time.within(*last, *wrap) } else { 0.0 };
@@ -176,9 +191,11 @@ impl Target {
             Self::LightIntensity => set(&mut out.intensity, x.max(0.0), f32::is_finite),
             Self::LightColor => set(&mut out.color, vector.max(Vec3::ZERO), Vec3::is_finite),
             Self::CameraFov => set(&mut out.fov, x, f32::is_finite),
+            Self::CameraHeight => set(&mut out.height, x.max(1e-6), f32::is_finite),
             Self::LightRange => set(&mut out.range, x.max(1e-6), f32::is_finite),
             Self::LightInner => set(&mut out.inner, x.clamp(0.0, 90.0), f32::is_finite),
             Self::LightOuter => set(&mut out.outer, x.clamp(0.0, 90.0), f32::is_finite),
+            Self::MorphWeight(index) => out.weights.extend(x.is_finite().then_some((index as usize, x))),
             Self::Visible => set(&mut out.visible, x >= 0.5, |_| true),
             Self::MaterialEmissive => set(&mut out.material.emissive, vector.max(Vec3::ZERO), Vec3::is_finite),
             Self::MaterialColor => {

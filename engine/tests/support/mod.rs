@@ -9,7 +9,7 @@ use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture
 use lightwell::graph::FrameReport;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{
-    LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView,
+    LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView, ViewProjection,
 };
 use lightwell::world::Clpv;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl Stage {
             id: SceneId(1),
             name: "camera".into(),
             world_from_view: Affine3A::from_mat3_translation(rotation, eye),
-            vertical_fov: std::f32::consts::FRAC_PI_2,
+            projection: ViewProjection::Perspective { vertical_fov: std::f32::consts::FRAC_PI_2 },
             near: 0.01,
             far: None,
             primary: true,
@@ -124,7 +124,7 @@ impl Stage {
     /// Ray through the centre of a pixel: unit direction in world space.
     pub fn ray(&self, x: u32, y: u32) -> Vec3 {
         let [width, height] = self.view.size.map(|s| s as f32);
-        let tangent = (0.5 * self.view.camera.vertical_fov).tan();
+        let tangent = self.view.camera.half_height();
         let ndc = glam::Vec2::new((x as f32 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f32 + 0.5) / height * 2.0);
         let local = Vec3::new(ndc.x * tangent * width / height, ndc.y * tangent, -1.0);
         self.view.camera.world_from_view.transform_vector3(local).normalize()

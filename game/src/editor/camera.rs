@@ -1,7 +1,7 @@
 //! The camera of interactive play: the scene's own, until it is moved by hand.
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
-use lightwell::scene::SceneCamera;
+use lightwell::scene::{SceneCamera, ViewProjection};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::FRAC_PI_2;
 
@@ -43,6 +43,8 @@ impl Pose {
 pub struct FlyCamera {
     /// Set once it was moved by hand.
     free: Option<Pose>,
+    /// Height of what an orthographic camera sees, once it was changed by hand \[m\].
+    height: Option<f32>,
 }
 
 impl FlyCamera {
@@ -53,7 +55,7 @@ impl FlyCamera {
 
     /// Back to the scene's camera.
     pub fn reset(&mut self) {
-        self.free = None;
+        *self = Self::default();
     }
 
     /// Where it was flown to.
@@ -72,11 +74,19 @@ impl FlyCamera {
         pose.position = point - pose.rotation() * Vec3::NEG_Z * distance;
     }
 
+    /// Sets the height of what an orthographic camera sees \[m\].
+    pub fn set_height(&mut self, height: f32) {
+        self.height = Some(height.clamp(1e-3, 1e6));
+    }
+
     /// The camera to draw with: the scene's lens at the place flown to.
     pub fn apply(&self, camera: &SceneCamera) -> SceneCamera {
         let mut camera = camera.clone();
         if let Some(pose) = &self.free {
             camera.world_from_view = Affine3A::from_rotation_translation(pose.rotation(), pose.position);
+        }
+        if let (ViewProjection::Orthographic { height }, Some(own)) = (&mut camera.projection, self.height) {
+            *height = own;
         }
         camera
     }
@@ -124,7 +134,7 @@ mod tests {
             id: SceneId(1),
             name: "Camera".into(),
             world_from_view: Affine3A::from_cols(right.into(), back.cross(right).into(), back.into(), from.into()),
-            vertical_fov: 1.0,
+            projection: ViewProjection::Perspective { vertical_fov: 1.0 },
             near: 0.1,
             far: None,
             primary: true,
@@ -150,6 +160,18 @@ mod tests {
         fly.orbit(&scene, [300.0, 120.0], 5.0);
         let eye: Vec3 = fly.apply(&scene).world_from_view.translation.into();
         assert!((eye.distance(Vec3::Y) - 5.0).abs() < 1e-4, "{eye}");
+    }
+
+    #[test]
+    fn the_height_is_that_of_orthographic_cameras() {
+        let mut scene = camera(Vec3::ZERO, Vec3::X);
+        let mut fly = FlyCamera::default();
+        fly.set_height(3.0);
+        assert_eq!(fly.apply(&scene), scene);
+        scene.projection = ViewProjection::Orthographic { height: 8.0 };
+        assert_eq!(fly.apply(&scene).half_height(), 1.5);
+        fly.reset();
+        assert_eq!(fly.apply(&scene), scene);
     }
 
     #[test]

@@ -35,7 +35,9 @@ const COLORS: [Color32; 3] =
 pub struct Lens {
     clip_from_world: Mat4,
     world_from_clip: Mat4,
-    eye: Vec3,
+    /// Homogeneous: a direction where lines of sight are parallel.
+    eye: Vec4,
+    /// Least of clip w that is seen; w is 1 everywhere where lines of sight are parallel.
     near: f32,
     focal: f32,
     rect: Rect,
@@ -49,9 +51,9 @@ impl Lens {
         Self {
             clip_from_world: view.clip_from_world(),
             world_from_clip: view.world_from_clip(),
-            eye: view.eye(),
-            near: camera.near,
-            focal: 0.5 * rect.height() / (0.5 * camera.vertical_fov).tan(),
+            eye: view.eye_point(),
+            near: if camera.is_orthographic() { 0.0 } else { camera.near },
+            focal: 0.5 * rect.height() / camera.half_height(),
             rect,
         }
     }
@@ -66,23 +68,32 @@ impl Lens {
         self.rect.min + egui::vec2(share[0] * self.rect.width(), share[1] * self.rect.height())
     }
 
+    /// How far beyond the near plane a point lies, in a measure that is linear along lines.
+    fn beyond(&self, clip: Vec4) -> f32 {
+        // Depth is reversed: 1 on the near plane.
+        if self.near > 0.0 { clip.w - self.near } else { clip.w - clip.z }
+    }
+
     /// Where a point is seen; none behind the camera.
     pub fn point(&self, point: Vec3) -> Option<Pos2> {
         let clip = self.clip(point);
-        (clip.w > self.near).then(|| self.screen(clip))
+        (self.beyond(clip) > 0.0).then(|| self.screen(clip))
     }
 
     /// Where a line is seen, cut off at the near plane.
     pub fn segment(&self, a: Vec3, b: Vec3) -> Option<(Pos2, Pos2)> {
         let (mut a, mut b) = (self.clip(a), self.clip(b));
-        if a.w <= self.near && b.w <= self.near {
+        let (near, other) = (self.beyond(a), self.beyond(b));
+        if near <= 0.0 && other <= 0.0 {
             return None;
         }
-        let cut = |from: Vec4, to: Vec4| from + (to - from) * ((self.near * 1.001 - from.w) / (to.w - from.w));
-        if a.w <= self.near {
-            a = cut(a, b);
-        } else if b.w <= self.near {
-            b = cut(b, a);
+        // A little beyond the plane, where w is above zero for certain.
+        let least = 1e-3 * self.near;
+        let cut = |from: Vec4, to: Vec4, low: f32, high: f32| from + (to - from) * ((least - low) / (high - low));
+        if near <= 0.0 {
+            a = cut(a, b, near, other);
+        } else if other <= 0.0 {
+            b = cut(b, a, other, near);
         }
         Some((self.screen(a), self.screen(b)))
     }
@@ -92,29 +103,35 @@ impl Lens {
         points * self.clip(at).w.max(self.near) / self.focal
     }
 
-    /// Direction of the line of sight through a point of the screen.
-    fn ray(&self, at: Pos2) -> Vec3 {
+    /// The line of sight through a point of the screen: where it starts, and its direction.
+    fn ray(&self, at: Pos2) -> (Vec3, Vec3) {
         let share = (at - self.rect.min) / self.rect.size();
         let clip = Vec4::new(share.x * 2.0 - 1.0, 1.0 - share.y * 2.0, 0.5, 1.0);
         let point = self.world_from_clip * clip;
-        (point.truncate() / point.w - self.eye).normalize_or(Vec3::NEG_Z)
+        let point = point.truncate() / point.w;
+        let eye = self.eye.truncate();
+        if self.eye.w == 0.0 {
+            // Anywhere on the line: it has no start.
+            return (point, -eye);
+        }
+        (eye, (point - eye).normalize_or(Vec3::NEG_Z))
     }
 
     /// How far along an axis the point lies that is nearest to the line of sight \[m\].
     fn along(&self, origin: Vec3, axis: Vec3, at: Pos2) -> Option<f32> {
-        let ray = self.ray(at);
+        let (start, ray) = self.ray(at);
         let across = axis.dot(ray);
-        let from = origin - self.eye;
+        let from = origin - start;
         let denominator = 1.0 - across * across;
         (denominator > 1e-4).then(|| (across * ray.dot(from) - axis.dot(from)) / denominator)
     }
 
     /// Where the line of sight meets a plane.
     fn on_plane(&self, origin: Vec3, normal: Vec3, at: Pos2) -> Option<Vec3> {
-        let ray = self.ray(at);
+        let (start, ray) = self.ray(at);
         let across = ray.dot(normal);
-        let distance = (origin - self.eye).dot(normal) / across;
-        (across.abs() > 1e-3 && distance > 0.0).then(|| self.eye + ray * distance)
+        let distance = (origin - start).dot(normal) / across;
+        (across.abs() > 1e-3 && (distance > 0.0 || self.eye.w == 0.0)).then(|| start + ray * distance)
     }
 }
 
@@ -309,7 +326,7 @@ fn motion(drag: &Drag, lens: &Lens, at: Pos2, snap: bool) -> Option<Motion> {
             Some(Motion::Move(axis * step(by, STEPS.0)))
         }
         (Mode::Move, Grip::Center) => {
-            let normal = lens.ray(lens.rect.center());
+            let (_, normal) = lens.ray(lens.rect.center());
             let by = lens.on_plane(drag.origin, normal, at)? - lens.on_plane(drag.origin, normal, drag.start)?;
             Some(Motion::Move(by.map(|c| step(c, STEPS.0))))
         }
@@ -319,7 +336,7 @@ fn motion(drag: &Drag, lens: &Lens, at: Pos2, snap: bool) -> Option<Motion> {
             let center = lens.point(drag.origin)?;
             let angle = |p: Pos2| (-(p - center).y).atan2((p - center).x);
             // Seen from behind, the axis turns the other way.
-            let sign = if axis.dot(lens.eye - drag.origin) >= 0.0 { 1.0 } else { -1.0 };
+            let sign = if axis.dot(lens.eye.truncate() - lens.eye.w * drag.origin) >= 0.0 { 1.0 } else { -1.0 };
             let turn = (angle(at) - angle(drag.start) + TAU * 1.5).rem_euclid(TAU) - TAU * 0.5;
             Some(Motion::Rotate(Quat::from_axis_angle(axis, step(sign * turn, STEPS.1))))
         }
@@ -382,13 +399,17 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use egui::pos2;
+    use lightwell::scene::ViewProjection;
 
-    fn lens() -> Lens {
+    const PERSPECTIVE: ViewProjection = ViewProjection::Perspective { vertical_fov: 1.0 };
+    const BOTH: [ViewProjection; 2] = [PERSPECTIVE, ViewProjection::Orthographic { height: 6.0 }];
+
+    fn lens(projection: ViewProjection) -> Lens {
         let camera = SceneCamera {
             id: SceneId(1),
             name: "c".into(),
             world_from_view: Affine3A::from_translation(Vec3::new(0.0, 0.0, 5.0)),
-            vertical_fov: 1.0,
+            projection,
             near: 0.1,
             far: None,
             primary: true,
@@ -402,31 +423,47 @@ mod tests {
 
     #[test]
     fn a_drag_along_an_axis_follows_the_pointer() {
-        let lens = lens();
+        BOTH.iter().for_each(|projection| drag_along_an_axis(&lens(*projection)));
+    }
+
+    fn drag_along_an_axis(lens: &Lens) {
         let (from, to) = (Vec3::X * 0.3, Vec3::X * 1.1);
         let drag = drag(Mode::Move, Grip::Axis(0), lens.point(from).unwrap());
-        let Some(Motion::Move(by)) = motion(&drag, &lens, lens.point(to).unwrap(), false) else { panic!() };
+        let Some(Motion::Move(by)) = motion(&drag, lens, lens.point(to).unwrap(), false) else { panic!() };
         assert!(by.abs_diff_eq(Vec3::X * 0.8, 1e-3), "{by}");
         let near = lens.point(to + Vec3::new(0.0, 0.4, 0.0)).unwrap();
-        let Some(Motion::Move(by)) = motion(&drag, &lens, near, true) else { panic!() };
+        let Some(Motion::Move(by)) = motion(&drag, lens, near, true) else { panic!() };
         assert!((by.x / 0.1 - (by.x / 0.1).round()).abs() < 1e-3 && by.y == 0.0, "{by} is in steps");
     }
 
     #[test]
     fn handles_are_hit_where_they_are_drawn() {
-        let lens = lens();
+        BOTH.iter().for_each(|projection| handles_are_hit(&lens(*projection)));
+    }
+
+    fn handles_are_hit(lens: &Lens) {
         let length = lens.length(Vec3::ZERO, LENGTH);
         let axes = Mat3::IDENTITY;
         let at = |p: Vec3| lens.point(p).unwrap();
-        assert_eq!(grip_at(&lens, Mode::Move, Vec3::ZERO, &axes, at(Vec3::X * length * 0.7)), Some(Grip::Axis(0)));
-        assert_eq!(grip_at(&lens, Mode::Move, Vec3::ZERO, &axes, at(Vec3::ZERO)), Some(Grip::Center));
-        assert_eq!(grip_at(&lens, Mode::Rotate, Vec3::ZERO, &axes, at(Vec3::Y * length)), Some(Grip::Axis(0)));
-        assert_eq!(grip_at(&lens, Mode::Scale, Vec3::ZERO, &axes, at(Vec3::splat(length))), None);
+        assert_eq!(grip_at(lens, Mode::Move, Vec3::ZERO, &axes, at(Vec3::X * length * 0.7)), Some(Grip::Axis(0)));
+        assert_eq!(grip_at(lens, Mode::Move, Vec3::ZERO, &axes, at(Vec3::ZERO)), Some(Grip::Center));
+        assert_eq!(grip_at(lens, Mode::Rotate, Vec3::ZERO, &axes, at(Vec3::Y * length)), Some(Grip::Axis(0)));
+        assert_eq!(grip_at(lens, Mode::Scale, Vec3::ZERO, &axes, at(Vec3::splat(length))), None);
+    }
+
+    #[test]
+    fn what_lies_before_an_orthographic_camera_is_cut_off() {
+        let lens = lens(BOTH[1]);
+        assert_eq!((lens.point(Vec3::Z * 4.0).is_some(), lens.point(Vec3::Z * 5.5)), (true, None));
+        let (a, b) = lens.segment(Vec3::new(1.0, 0.0, 9.9), Vec3::new(-1.0, 0.0, -0.1)).unwrap();
+        assert!((a.x - 210.0).abs() < 1e-2 && (b.x - 160.0).abs() < 1e-2, "{a:?} {b:?}: 50 points a metre");
+        // Handles are as large wherever they stand.
+        assert_eq!(lens.length(Vec3::ZERO, 50.0), lens.length(Vec3::Z * -30.0, 50.0));
     }
 
     #[test]
     fn a_quarter_turn_is_a_quarter_turn() {
-        let lens = lens();
+        let lens = lens(PERSPECTIVE);
         let center = lens.point(Vec3::ZERO).unwrap();
         let drag = drag(Mode::Rotate, Grip::Axis(2), center + egui::vec2(50.0, 0.0));
         let Some(Motion::Rotate(q)) = motion(&drag, &lens, center + egui::vec2(0.0, -50.0), false) else { panic!() };
@@ -454,7 +491,7 @@ mod tests {
 
     #[test]
     fn lines_are_cut_at_the_camera() {
-        let lens = lens();
+        let lens = lens(PERSPECTIVE);
         assert!(lens.segment(Vec3::new(0.0, 0.0, 20.0), Vec3::new(0.0, 0.0, 30.0)).is_none());
         let (a, b) = lens.segment(Vec3::new(0.5, 0.0, 20.0), Vec3::new(0.5, 0.0, 0.0)).unwrap();
         assert!(a.x.is_finite() && b.x.is_finite());

@@ -10,7 +10,7 @@ use bevy_ecs::prelude::{Entity, With};
 use egui::{Color32, CornerRadius, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
 use glam::{Affine3A, DVec3, Vec3};
 use lightwell::files;
-use lightwell::scene::{Aabb, SceneCamera, SceneId};
+use lightwell::scene::{Aabb, SceneCamera, SceneId, ViewProjection};
 use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
 
 /// What the view remembers.
@@ -137,7 +137,11 @@ fn look(ui: &Ui, stage: &mut Stage, camera: &SceneCamera, response: &Response) {
         let distance = orbit_distance(stage, camera);
         stage.camera.orbit(camera, by, distance);
     } else if response.dragged_by(PointerButton::Middle) {
-        let step = orbit_distance(stage, camera) * 0.0015;
+        let seen = stage.camera.apply(camera);
+        let step = match seen.is_orthographic() {
+            true => 2.0 * seen.half_height() / response.rect.height().max(1.0),
+            false => orbit_distance(stage, camera) * 0.0015,
+        };
         stage.camera.fly(camera, Vec3::new(-by[0] * step, by[1] * step, 0.0));
     }
     ui.ctx().request_repaint();
@@ -157,7 +161,12 @@ fn fly(ui: &Ui, editor: &mut Editor, stage: &mut Stage, camera: &SceneCamera, re
     });
     if response.hovered() {
         let turn = ui.input(|i| i.smooth_scroll_delta.y) / 40.0;
-        editor.view.flight_speed = (editor.view.flight_speed * 1.2f32.powf(turn)).clamp(0.01, 100.0);
+        let seen = stage.camera.apply(camera);
+        if !seen.is_orthographic() {
+            editor.view.flight_speed = (editor.view.flight_speed * 1.2f32.powf(turn)).clamp(0.01, 100.0);
+        } else if turn != 0.0 {
+            stage.camera.set_height(2.0 * seen.half_height() * 1.2f32.powf(-turn));
+        }
     }
     if direction != Vec3::ZERO {
         let settings = stage.world.ecs.get_resource::<lightwell::world::SceneSettings>();
@@ -309,7 +318,13 @@ pub fn focus(editor: &mut Editor, stage: &mut Stage) {
     }
     if !bounds.is_empty() {
         let radius = (0.5 * bounds.size().length()).max(0.05);
-        let distance = 1.2 * radius / (0.5 * camera.vertical_fov).sin().max(0.05);
+        let distance = match camera.projection {
+            ViewProjection::Perspective { vertical_fov } => 1.2 * radius / (0.5 * vertical_fov).sin().max(0.05),
+            ViewProjection::Orthographic { .. } => {
+                stage.camera.set_height(2.4 * radius);
+                camera.near + 2.0 * radius
+            }
+        };
         stage.camera.look_from(&camera, bounds.center(), distance);
     }
 }

@@ -3,7 +3,7 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::sweep::Surfel
 #import lightwell::sweep_lookup::irradiance
-#import lightwell::view::View
+#import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
 
 struct Cascade {
@@ -91,7 +91,7 @@ fn relight(@builtin(global_invocation_id) thread: vec3u) {
     let z = textureLoad(depth, pixel, 0);
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
-        let to_eye = normalize(view.eye - point);
+        let to_eye = normalize(toward_eye(view, point));
         e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)), to_eye);
     }
 #ifdef LAST

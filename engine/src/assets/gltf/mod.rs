@@ -30,7 +30,8 @@ mod thin;
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 
 use super::{AssetError, Clip, Material, Mesh, parallel, read_file};
-use crate::world::{Camera, Light, LightKind, Transform};
+use crate::scene::ViewProjection;
+use crate::world::{Camera, Light, LightKind, Projection, Transform};
 use accessor::Buffers;
 use glam::{Affine3A, Vec3};
 use primitive::{Job, Reader};
@@ -45,13 +46,13 @@ const MAX_CORNERS: usize = 1 << 27;
 /// Triangles with their surface.
 pub type GltfPrimitive = (Arc<Mesh>, Arc<Material>);
 
-/// A perspective camera of a file, looking along −Z.
+/// A camera of a file, looking along −Z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfCamera {
     /// Name; empty if the file has none.
     pub name: String,
-    /// Vertical field of view \[radians\], above 0 and below π.
-    pub fov_y: f32,
+    /// Projection; a field of view is above 0 and below π.
+    pub projection: ViewProjection,
     /// Near plane \[m\].
     pub near: f32,
     /// Far plane \[m\]; none: infinite.
@@ -63,7 +64,13 @@ pub struct GltfCamera {
 impl GltfCamera {
     /// The component.
     pub fn camera(&self) -> Camera {
-        Camera { fov: self.fov_y.to_degrees(), near: self.near, far: self.far, ..Camera::default() }
+        let camera = Camera { near: self.near, far: self.far, ..Camera::default() };
+        match self.projection {
+            ViewProjection::Perspective { vertical_fov } => Camera { fov: vertical_fov.to_degrees(), ..camera },
+            ViewProjection::Orthographic { height } => {
+                Camera { projection: Projection::Orthographic { height }, ..camera }
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::Gltf;
+use crate::scene::ViewProjection;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -145,4 +146,17 @@ fn crytek_sponza_loads_in_time() {
     if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
         eprintln!("{}", status.lines().find(|l| l.starts_with("VmHWM")).unwrap_or(""));
     }
+}
+
+/// The model with one camera of each kind.
+#[test]
+fn cameras_are_those_of_the_file() {
+    let Some(models) = models() else { return };
+    let model = Gltf::load(models.join("khronos/Cameras/Cameras.gltf")).unwrap();
+    let cameras: Vec<_> = model.nodes.iter().filter_map(|node| node.camera.as_ref()).collect();
+    let [perspective, parallel] = cameras[..] else { panic!("{} cameras", cameras.len()) };
+    assert_eq!(perspective.projection, ViewProjection::Perspective { vertical_fov: 0.7 });
+    assert_eq!(parallel.projection, ViewProjection::Orthographic { height: 2.0 });
+    assert_eq!((parallel.near, parallel.far, parallel.aspect), (0.01, Some(100.0), Some(1.0)));
+    assert_eq!(model.warnings, Vec::<String>::new());
 }

@@ -2,7 +2,8 @@
 
 use super::{GltfCamera, GltfLight, GltfNode};
 use crate::assets::AssetError;
-use crate::world::{LightKind, Transform};
+use crate::scene::ViewProjection;
+use crate::world::{self, LightKind, Transform};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use gltf::Document;
 use gltf::camera::Projection;
@@ -16,7 +17,7 @@ pub(super) fn read(
     document: &Document,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<GltfNode>, Vec<usize>), AssetError> {
-    let cameras = cameras(path, document, warnings)?;
+    let cameras = cameras(path, document)?;
     let lights = lights(path, document)?;
     let mut nodes = Vec::new();
     for node in document.nodes() {
@@ -27,7 +28,7 @@ pub(super) fn read(
         nodes.push(GltfNode {
             local,
             children: json.children.iter().flatten().map(|c| c.value()).collect(),
-            camera: json.camera.and_then(|c| cameras.get(c.value()).cloned().flatten()),
+            camera: json.camera.and_then(|c| cameras.get(c.value()).cloned()),
             light: node.light().and_then(|l| lights.get(l.index()).cloned()),
             name,
             ..GltfNode::default()
@@ -144,32 +145,39 @@ fn decompose(m: &Mat4) -> Transform {
     Transform { translation, rotation, scale }
 }
 
-fn cameras(
-    path: &Path,
-    document: &Document,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<Option<GltfCamera>>, AssetError> {
+fn cameras(path: &Path, document: &Document) -> Result<Vec<GltfCamera>, AssetError> {
     let mut cameras = Vec::new();
     for camera in document.cameras() {
         let place = format!("camera {}", camera.index());
         let fail = |problem: String| Err(AssetError::format(path, place.clone(), problem));
-        let Projection::Perspective(p) = camera.projection() else {
-            warnings.push(format!("{place}: orthographic cameras are not supported"));
-            cameras.push(None);
-            continue;
+        let (projection, aspect, near, far) = match camera.projection() {
+            Projection::Perspective(p) => {
+                if !(p.yfov() > 0.0 && p.yfov() < PI) {
+                    return fail(format!("yfov {} must lie between 0 and π", p.yfov()));
+                }
+                if !(p.znear() > 0.0 && p.znear().is_finite()) {
+                    return fail(format!("znear {} must be positive and finite", p.znear()));
+                }
+                let projection = ViewProjection::Perspective { vertical_fov: p.yfov() };
+                (projection, p.aspect_ratio(), p.znear(), p.zfar())
+            }
+            Projection::Orthographic(o) => {
+                // Half the width and height; negative ones, which would mirror the image, glTF advises against.
+                let (width, height) = (2.0 * o.xmag().abs(), 2.0 * o.ymag().abs());
+                if !world::Projection::HEIGHTS.contains(&height) {
+                    return fail(format!("ymag {} must be between 5e-7 and 5e8 m", o.ymag()));
+                }
+                if !(o.znear() >= 0.0 && o.znear().is_finite()) {
+                    return fail(format!("znear {} must be finite and not negative", o.znear()));
+                }
+                (ViewProjection::Orthographic { height }, Some(width / height), o.znear(), Some(o.zfar()))
+            }
         };
-        let (fov_y, near, far) = (p.yfov(), p.znear(), p.zfar());
-        if !(fov_y > 0.0 && fov_y < PI) {
-            return fail(format!("yfov {fov_y} must lie between 0 and π"));
-        }
-        if !(near > 0.0 && near.is_finite()) {
-            return fail(format!("znear {near} must be positive and finite"));
-        }
         if far.is_some_and(|f| !(f > near && f.is_finite())) {
             return fail(format!("zfar {} must be finite and beyond znear {near}", far.unwrap_or(0.0)));
         }
-        let aspect = p.aspect_ratio().filter(|a| a.is_finite() && *a > 0.0);
-        cameras.push(Some(GltfCamera { name: camera.name().unwrap_or("").to_string(), fov_y, near, far, aspect }));
+        let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
+        cameras.push(GltfCamera { name: camera.name().unwrap_or("").to_string(), projection, near, far, aspect });
     }
     Ok(cameras)
 }

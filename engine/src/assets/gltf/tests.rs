@@ -3,7 +3,7 @@
 
 use super::Gltf;
 use crate::assets::{AlphaMode, AssetError, AssetLibrary, Sampling, Wrap};
-use crate::world::LightKind;
+use crate::world::{Camera, LightKind};
 use glam::{Mat4, Quat, Vec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -129,10 +129,11 @@ fn materials_lights_and_cameras() {
                 "baseColorTexture":{"index":0}},
             "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":4},"KHR_materials_ior":{"ior":2},
                 "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,0.5,0]}}}],
-        "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
+        "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}},
+            {"type":"orthographic","orthographic":{"xmag":2,"ymag":1.5,"znear":0,"zfar":9}}],
         "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","intensity":5,"color":[1,0,0],
             "spot":{"innerConeAngle":0.1,"outerConeAngle":0.5}}]}},
-        "nodes":[{"mesh":0,"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}}]"#;
+        "nodes":[{"mesh":0,"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},{"camera":1}]"#;
     let model = load(&document(&bytes, &[&views, ACCESSORS, &mesh, rest])).unwrap();
     let node = &model.nodes[0];
     let m = &node.primitives[0].1;
@@ -149,6 +150,10 @@ fn materials_lights_and_cameras() {
     let LightKind::Spot { inner, outer } = node.light.as_ref().unwrap().kind else { panic!("no spot") };
     assert!((inner - 5.729_578).abs() < 1e-4 && (outer - 28.647_89).abs() < 1e-4);
     assert!((node.camera.as_ref().unwrap().camera().fov - 57.295_78).abs() < 1e-3);
+    let parallel = model.nodes[1].camera.as_ref().unwrap();
+    let projection = crate::world::Projection::Orthographic { height: 3.0 };
+    let expected = Camera { projection, near: 0.0, far: Some(9.0), ..Camera::default() };
+    assert_eq!((parallel.camera(), parallel.aspect), (expected, Some(4.0 / 3.0)));
     assert!(model.warnings.iter().any(|w| w.contains("FANCY_thing")), "{:?}", model.warnings);
     // The texture lies upright on the square: the tangent goes along +u, and the bitangent up the image.
     for v in &node.primitives[0].0.vertices {

@@ -7,6 +7,7 @@ mod instances;
 mod models;
 mod repeats;
 mod round_trip;
+mod tracks;
 
 use super::*;
 use crate::world::Name;

@@ -58,7 +58,9 @@ fn a_bare_model_opens_as_a_scene_with_camera_light_and_volumes() {
             id: crate::scene::SceneId(0),
             name: String::new(),
             world_from_view: world.ecs.get::<GlobalTransform>(camera).unwrap().0,
-            vertical_fov: world.ecs.get::<Camera>(camera).unwrap().fov.to_radians(),
+            projection: crate::scene::ViewProjection::Perspective {
+                vertical_fov: world.ecs.get::<Camera>(camera).unwrap().fov.to_radians(),
+            },
             near: 0.01,
             far: None,
             primary: true,

@@ -7,7 +7,7 @@ use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
     Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Light, LightBounds, LightCulling, LightKind,
-    LightVisibility, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
+    LightVisibility, Projection, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -259,6 +259,7 @@ fn animation() -> impl Strategy<Value = Animation> {
     let axis = vector().prop_filter("an axis has a direction", |a| a.length() > 0.1);
     let spin = (axis, -90.0f64..90.0).prop_map(|(axis, speed)| Track::Spin { axis, degrees_per_second: speed.round() });
     let keys = vec(vector(), 1..5).prop_map(|values| Track::Keys {
+        node: String::new(),
         target: Target::Translation,
         keys: values.into_iter().enumerate().map(|(i, v)| (0.3 + i as f64, KeyValue::Vector(v))).collect(),
         interpolation: Interpolation::Cubic,
@@ -287,8 +288,12 @@ fn material() -> impl Strategy<Value = MaterialRef> {
 
 fn entity() -> impl Strategy<Value = EntityFile> {
     let mesh = [0.01f32..10.0, 0.01f32..10.0, 0.01f32..10.0].prop_map(|size| Shape::Box { size });
-    let camera = (1.0f32..179.0, 0.001f32..1.0, of(2.0f32..1e3), any::<bool>())
-        .prop_map(|(fov, near, far, primary)| Camera { fov, near, far, primary });
+    let camera = (1.0f32..179.0, of(0.01f32..100.0), 0.001f32..1.0, of(2.0f32..1e3), any::<bool>()).prop_map(
+        |(fov, height, near, far, primary)| {
+            let projection = height.map_or(Projection::Perspective, |height| Projection::Orthographic { height });
+            Camera { projection, fov, near, far, primary }
+        },
+    );
     let leaf = (
         "[^/]{1,12}",
         of(transform()),

@@ -109,13 +109,15 @@ pub(super) fn light_lines(light: &SceneLight, bounds: &Aabb) -> Vec<Line> {
     }
 }
 
-/// What a camera sees: its pyramid up to `depth` \[m\], with a mark on the upper edge.
+/// What a camera sees: its pyramid or box up to `depth` \[m\], with a mark on the upper edge.
 pub(super) fn camera_lines(camera: &SceneCamera, aspect: f32, depth: f32) -> Vec<Line> {
     const COLOR: Vec3 = Vec3::new(0.55, 0.8, 1.0);
-    let half = (0.5 * camera.vertical_fov).tan();
+    let half = camera.half_height();
+    let is_parallel = camera.is_orthographic();
     let depth = camera.far.unwrap_or(depth).min(depth).max(camera.near);
     let at = |x: f32, y: f32, d: f32| {
-        camera.world_from_view.transform_point3(Vec3::new(x * half * aspect * d, y * half * d, -d))
+        let wide = if is_parallel { half } else { half * d };
+        camera.world_from_view.transform_point3(Vec3::new(x * aspect * wide, y * wide, -d))
     };
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mut lines = Vec::new();

@@ -88,7 +88,7 @@ fn from_camera(cx: &mut PassContext, frame: &Frame, gbuffer: &GBuffer, grid: &Gr
     let fixed = cleared(cx, grid);
     let [width, height] = frame.view.size;
     let stride = width.max(height).div_ceil(CAMERA_SAMPLES);
-    let half_height = (0.5 * frame.view.camera.vertical_fov).tan();
+    let half_height = frame.view.camera.half_height();
     let samples = gpu.uniform("camera samples", &CameraSamplesUniform { stride, half_height });
     let volume = gpu.uniform("volume", &grid.volume.uniform());
     let (base_color, normal, depth) = (cx.view(gbuffer.base_color), cx.view(gbuffer.normal), cx.view(gbuffer.depth));

@@ -133,7 +133,7 @@ fn automatic_cell(bounds: &Aabb, cells: UVec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{SceneCamera, SceneId};
+    use crate::scene::{SceneCamera, SceneId, ViewProjection};
     use crate::world::Clpv;
     use glam::Affine3A;
 
@@ -144,7 +144,7 @@ mod tests {
             id: SceneId(1),
             name: "camera".into(),
             world_from_view: Affine3A::from_translation(eye),
-            vertical_fov: 1.0,
+            projection: ViewProjection::Perspective { vertical_fov: 1.0 },
             near: 0.1,
             far: None,
             primary: true,

@@ -2,7 +2,7 @@
 
 use super::TraceSettings;
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, Texture};
-use crate::scene::{LightShape, Scene, SceneLight, SceneView};
+use crate::scene::{LightShape, Scene, SceneLight, SceneView, ViewProjection};
 use std::collections::HashMap;
 use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
@@ -55,7 +55,14 @@ impl Content {
     fn view(&mut self, view: &SceneView) {
         let camera = &view.camera;
         self.f32s(camera.world_from_view.to_cols_array());
-        self.f32s([camera.vertical_fov, camera.near, camera.far.unwrap_or(0.0), view.jitter[0], view.jitter[1]]);
+        let lens = match camera.projection {
+            ViewProjection::Perspective { vertical_fov } => vertical_fov,
+            ViewProjection::Orthographic { height } => {
+                self.f32s([height]);
+                0.0
+            }
+        };
+        self.f32s([lens, camera.near, camera.far.unwrap_or(0.0), view.jitter[0], view.jitter[1]]);
         self.u32s(view.size);
     }
 

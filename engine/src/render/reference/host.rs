@@ -75,7 +75,7 @@ struct Vertex {
 
 impl<'a> HostTracer<'a> {
     pub(super) fn new(scene: &'a Scene, bvh: &'a SceneBvh, view: &'a SceneView, settings: TraceSettings) -> Self {
-        Self { scene, bvh, view, settings, half_height: (0.5 * view.camera.vertical_fov).tan() }
+        Self { scene, bvh, view, settings, half_height: view.camera.half_height() }
     }
 
     /// Whether this tracer knows all materials of the scene.
@@ -102,10 +102,13 @@ impl<'a> HostTracer<'a> {
         let axes = self.view.camera.world_from_view.matrix3;
         let right = Vec3::from(axes.x_axis) * (self.half_height * size.x / size.y);
         let up = Vec3::from(axes.y_axis) * self.half_height;
-        let direction = at.x * right - at.y * up - Vec3::from(axes.z_axis);
-        let camera = &self.view.camera;
-        let ray = Ray::new(self.view.eye() + direction * camera.near, direction);
-        self.follow(ray, camera.far.map_or(3e38, |far| far - camera.near), &mut random)
+        let (across, camera) = (at.x * right - at.y * up, &self.view.camera);
+        let (eye, direction) = match camera.is_orthographic() {
+            true => (self.view.eye() + across, camera.forward()),
+            false => (self.view.eye(), across + camera.forward()),
+        };
+        let ray = Ray::new(eye + direction * camera.near, direction);
+        self.follow(ray, camera.far_plane().map_or(3e38, |far| far - camera.near), &mut random)
     }
 
     fn follow(&self, mut ray: Ray, mut reach: f32, random: &mut Sampler) -> PathLight {

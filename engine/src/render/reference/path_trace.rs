@@ -230,12 +230,12 @@ impl PathTracer {
         let camera = &view.camera;
         let axes = camera.world_from_view.matrix3;
         let [width, height] = view.size.map(|size| size.max(1) as f32);
-        let half_height = (0.5 * camera.vertical_fov).tan();
+        let half_height = camera.half_height();
         TraceUniform {
             eye: view.eye(),
             near: camera.near,
             right: Vec3::from(axes.x_axis) * (half_height * width / height),
-            far: camera.far.unwrap_or(3e38),
+            far: camera.far_plane().unwrap_or(3e38),
             up: Vec3::from(axes.y_axis) * half_height,
             bounces: settings.bounces.unwrap_or(u32::MAX),
             forward: -Vec3::from(axes.z_axis),
@@ -263,6 +263,9 @@ impl PathTracer {
             gpu.uniform("trace", &TraceUniform { first_row, first_sample, samples, ..progress.uniform.clone() });
         let mut group = vec![("params", Binding::Buffer(&uniform)), ("sums", Binding::Buffer(&progress.sums))];
         let mut key = self.scene.shader("reference/path_trace.wgsl", "main");
+        if progress.subject.view.camera.is_orthographic() {
+            key = key.def("ORTHOGRAPHIC", ShaderDef::Flag(true));
+        }
         if self.sky.is_map() {
             group.push(("sky", Binding::Texture(self.sky.view())));
         } else {

@@ -2,8 +2,8 @@
 
 use super::sorted::Elements;
 use super::{Context, name_or_id};
-use crate::scene::{Scene, SceneCamera};
-use crate::world::{Camera, GlobalTransform, Identity, Name, Orientation};
+use crate::scene::{Scene, SceneCamera, ViewProjection};
+use crate::world::{Camera, GlobalTransform, Identity, Name, Orientation, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::Affine3A;
@@ -48,12 +48,12 @@ impl Cameras {
                 elements.remove(entity);
                 continue;
             }
-            let (fov, near, far) = lens(camera, |message| context.log.warn(entity, name, message));
+            let (projection, near, far) = lens(camera, |message| context.log.warn(entity, name, message));
             let new = SceneCamera {
                 id: identity.id(),
                 name: name_or_id(entity, name),
                 world_from_view,
-                vertical_fov: fov.to_radians(),
+                projection,
                 near,
                 far,
                 primary: camera.primary,
@@ -73,14 +73,26 @@ impl Cameras {
     }
 }
 
-/// Field of view \[degrees\], near and far plane in range. Warns of what had to be changed.
-fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (f32, f32, Option<f32>) {
+/// Projection, near and far plane in range. Warns of what had to be changed.
+fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (ViewProjection, f32, Option<f32>) {
     let default = Camera::default();
-    let fov = if camera.fov.is_finite() { camera.fov.clamp(0.01, 179.0) } else { default.fov };
-    if fov != camera.fov {
-        warn("is a camera with another field of view: the one it has is not in 0.01..=179 degrees");
-    }
-    let is_near_valid = camera.near.is_finite() && camera.near > 0.0;
+    let (projection, is_at_eye) = match camera.projection {
+        Projection::Perspective => {
+            let fov = if camera.fov.is_finite() { camera.fov.clamp(0.01, 179.0) } else { default.fov };
+            if fov != camera.fov {
+                warn("is a camera with another field of view: the one it has is not in 0.01..=179 degrees");
+            }
+            (ViewProjection::Perspective { vertical_fov: fov.to_radians() }, false)
+        }
+        Projection::Orthographic { height } => {
+            let is_valid = Projection::HEIGHTS.contains(&height);
+            if !is_valid {
+                warn("is an orthographic camera of another height: the one it has is not in 1e-6..=1e9 m");
+            }
+            (ViewProjection::Orthographic { height: if is_valid { height } else { 1.0 } }, camera.near == 0.0)
+        }
+    };
+    let is_near_valid = camera.near.is_finite() && (camera.near > 0.0 || is_at_eye);
     if !is_near_valid {
         warn("is a camera with another near plane: the one it has is not above zero");
     }
@@ -90,5 +102,5 @@ fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (f32, f32, Optio
     if far != beyond {
         warn("is a camera without a far plane: the one it has is not beyond the near plane");
     }
-    (fov, near, beyond)
+    (projection, near, beyond)
 }

@@ -1,6 +1,6 @@
 //! Where the scene's origin lies.
 
-use crate::world::{Camera, GlobalTransform, Identity};
+use crate::world::{Camera, GlobalTransform, Identity, Projection};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -23,7 +23,16 @@ impl Anchor {
     pub fn origin(&mut self, world: &World) -> DVec3 {
         let cameras = self.cameras.iter(world);
         let chosen = cameras.min_by_key(|(identity, _, camera)| (!camera.primary, **identity));
-        chosen.map_or(DVec3::ZERO, |(_, place, camera)| nearest(place.translation(), f64::from(camera.near)))
+        chosen.map_or(DVec3::ZERO, |(_, place, camera)| nearest(place.translation(), f64::from(least(camera))))
+    }
+}
+
+/// The least length that the camera shows \[m\].
+fn least(camera: &Camera) -> f32 {
+    match camera.projection {
+        Projection::Perspective => camera.near,
+        // As fine as a perspective of usual near plane shows things at its usual distance.
+        Projection::Orthographic { height } => 0.05 * height,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::Extractor;
 use crate::assets::{Material, Mesh, Vertex};
-use crate::scene::{LightShape, Revisions, Scene, SceneId};
+use crate::scene::{LightShape, Revisions, Scene, SceneId, ViewProjection};
 use crate::world::*;
 use bevy_ecs::prelude::{Bundle, Component, Entity};
 use glam::{Quat, Vec3};
@@ -321,7 +321,7 @@ fn directions_come_from_the_rotation_whatever_the_scale() {
 #[test]
 fn cameras_and_volumes_come_out_in_range() {
     let mut s = Stage::new();
-    s.insert(s.eye, Camera { fov: f32::NAN, near: 0.0, far: Some(-1.0), primary: true });
+    s.insert(s.eye, Camera { fov: f32::NAN, near: 0.0, far: Some(-1.0), primary: true, ..Camera::default() });
     let wild = Clpv {
         cascades: 0,
         cells: [0, 500, 8],
@@ -333,11 +333,20 @@ fn cameras_and_volumes_come_out_in_range() {
     s.world.ecs.resource_mut::<SceneSettings>().sky = Vec3::NAN;
     s.frame();
     let camera = &s.scene.cameras[0];
-    assert_eq!((camera.vertical_fov, camera.near, camera.far), (60_f32.to_radians(), 0.05, None));
+    let projection = ViewProjection::Perspective { vertical_fov: 60_f32.to_radians() };
+    assert_eq!((camera.projection, camera.near, camera.far), (projection, 0.05, None));
     let tame = Clpv { cells: [1, 128, 8], ..Clpv::default() };
     assert_eq!(s.scene.clpv.as_ref().unwrap().settings, tame);
     assert_eq!(s.scene.sky, Vec3::ZERO);
     assert_eq!(s.changes(|_| {}), NOTHING);
+    for (height, expected) in [(3.0, 3.0), (-3.0, 1.0), (f32::NAN, 1.0)] {
+        let projection = Projection::Orthographic { height };
+        s.insert(s.eye, Camera { projection, near: 0.0, far: None, ..Camera::default() });
+        s.frame();
+        let camera = &s.scene.cameras[0];
+        assert_eq!(camera.projection, ViewProjection::Orthographic { height: expected });
+        assert_eq!((camera.near, camera.far_plane()), (0.0, Some(100.0 * expected)));
+    }
 }
 
 #[test]

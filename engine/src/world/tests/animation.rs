@@ -17,6 +17,7 @@ fn tracks() -> Vec<Track> {
         },
         Track::Spin { axis: Vec3::new(1.0, 0.2, 0.0), degrees_per_second: 112.5 },
         Track::Keys {
+            node: String::new(),
             target: Target::Scale,
             keys: vec![
                 (0.0, KeyValue::Scalar(1.0)),
@@ -27,6 +28,7 @@ fn tracks() -> Vec<Track> {
             wrap: Wrap::PingPong,
         },
         Track::Keys {
+            node: String::new(),
             target: Target::LightIntensity,
             keys: vec![(0.0, KeyValue::Scalar(1.0)), (0.8, KeyValue::Scalar(3.0))],
             interpolation: Interpolation::Linear,
@@ -156,8 +158,36 @@ fn an_orbit_starts_at_x_turns_counter_clockwise_and_looks_at_its_centre() {
 }
 
 #[test]
+fn the_height_of_an_orthographic_camera_is_animated_and_kept() {
+    let track = Track::Keys {
+        node: String::new(),
+        target: Target::CameraHeight,
+        keys: vec![(0.0, KeyValue::Scalar(2.0)), (1.0, KeyValue::Scalar(4.0))],
+        interpolation: Interpolation::Linear,
+        wrap: Wrap::Once,
+    };
+    let mut world = GameWorld::new();
+    let entity = world.spawn("eye", None);
+    let animation = Animation { tracks: vec![track], ..Animation::default() };
+    let of = |height| Camera { projection: Projection::Orthographic { height }, ..Camera::default() };
+    world.ecs.entity_mut(entity).insert((of(8.0), animation));
+    world.set_seconds(0.5);
+    world.update();
+    assert_eq!(world.ecs.get::<Camera>(entity).unwrap(), &of(3.0));
+    assert_eq!(world.rest_camera(entity).unwrap(), of(8.0));
+    // An edit is one of the camera without animation, and a perspective has no height to change.
+    world.set_rest_camera(entity, of(5.0));
+    world.update();
+    assert_eq!((world.ecs.get::<Camera>(entity).unwrap(), world.rest_camera(entity).unwrap()), (&of(3.0), of(5.0)));
+    world.set_rest_camera(entity, Camera::default());
+    world.update();
+    assert_eq!(world.ecs.get::<Camera>(entity).unwrap(), &Camera::default());
+}
+
+#[test]
 fn a_camera_and_a_material_are_animated_too() {
     let keys = |target, a, b| Track::Keys {
+        node: String::new(),
         target,
         keys: vec![(0.0, a), (1.0, b)],
         interpolation: Interpolation::Linear,

@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 
 fn scalar(keys: &[(f64, f32)], interpolation: Interpolation, wrap: Wrap) -> Animation {
     let keys = keys.iter().map(|(t, v)| (*t, KeyValue::Scalar(*v))).collect();
-    let track = Track::Keys { target: Target::LightIntensity, keys, interpolation, wrap };
+    let track = Track::Keys { node: String::new(), target: Target::LightIntensity, keys, interpolation, wrap };
     Animation { tracks: vec![track], ..Animation::default() }
 }
 
@@ -65,7 +65,7 @@ fn a_closed_cubic_loop_is_smooth_over_its_seam() {
 }
 
 fn rotations(keys: Vec<(f64, KeyValue)>, interpolation: Interpolation) -> Animation {
-    let track = Track::Keys { target: Target::Rotation, keys, interpolation, wrap: Wrap::Once };
+    let track = Track::Keys { node: String::new(), target: Target::Rotation, keys, interpolation, wrap: Wrap::Once };
     Animation { tracks: vec![track], ..Animation::default() }
 }
 
@@ -102,7 +102,7 @@ fn orbit(radius: f32, period: f64) -> Track {
 }
 
 fn keys(target: Target, keys: Vec<(f64, KeyValue)>) -> Track {
-    Track::Keys { target, keys, interpolation: Interpolation::Cubic, wrap: Wrap::Loop }
+    Track::Keys { node: String::new(), target, keys, interpolation: Interpolation::Cubic, wrap: Wrap::Loop }
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod tests;
 
 use super::{Gltf, GltfNode, GltfPrimitive, tangents};
 use crate::assets::{AssetId, Material, Mesh, Vertex};
+use crate::scene::ViewProjection;
 use glam::{Mat3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
@@ -220,6 +221,9 @@ impl ImportSettings {
             if let Some(camera) = &mut node.camera {
                 camera.near *= self.scale;
                 camera.far = camera.far.map(|far| far * self.scale);
+                if let ViewProjection::Orthographic { height } = &mut camera.projection {
+                    *height *= self.scale;
+                }
             }
             if let Some(light) = &mut node.light {
                 light.range = light.range.map(|range| range * self.scale);

@@ -1,0 +1,86 @@
+//! Prefabs made of what a world holds, and instances made plain entities.
+
+use super::edit::{describe_subtree, fault_error, with_writer};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::*;
+use super::own::ComponentTypes;
+use super::source::{Origin, SceneInfo, Source};
+use super::validate::Validator;
+use crate::world::GameWorld;
+use bevy_ecs::prelude::Entity;
+use std::path::Path;
+
+/// Makes an instance of a prefab plain entities of the scene file.
+pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
+    for entity in world.subtree(instance) {
+        let material = world.ecs.get::<Source>(entity).and_then(|s| s.material.clone());
+        let info = world.ecs.get_resource::<SceneInfo>();
+        let described = info.zip(material).and_then(|(info, m)| info.materials_by_id.get(&m.id).cloned());
+        let Some(mut source) = world.ecs.get_mut::<Source>(entity) else { continue };
+        if matches!(source.origin, Origin::Prefab { .. }) {
+            if source.components.material.is_some() {
+                source.components.material = described.or(source.components.material.take());
+            }
+            source.origin = Origin::File;
+        }
+        if entity == instance {
+            source.prefab = None;
+            source.repeat = None;
+            source.members.clear();
+        }
+    }
+}
+
+/// Writes a prefab file of the entity with all below it: its children, or the entity itself if it has components
+/// besides its place. Entities of inner prefabs are written in full.
+///
+/// # Errors
+/// If something has no form in a file, or the file cannot be written.
+pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path) -> Result<(), FileError> {
+    let tree = describe_subtree(world, entity, scene)?;
+    let bare = EntityFile { name: tree.name.clone(), transform: tree.transform, ..Default::default() };
+    let only_children = EntityFile { children: Vec::new(), ..tree.clone() } == bare;
+    let entities = match only_children {
+        true => tree.children,
+        false => vec![EntityFile { transform: None, ..tree }],
+    };
+    write_prefab(world, entities, path)
+}
+
+/// Writes a prefab file of some entities with all below them.
+///
+/// # Errors
+/// As [`save_prefab`].
+pub fn save_prefab_children(
+    world: &GameWorld,
+    entities: &[Entity],
+    scene: &Path,
+    path: &Path,
+) -> Result<(), FileError> {
+    let entities = with_writer(world, scene, |writer| writer.entities(entities))?;
+    write_prefab(world, entities, path)
+}
+
+fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
+    let info = world.ecs.get_resource::<SceneInfo>();
+    let mut names = std::collections::BTreeSet::new();
+    entities.iter().for_each(|entity| material_names_of(entity, &mut names));
+    let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
+    let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
+    let prefab = PrefabFile { description: String::new(), materials, entities };
+    Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
+    let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
+        .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+    super::write::write_atomically(path, &text)
+}
+
+fn material_names_of(entity: &EntityFile, names: &mut std::collections::BTreeSet<String>) {
+    let overridden = entity.overrides.values().filter_map(|o| o.material.as_ref());
+    for material in entity.material.iter().chain(overridden) {
+        if let MaterialRef::Named(name) = material {
+            names.insert(name.clone());
+        }
+    }
+    let added = entity.overrides.values().flat_map(|o| &o.children);
+    entity.children.iter().chain(added).for_each(|child| material_names_of(child, names));
+}

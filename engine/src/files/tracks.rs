@@ -1,0 +1,90 @@
+//! What tracks of an animation ask for: clips of the entity's model, entities below it, morph targets.
+
+use super::document::Document;
+use super::error::{FileError, FileErrorKind as Kind};
+use super::load::{extended, fault_error, key};
+use super::suggest::{nearest, suggestion};
+use super::tree::Step;
+use super::validate::Fault;
+use crate::world::animation::{Target, Track};
+use crate::world::{Animation, Clips, GameWorld, MorphWeights, NotBelow};
+use bevy_ecs::prelude::Entity;
+
+/// Checks the entity's animation, once all below the entity is there. `at`: where the entity's components stand.
+pub(super) fn check(world: &GameWorld, entity: Entity, document: &Document, at: &[Step]) -> Result<(), FileError> {
+    let Some(animation) = world.ecs.get::<Animation>(entity) else { return Ok(()) };
+    let Some(mut fault) = fault(world, entity, animation) else { return Ok(()) };
+    fault.path = extended(at, &fault.path);
+    Err(fault_error(document, fault))
+}
+
+/// The first thing that is not there; its path begins at the entity's components.
+pub(super) fn fault(world: &GameWorld, entity: Entity, animation: &Animation) -> Option<Fault> {
+    let of = |(index, track): (usize, &Track)| {
+        let (field, kind, message, help) = match track {
+            Track::Clip { name, .. } => clip_fault(world, entity, name)?,
+            Track::Keys { node, target, .. } => keys_fault(world, entity, node, *target)?,
+            Track::Spin { .. } | Track::Orbit { .. } => return None,
+        };
+        let path = vec![key("animation"), key("tracks"), Step::Index(index), key(field)];
+        Some(Fault { path, kind, message, help })
+    };
+    animation.tracks.iter().enumerate().find_map(of)
+}
+
+/// Field, kind, message, help.
+type Told = (&'static str, Kind, String, Option<String>);
+
+fn clip_fault(world: &GameWorld, entity: Entity, name: &str) -> Option<Told> {
+    let clips = world.ecs.get::<Clips>(entity);
+    if clips.is_some_and(|clips| clips.find(name).is_some()) {
+        return None;
+    }
+    let names: Vec<&str> = clips.iter().flat_map(|clips| clips.0.iter().map(|clip| clip.name.as_str())).collect();
+    let message = match names.is_empty() {
+        true => "the model has no clips to play".to_owned(),
+        false => format!("the model has no clip `{name}`"),
+    };
+    Some(("name", Kind::UnknownName, message, suggestion(name, names)))
+}
+
+fn keys_fault(world: &GameWorld, entity: Entity, node: &str, target: Target) -> Option<Told> {
+    let meant = match node {
+        "" => Ok(entity),
+        node => world.below(entity, node),
+    };
+    let meant = match meant {
+        Ok(meant) => meant,
+        Err(error) => return Some(("node", Kind::UnknownName, error.to_string(), advice(&error))),
+    };
+    let Target::MorphWeight(index) = target else { return None };
+    let count = world.ecs.get::<MorphWeights>(meant).map_or(0, |weights| weights.0.len());
+    if (index as usize) < count {
+        return None;
+    }
+    let name = world.name(meant);
+    let (message, help) = match count {
+        0 => {
+            (format!("`{name}` has no morph targets"), "name the node of the model that has them: `node: \"…\"`".into())
+        }
+        1 => (format!("`{name}` has one morph target, number 0"), "use MorphWeight(0)".into()),
+        _ => (
+            format!("`{name}` has no morph target {index}, but {count}, counted from 0"),
+            format!("use MorphWeight(0) to MorphWeight({})", count - 1),
+        ),
+    };
+    Some(("target", Kind::UnknownName, message, Some(help)))
+}
+
+fn advice(error: &NotBelow) -> Option<String> {
+    match error {
+        NotBelow::Missing { name, known, .. } => {
+            let last = |path: &'_ str| path.rsplit('/').next().unwrap_or_default().to_owned();
+            let names: Vec<String> = known.iter().map(|path| last(path)).collect();
+            // Of a bare name a bare name is nearer than a long path that ends in it.
+            let near = nearest(name, names.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+            near.filter(|_| !name.contains('/')).or_else(|| suggestion(name, known.iter().map(String::as_str)))
+        }
+        NotBelow::Ambiguous { first, .. } => Some(format!("write the path of names from here, such as `{first}`")),
+    }
+}
