@@ -1,6 +1,6 @@
 //! Image files decoded to eight bits a channel.
 
-use super::AssetError;
+use super::{AssetError, ktx2};
 use image::{ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -16,12 +16,16 @@ pub(super) struct Pixels {
     pub rgba: Vec<u8>,
 }
 
-/// Decodes PNG or JPEG by content, whatever the file's name says. Sixteen bits a channel are rounded to eight, grey
+/// Decodes PNG, JPEG, WebP or KTX2 by content, whatever the file's name says. Sixteen bits a channel are rounded to eight, grey
 /// becomes RGB, and alpha is 1 where there is none.
 pub(super) fn decode(path: &Path, place: &str, bytes: &[u8]) -> Result<Pixels, AssetError> {
+    if ktx2::is_ktx2(bytes) {
+        return ktx2::decode(path, place, bytes);
+    }
     let fail = |e: image::ImageError| AssetError::format(path, place, format!("the image cannot be decoded: {e}"));
-    let format = image::guess_format(bytes)
-        .map_err(|_| AssetError::format(path, place, "is neither PNG nor JPEG: convert the image to one of them"))?;
+    let format = image::guess_format(bytes).map_err(|_| {
+        AssetError::format(path, place, "is neither PNG, JPEG, WebP nor KTX2: convert the image to one of them")
+    })?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_IMAGE_SIZE);

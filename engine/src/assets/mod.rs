@@ -5,6 +5,7 @@ mod deform;
 mod error;
 mod gltf;
 mod image;
+mod ktx2;
 mod library;
 mod material;
 mod mesh;

@@ -130,19 +130,18 @@ fn load_textures(
     Ok(textures)
 }
 
-/// The image of a texture: that of `EXT_texture_webp` before the one for readers that do not know it.
+/// The image of a texture: that of `KHR_texture_basisu` or `EXT_texture_webp` before the one for readers that do not
+/// know them.
 fn source_of(path: &Path, document: &Document, texture: usize) -> Result<usize, AssetError> {
     let json = document.as_json();
     let fail = |problem: String| Err(AssetError::format(path, format!("texture {texture}"), problem));
     let extensions = json.textures[texture].extensions.as_ref().map(|e| &e.others);
-    let webp = extensions.and_then(|e| e.get("EXT_texture_webp")).and_then(|e| e.get("source"));
+    let named = |name: &str| extensions.and_then(|e| e.get(name)).and_then(|e| e.get("source"));
+    let packed = named("KHR_texture_basisu").or_else(|| named("EXT_texture_webp"));
     let plain = Some(json.textures[texture].source.value()).filter(|source| *source != u32::MAX as usize);
-    match webp.and_then(gltf::json::Value::as_u64).map(|source| source as usize).or(plain) {
+    match packed.and_then(gltf::json::Value::as_u64).map(|source| source as usize).or(plain) {
         Some(source) if source < json.images.len() => Ok(source),
         Some(source) => fail(format!("refers to image {source}, but there are {}", json.images.len())),
-        None if extensions.is_some_and(|e| e.contains_key("KHR_texture_basisu")) => {
-            fail("has its image as KHR_texture_basisu alone, which is not supported: export PNG, JPEG or WebP".into())
-        }
         None => fail("has no image (no `source`)".into()),
     }
 }

@@ -112,6 +112,32 @@ fn matrices_without_volume_are_taken() {
 }
 
 #[test]
+fn images_of_extensions_come_before_plain_ones() {
+    let ktx2 = include_bytes!("../../../tests/data/gradient_uastc.ktx2");
+    let webp = include_bytes!("../../../tests/data/gradient.webp");
+    for (name, kind, image) in [("KHR_texture_basisu", "ktx2", &ktx2[..]), ("EXT_texture_webp", "webp", &webp[..])] {
+        let mut bytes = square_bytes();
+        bytes.extend(image);
+        let views =
+            VIEWS.replace("12}]", &format!("12}},{{\"buffer\":0,\"byteOffset\":92,\"byteLength\":{}}}]", image.len()));
+        let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
+        let of = |plain: &str| {
+            let rest = format!(
+                r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"images":[{{"bufferView":3,"mimeType":"image/{kind}"}},
+                {{"uri":"missing.png"}}],"textures":[{{{plain}"extensions":{{"{name}":{{"source":0}}}}}}],
+                "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],"nodes":[{{"mesh":0}}]"#
+            );
+            load(&document(&bytes, &[&views, ACCESSORS, &mesh, &rest])).unwrap()
+        };
+        for model in [of(""), of("\"source\":1,")] {
+            let texture = model.nodes[0].primitives[0].1.base_color_texture.clone().unwrap();
+            assert_eq!((texture.width, texture.height, texture.srgb), (20, 12, true), "{name}");
+            assert_eq!((model.warnings.len(), texture.rgba.len()), (0, 960), "{name}: {:?}", model.warnings);
+        }
+    }
+}
+
+#[test]
 fn materials_lights_and_cameras() {
     let mut bytes = square_bytes();
     let picture = png(3, 2);
