@@ -13,4 +13,4 @@ pub use lightwell::game::{
     Actions, Button, CurrentScene, EachFrame, FixedStep, Game, GameCommands, Ghost, Input, InputEvent, InputScript,
     Key, LightProbe, MouseButton, PadButton, Persistent, Space, Start, Stick, Time, Timer,
 };
-pub use lightwell::world::{Camera, GlobalTransform, Light, LightKind, MeshRenderer, Name, Transform};
+pub use lightwell::world::{Camera, GlobalTransform, Light, LightKind, MeshRenderer, Name, Projection, Transform};
