@@ -7,7 +7,7 @@ use super::LoadOptions;
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::load::{Context, Loader, Resolved};
+use super::load::{Context, Loader, Resolved, environment_image};
 use super::own::Canonical;
 use super::save::{Writer, scene_without_entities};
 use super::source::{Origin, SceneInfo, Source};
@@ -17,8 +17,8 @@ use super::tree::Step;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetLibrary, Material};
 use crate::world::{
-    Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, SceneSettings, StochasticLightCulling,
-    Transform,
+    Animation, Camera, Clpv, EnvironmentImage, GameWorld, InstantRadiosity, Light, MeshRenderer, SceneSettings,
+    StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::Entity;
 use std::path::Path;
@@ -201,6 +201,13 @@ pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneF
     let before = describe_scene(world);
     let now = SceneFile { entities: Vec::new(), ..now.clone() };
     Validator::scene(&now).map_err(|fault| fault_error(context.path, *fault))?;
+    if now.settings.environment != before.settings.environment {
+        let document = Document::in_memory(context.path);
+        match environment_image(&document, &now.settings, context.library)? {
+            Some(image) => world.ecs.insert_resource(image),
+            None => drop(world.ecs.remove_resource::<EnvironmentImage>()),
+        }
+    }
     let changed = now.materials.iter().filter(|(name, file)| before.materials.get(*name) != Some(*file));
     for (name, file) in changed {
         let material = with_loader(world, context, |loader, context| loader.material(name, file, context, &[]))?;

@@ -16,7 +16,8 @@ use bevy_ecs::prelude::Entity;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Loads a scene file into a world, in place of the entities `old`. Everything else in the world stays.
+/// Loads a scene file into a world, in place of the entities `old`. Everything else in the world stays. Gives what the
+/// file says.
 ///
 /// # Errors
 /// As [`load_scene`](super::load_scene); the world keeps what it was then. glTF files are no such scenes: name them in
@@ -27,7 +28,7 @@ pub fn enter_scene(
     options: &LoadOptions,
     path: &Path,
     old: &[Entity],
-) -> Result<(), FileError> {
+) -> Result<SceneFile, FileError> {
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf"))
     {
         let error = FileError::new(path, Kind::BadValue, "a game's scene is a .scene.ron file, and this is a model");
@@ -50,7 +51,33 @@ pub fn enter_described(
     file: SceneFile,
     old: &[Entity],
 ) -> Result<(), FileError> {
-    enter(world, library, options, Document::in_memory(path), file, old)
+    enter(world, library, options, Document::in_memory(path), file, old).map(drop)
+}
+
+/// Reads a world's scene file anew, with all that it names. Entities keep the identities of those that stood at the
+/// same paths before.
+///
+/// # Errors
+/// As [`enter_scene`].
+pub fn reenter_scene(
+    world: &mut GameWorld,
+    library: &mut AssetLibrary,
+    options: &LoadOptions,
+    path: &Path,
+) -> Result<(), FileError> {
+    let (old, identities) = (world.roots(), world.identities());
+    let known = world.ecs.get_resource::<SceneInfo>().cloned().unwrap_or_default();
+    enter_scene(world, library, options, path, &old)?;
+    world.take_over(&identities);
+    // What an undo brings back still comes from these files.
+    let mut info = world.ecs.get_resource_or_init::<SceneInfo>();
+    for (id, material) in known.materials_by_id {
+        info.materials_by_id.entry(id).or_insert(material);
+    }
+    for (id, texture) in known.textures_by_id {
+        info.textures_by_id.entry(id).or_insert(texture);
+    }
+    Ok(())
 }
 
 fn enter(
@@ -60,12 +87,12 @@ fn enter(
     document: Document,
     mut file: SceneFile,
     old: &[Entity],
-) -> Result<(), FileError> {
+) -> Result<SceneFile, FileError> {
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
     canonical_entities(&document, &mut file.entities, &options.types)?;
     let image = environment_image(&document, &file.settings, library)?;
     let (info, path) = (SceneInfo::new(&document, &file), document.path.clone());
-    let context = Rc::new(Context { document, materials: file.materials, is_root: true });
+    let context = Rc::new(Context { document, materials: file.materials.clone(), is_root: true });
     let before = world.roots();
     let shapes = world.ecs.get_resource::<SceneInfo>().map(|info| info.shapes.clone()).unwrap_or_default();
     let mut loader = Loader::new(library, options, std::mem::take(world), info, &path);
@@ -86,14 +113,14 @@ fn enter(
     for (mesh, shape) in shapes {
         info.shapes.entry(mesh).or_insert(shape);
     }
-    world.ecs.insert_resource(file.settings);
+    world.ecs.insert_resource(file.settings.clone());
     match image {
         Some(image) => world.ecs.insert_resource(image),
         None => drop(world.ecs.remove_resource::<EnvironmentImage>()),
     }
     world.ecs.insert_resource(info);
     world.set_tick(0);
-    Ok(())
+    Ok(file)
 }
 
 /// What stays from another scene names its materials no longer: they are the other file's.

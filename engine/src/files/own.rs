@@ -183,6 +183,22 @@ impl ComponentType {
     pub fn starter(&self) -> Result<String, ron::Error> {
         (self.starter)()
     }
+
+    /// The entity's value as a file would say it; none if it has no such component.
+    ///
+    /// # Errors
+    /// When the value has no form in RON.
+    pub fn text_of(&self, world: &World, entity: Entity) -> Option<Result<String, ron::Error>> {
+        (self.text)(world, entity)
+    }
+
+    /// Puts a value on the entity that is written as in a file.
+    ///
+    /// # Errors
+    /// When the text is no such value.
+    pub fn insert(&self, text: &str, world: &mut World, entity: Entity) -> Result<(), SpannedError> {
+        (self.put)(text, world, entity)
+    }
 }
 
 fn unspanned(code: ron::Error) -> SpannedError {

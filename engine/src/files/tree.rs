@@ -20,22 +20,22 @@ pub struct Node {
     /// Bytes that it covers.
     pub span: Range<usize>,
     /// A literal, or the name before a group's bracket, may be empty.
-    head: String,
+    pub(super) head: String,
     /// The bracketed rest, if any.
-    group: Option<Group>,
+    pub(super) group: Option<Group>,
 }
 
 #[derive(Clone, Debug)]
-struct Group {
-    open: char,
-    items: Vec<Item>,
+pub(super) struct Group {
+    pub open: char,
+    pub items: Vec<Item>,
 }
 
 #[derive(Clone, Debug)]
-struct Item {
-    key: Option<String>,
+pub(super) struct Item {
+    pub key: Option<String>,
     key_text: String,
-    node: Node,
+    pub node: Node,
 }
 
 /// Longest line that the writer makes where it has a choice (characters).
@@ -147,6 +147,13 @@ impl Node {
         }
         out.push_str(&" ".repeat(4 * indent));
         out.push(closing(group.open));
+    }
+}
+
+impl Group {
+    /// The value of a key.
+    pub fn get(&self, key: &Option<String>) -> Option<&Node> {
+        self.items.iter().find(|item| item.key == *key).map(|item| &item.node)
     }
 }
 

@@ -99,6 +99,7 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
         name.push(suffix);
         folder.join(name)
     };
+    super::remove_leftovers(path);
     let temporary = with_suffix(&format!(".{}.tmp", std::process::id()));
     let write = || -> std::io::Result<()> {
         let mut file = std::fs::File::create(&temporary)?;

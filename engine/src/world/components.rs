@@ -2,80 +2,13 @@
 
 use crate::assets::{Material, Mesh};
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub use super::animation::Animation;
-
-/// Place relative to the parent: scale first, then rotation, then translation.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(GlobalTransform, Orientation)]
-pub struct Transform {
-    /// Translation \[m\].
-    pub translation: Vec3,
-    /// Rotation; need not be normalised in files, is normalised on use.
-    pub rotation: Quat,
-    /// Scale along the local axes; negative mirrors.
-    pub scale: Vec3,
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE }
-    }
-}
-
-impl Transform {
-    /// The matrix `parent_from_local`.
-    pub fn matrix(&self) -> Affine3A {
-        Affine3A::from_scale_rotation_translation(self.scale, self.unit_rotation(), self.translation)
-    }
-
-    /// The rotation, normalised; none at all if its length is zero or not finite.
-    pub fn unit_rotation(&self) -> Quat {
-        // Keeps the squares in range.
-        let largest = self.rotation.to_array().into_iter().fold(0.0_f32, |m, c| m.max(c.abs()));
-        let scale = if (1e-15..1e15).contains(&largest) { 1.0 } else { largest.recip() };
-        let length = (self.rotation * scale).length();
-        if length.is_finite() && length > 0.0 { self.rotation * scale / length } else { Quat::IDENTITY }
-    }
-}
-
-/// World place, computed from the [`Transform`]s up the hierarchy once a frame.
-///
-/// Far from the origin the numbers of single precision are coarse: 8 mm apart at 100 km. What the translation loses by
-/// them is kept beside it, so that what stands on the same distant parent fits together, see
-/// [`relative_to`](Self::relative_to).
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct GlobalTransform(pub Affine3A, pub(super) Vec3);
-
-impl GlobalTransform {
-    /// World place on an origin of one's own \[m\], such as [`Scene::origin`](crate::scene::Scene::origin).
-    pub fn relative_to(&self, origin: DVec3) -> Affine3A {
-        let translation = self.translation() - origin;
-        Affine3A { matrix3: self.0.matrix3, translation: translation.as_vec3().into() }
-    }
-
-    /// World position \[m\] in all its precision.
-    pub fn translation(&self) -> DVec3 {
-        Vec3::from(self.0.translation).as_dvec3() + self.1.as_dvec3()
-    }
-
-    /// A place of so much precision as two single numbers hold.
-    pub(super) fn new(matrix3: Mat3A, translation: DVec3) -> Self {
-        let high = translation.as_vec3();
-        // Beyond the range of single precision nothing is left to keep.
-        let low = if high.is_finite() { (translation - high.as_dvec3()).as_vec3() } else { Vec3::ZERO };
-        Self(Affine3A { matrix3, translation: high.into() }, low)
-    }
-}
-
-/// World orientation, computed with the [`GlobalTransform`]: right-handed orthonormal axes, whatever the scale. The
-/// entity's own scale plays no part; a parent that mirrors turns −Z to where it shows in the mirror.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Orientation(pub Mat3A);
+pub use super::place::{GlobalTransform, Orientation, Transform};
 
 /// The entity's persistent name: unique among its siblings, shown in the inspector and in errors.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Hash)]
@@ -294,11 +227,11 @@ pub enum Quality {
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Clpv {
-    /// How light gets from cell to cell. Steps, occlusion, bounce, blockers and gain belong to the diffusion.
+    /// How light gets from cell to cell.
     pub transport: Transport,
-    /// How often light is reflected (sweep).
+    /// How often light is reflected; with `transport: Sweep` alone.
     pub bounces: Bounces,
-    /// Accuracy against cost (sweep).
+    /// Accuracy against cost; with `transport: Sweep` alone.
     pub quality: Quality,
     /// Where the volumes lie.
     pub placement: ClpvPlacement,
@@ -309,19 +242,22 @@ pub struct Clpv {
     pub cells: [u32; 3],
     /// Cell size of the finest cascade.
     pub cell_size: CellSize,
-    /// Propagation steps, 0 to 1024. Each step moves light by one cell.
+    /// Propagation steps, 0 to 1024. Each step moves light by one cell; with `transport: Diffusion` alone.
     pub steps: u32,
-    /// Whether blockers stop light on its way.
+    /// Whether blockers stop light on its way; with `transport: Diffusion` alone.
     pub occlusion: bool,
-    /// Whether blocked light bounces back, multiplied by the blocker's reflectance.
+    /// Whether blocked light bounces back, multiplied by the blocker's reflectance; with `transport: Diffusion` alone.
     pub bounce: bool,
-    /// Factor b on the blocking β = bβ: 4/3 makes a full wall opaque at SH order 2; 1 is the thesis's.
+    /// Factor b on the blocking β = bβ: 4/3 makes a full wall opaque at SH order 2; 1 is the thesis's. With
+    /// `transport: Diffusion` alone.
     pub blocker_scale: f32,
-    /// Blockers are taken from the camera's G-buffer too.
+    /// Blockers are taken from the camera's G-buffer too; with `transport: Diffusion` alone.
     pub camera_blockers: bool,
-    /// Factor k on the looked-up irradiance: 2/3 is exact for isotropic light, 1 for beams along an axis.
+    /// Factor k on the looked-up irradiance: 2/3 is exact for isotropic light, 1 for beams along an axis. With
+    /// `transport: Diffusion` alone.
     pub gain: f32,
-    /// Width of the border over which a cascade fades into the next coarser one, in cells.
+    /// Width of the border over which a cascade fades into the next coarser one, in cells; with `transport: Diffusion`
+    /// alone.
     pub border_fade: f32,
 }
 

@@ -1,6 +1,6 @@
 //! The world that a game plays in.
 
-use super::identity::{Identities, Identity, identify};
+use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
     Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
     WorldError, animate, below, deform, hierarchy, transform,
@@ -52,6 +52,7 @@ impl GameWorld {
         let mut ecs = World::new();
         // Registered now, so that worlds can be queried by shared reference.
         ecs.register_component::<Identity>();
+        ecs.register_component::<RootOrder>();
         ecs.register_component::<Name>();
         ecs.register_component::<Transform>();
         ecs.register_component::<ChildOf>();

@@ -1,6 +1,6 @@
 //! Parents and children by bevy's own relations: look-up by name, new parents, clones of subtrees.
 
-use super::identity::{Identities, Identity};
+use super::identity::{Identities, Identity, RootOrder};
 use super::{GameWorld, Name, WorldError};
 use crate::scene::SceneId;
 use bevy_ecs::entity::EntityCloner;
@@ -124,10 +124,12 @@ fn children(ecs: &World, entity: Entity) -> Vec<Entity> {
 }
 
 fn roots(ecs: &World) -> Vec<Entity> {
-    let Some(mut query) = ecs.try_query_filtered::<(&Identity, Entity), Without<ChildOf>>() else {
+    type Roots = (&'static Identity, Option<&'static RootOrder>, Entity);
+    let Some(mut query) = ecs.try_query_filtered::<Roots, Without<ChildOf>>() else {
         return Vec::new();
     };
-    let mut roots: Vec<(SceneId, Entity)> = query.iter(ecs).map(|(i, e)| (i.id(), e)).collect();
+    let seat = |id: SceneId, order: Option<&RootOrder>| (order.is_none(), order.map_or(id.0, |order| order.0), id);
+    let mut roots: Vec<_> = query.iter(ecs).map(|(i, order, e)| (seat(i.id(), order), e)).collect();
     roots.sort_unstable();
     roots.into_iter().map(|(_, entity)| entity).collect()
 }

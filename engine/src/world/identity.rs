@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use std::collections::HashMap;
 
-use super::Transform;
+use super::{GameWorld, Transform};
 
 /// The entity's persistent identity. Given by the world when the entity is spawned; never changed, never reused and
 /// not cloned. Entities spawned through the ECS alone get theirs in the next update.
@@ -18,6 +18,34 @@ impl Identity {
     /// The identity's value.
     pub fn id(&self) -> SceneId {
         self.0
+    }
+}
+
+/// Stands in for the identity in the order of entities without a parent: those of a scene that was loaded anew have the
+/// identities of before and the order of the file, before all that have none.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RootOrder(pub u64);
+
+impl GameWorld {
+    /// The identities of all entities by their paths.
+    pub fn identities(&self) -> HashMap<String, SceneId> {
+        let all = self.roots().into_iter().flat_map(|root| self.subtree(root));
+        all.filter_map(|entity| Some((self.path(entity), self.id(entity)?))).collect()
+    }
+
+    /// Gives entities the identities that others had at the same paths, which must be gone. Entities without a parent
+    /// keep their order.
+    pub fn take_over(&mut self, identities: &HashMap<String, SceneId>) {
+        let roots = self.roots();
+        for (order, root) in roots.iter().enumerate() {
+            self.ecs.entity_mut(*root).insert(RootOrder(order as u64));
+        }
+        for entity in roots.into_iter().flat_map(|root| self.subtree(root)).collect::<Vec<_>>() {
+            let Some(id) = identities.get(&self.path(entity)) else { continue };
+            if let Ok(identity) = self.ecs.resource_mut::<Identities>().claim(*id) {
+                self.ecs.entity_mut(entity).insert(identity);
+            }
+        }
     }
 }
 

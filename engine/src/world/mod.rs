@@ -17,6 +17,7 @@ mod hierarchy;
 mod identity;
 mod instant_radiosity;
 mod light_culling;
+mod place;
 mod rest;
 mod sample;
 mod stash;

@@ -1,7 +1,7 @@
 //! Copies of entities out of sight, from which an editor brings them back as they were: components of every type that
 //! is `Clone`, those of the game too, under the same identities.
 
-use super::identity::{Identities, Identity};
+use super::identity::{Identities, Identity, RootOrder};
 use super::{GameWorld, WorldError};
 use crate::scene::SceneId;
 use bevy_ecs::component::ComponentId;
@@ -85,7 +85,7 @@ impl GameWorld {
             self.component_ids(entity).filter(|id| !wanted.contains(id) && !kept.contains(id)).collect();
         self.ecs.entity_mut(entity).remove_by_ids(&surplus);
         let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
-        cloner.deny::<(ChildOf, Children, StashedId, Disabled)>();
+        cloner.deny::<(ChildOf, Children, RootOrder, StashedId, Disabled)>();
         let mut cloner = cloner.finish();
         cloner.clone_entity(&mut self.ecs, stash.0, entity);
         Ok(())
@@ -124,11 +124,12 @@ impl GameWorld {
         ids.into_iter()
     }
 
-    fn kept_components(&mut self) -> [ComponentId; 3] {
+    fn kept_components(&mut self) -> [ComponentId; 4] {
         [
             self.ecs.register_component::<ChildOf>(),
             self.ecs.register_component::<Children>(),
             self.ecs.register_component::<Identity>(),
+            self.ecs.register_component::<RootOrder>(),
         ]
     }
 }

@@ -1,0 +1,113 @@
+//! A scene's file that changes while its world runs: what differs between two versions of the file is changed in the
+//! world, and all else goes on as it stands.
+
+use super::LoadOptions;
+use super::document::{Document, ron_options};
+use super::edit::{EditContext, describe_entity, describe_scene, edit_entity, edit_scene, spawn_entity};
+use super::error::{FileError, FileErrorKind as Kind};
+use super::format::{EntityFile, OverrideFile, SceneFile};
+use super::load::{canonical_entities, fault_error};
+use super::merge::merged;
+use super::tree::Node;
+use super::validate::Validator;
+use crate::world::GameWorld;
+use bevy_ecs::prelude::Entity;
+use std::path::Path;
+
+/// What a scene file says, its components of a game as the game would write them.
+///
+/// # Errors
+/// When there is no such file, or it is wrong in itself. Assets are not looked at.
+pub fn read_scene(path: &Path, options: &LoadOptions) -> Result<SceneFile, FileError> {
+    let (document, mut file) = Document::read::<SceneFile>(path)?;
+    Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
+    canonical_entities(&document, &mut file.entities, &options.types)?;
+    Ok(file)
+}
+
+/// Makes in a world what changed between two versions of its scene file. Entities are told by their paths. Fields of
+/// components that the file changed get the file's values; those that it did not keep what they have become. Entities
+/// that the world has lost since are not brought back.
+///
+/// # Errors
+/// When an asset is missing or faulty; what was changed before stays changed.
+pub fn follow_scene(
+    world: &mut GameWorld,
+    context: &mut EditContext,
+    before: &SceneFile,
+    now: &SceneFile,
+) -> Result<(), FileError> {
+    let present = describe_scene(world);
+    let settings = if now.settings == before.settings { present.settings } else { now.settings.clone() };
+    edit_scene(world, context, &SceneFile { settings, entities: Vec::new(), ..now.clone() })?;
+    Follower { world, context }.siblings(None, &before.entities, &now.entities)
+}
+
+struct Follower<'a, 'b> {
+    world: &'a mut GameWorld,
+    context: &'a mut EditContext<'b>,
+}
+
+impl Follower<'_, '_> {
+    fn siblings(&mut self, parent: Option<Entity>, before: &[EntityFile], now: &[EntityFile]) -> Result<(), FileError> {
+        for gone in before.iter().filter(|old| named(now, &old.name).is_none()) {
+            if let Some(entity) = self.child(parent, &gone.name) {
+                let _ = self.world.ecs.try_despawn(entity);
+            }
+        }
+        for new in now {
+            match (named(before, &new.name), self.child(parent, &new.name)) {
+                (Some(old), Some(entity)) if old != new => self.entity(parent, entity, old, new)?,
+                (None, None) => drop(spawn_entity(self.world, self.context, parent, new)?),
+                // The same as before; or despawned or made by the game, whose word counts then.
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn child(&self, parent: Option<Entity>, name: &str) -> Option<Entity> {
+        let siblings = parent.map_or_else(|| self.world.roots(), |parent| self.world.children(parent));
+        siblings.into_iter().find(|entity| self.world.name(*entity) == name)
+    }
+
+    fn entity(
+        &mut self,
+        parent: Option<Entity>,
+        entity: Entity,
+        old: &EntityFile,
+        new: &EntityFile,
+    ) -> Result<(), FileError> {
+        let instance = |file: &EntityFile| (file.prefab.clone(), file.repeat.clone(), file.overrides.clone());
+        if instance(old) != instance(new) {
+            // Another prefab, or another form of it, is another thing.
+            let _ = self.world.ecs.try_despawn(entity);
+            return spawn_entity(self.world, self.context, parent, new).map(drop);
+        }
+        let (before, now) = (old.components(), new.components());
+        if before != now {
+            let present = describe_entity(self.world, entity, self.context.path)?;
+            let wanted = self.merged(&before, &now, &present)?;
+            edit_entity(self.world, self.context, entity, &wanted)?;
+        }
+        self.siblings(Some(entity), &old.children, &new.children)
+    }
+
+    fn merged(
+        &self,
+        before: &OverrideFile,
+        now: &OverrideFile,
+        present: &OverrideFile,
+    ) -> Result<OverrideFile, FileError> {
+        let fault = |what: String| FileError::new(self.context.path, Kind::BadValue, what);
+        let node = |components: &OverrideFile| {
+            ron_options().to_string(components).map(|text| Node::parse(&text)).map_err(|error| fault(error.to_string()))
+        };
+        let text = merged(&node(before)?, &node(now)?, &node(present)?).compact();
+        ron_options().from_str(&text).map_err(|error| fault(error.code.to_string()))
+    }
+}
+
+fn named<'a>(entities: &'a [EntityFile], name: &str) -> Option<&'a EntityFile> {
+    entities.iter().find(|entity| entity.name == name)
+}
