@@ -6,8 +6,13 @@ use bevy_ecs::prelude::*;
 use glam::Vec3;
 use lightwell::files::SceneData;
 use lightwell::game::*;
-use lightwell::world::{Light, MeshRenderer, Transform};
+use lightwell::world::{Camera, GlobalTransform, Light, MeshRenderer, Transform};
 use std::path::{Path, PathBuf};
+
+#[path = "game/bad_use.rs"]
+mod bad_use;
+#[path = "game/reload.rs"]
+mod reload;
 
 /// Moves along x.
 #[derive(Component, SceneData, Clone, Debug, Default, PartialEq)]
@@ -348,68 +353,6 @@ fn tables_and_scripts_with_mistakes_say_where() {
     assert!(beyond.contains("behind the end"), "{beyond}");
 }
 
-fn fails<M>(system: impl IntoScheduleConfigs<bevy_ecs::system::ScheduleSystem, M>) -> String {
-    let folder = Folder::new();
-    let mut game = folder.game();
-    game.add_systems(FixedStep, system);
-    let error = message(game.step(&[]));
-    assert!(x_of(&game, "A") > 0.0, "the step is done nevertheless");
-    error
-}
-
-#[test]
-fn bad_use_is_told_and_does_not_panic() {
-    #[derive(Resource)]
-    struct Forgotten;
-    #[derive(Message)]
-    struct Unheard;
-    let missing = fails(|_: Res<Forgotten>| {});
-    assert!(missing.contains("Forgotten") && missing.contains(".resource("), "{missing}");
-    let unheard = fails(|mut writer: MessageWriter<Unheard>| {
-        writer.write(Unheard);
-    });
-    assert!(unheard.contains("Unheard"), "{unheard}");
-    let gone = fails(|runners: Query<Entity, With<Runner>>, mut commands: Commands| {
-        for entity in &runners {
-            let copy = commands.clone_subtree(entity).id();
-            commands.entity(copy).despawn();
-            commands.entity(copy).insert(Light::default());
-        }
-    });
-    assert!(gone.contains("the entity is gone"), "{gone}");
-    let source = fails(|mut commands: Commands| {
-        let entity = commands.spawn_empty().id();
-        commands.entity(entity).despawn();
-        commands.clone_subtree(entity);
-    });
-    assert!(source.contains("there is no entity"), "{source}");
-    let own = fails(|| -> Result { Err("the bridge is up".into()) });
-    assert!(own.contains("the bridge is up"), "{own}");
-    let action = fails(|input: Res<Input>| {
-        input.pressed("jump");
-    });
-    assert!(action.contains("no button `jump`") && action.contains(".actions("), "{action}");
-    let prefab = fails(|mut commands: Commands| {
-        commands.spawn_prefab("bal.prefab.ron", Transform::default());
-    });
-    assert!(prefab.contains("there is no prefab `bal.prefab.ron`") && prefab.contains("ball.prefab.ron"), "{prefab}");
-    let scene = fails(|mut commands: Commands| commands.change_scene("nowhere.scene.ron"));
-    assert!(scene.contains("nowhere.scene.ron"), "{scene}");
-}
-
-#[test]
-fn unregistered_components_and_names_given_twice_are_refused() {
-    let folder = Folder::new();
-    let mut game = Game::new();
-    let error = message(game.enter(&folder.path("a.scene.ron")));
-    assert!(error.contains("no component `Runner`") && error.contains(".component::<Runner>()"), "{error}");
-    #[derive(Resource, SceneData, Clone, Default)]
-    struct Score;
-    let mut game = folder.game();
-    let error = message(game.add_saved_resource(Score));
-    assert!(error.contains("two types are named `Score`"), "{error}");
-}
-
 #[test]
 fn a_system_ends_the_game() {
     let folder = Folder::new();
@@ -436,4 +379,30 @@ fn timers_end_when_they_should() {
     let ends: u32 = (0..60).map(|_| again.tick(1.0 / 60.0)).sum();
     assert!((9..=10).contains(&ends), "{ends}");
     assert_eq!(Timer::repeating(0.0).tick(0.1), 1);
+}
+
+#[test]
+fn what_is_pointed_at_is_found() {
+    let folder = Folder::new();
+    let scene = r#"Scene(entities: [
+        (name: "Camera", transform: (translation: (0, 0, 5)), camera: (fov: 90)),
+        (name: "Middle", mesh: Box(size: (1, 1, 1))),
+        (name: "Corner", transform: (translation: (9, 4.5, 0)), mesh: Box(size: (1, 1, 1))),
+    ])"#;
+    let mut game = Game::new();
+    game.enter(&folder.write("c.scene.ron", scene)).unwrap();
+    let mut under = |events: &[InputEvent]| {
+        game.step(events).unwrap();
+        let ecs = &game.world.ecs;
+        let camera = game.world.find("Camera").unwrap();
+        let (camera, place) = (ecs.get::<Camera>(camera).unwrap(), ecs.get::<GlobalTransform>(camera).unwrap());
+        let (origin, direction) = ecs.resource::<Input>().pointer_ray(camera, place);
+        let hit = ecs.resource::<Space>().ray(origin, direction, 100.0, |_| true);
+        hit.map(|hit| game.world.name(hit.entity).to_owned())
+    };
+    assert_eq!(under(&[InputEvent::Point(0.5, 0.5)]).as_deref(), Some("Middle"));
+    assert_eq!(under(&[InputEvent::Point(0.6, 0.1)]), None);
+    // 9 m to the right, 4.5 m up, 5 m away: 0.9 of the way to a border that is 10 m off.
+    assert_eq!(under(&[InputEvent::Aspect(2.0), InputEvent::Point(0.95, 0.05)]).as_deref(), Some("Corner"));
+    assert_eq!(under(&[InputEvent::Aspect(1.0)]), None, "in a square picture it is somewhere else");
 }

@@ -31,12 +31,19 @@ pub fn take() -> Vec<String> {
 pub fn handle(error: BevyError, context: ErrorContext) {
     let text = error.to_string();
     // bevy's own help comes after the first line, and ours says it for this engine.
-    let text = match text.trim().split_once("\nIf this is an expected state") {
-        Some((first, _)) => first,
-        None => text.trim(),
-    };
+    let ends = ["\nIf this is an expected state", "\nNote that interacting"].iter().filter_map(|end| text.find(end));
+    let text = text[..ends.min().unwrap_or(text.len())].trim();
     let help = help(text).map(|help| format!("\n  help: {help}")).unwrap_or_default();
-    note(format!("{} `{}` failed: {text}{help}", context.kind(), context.name()));
+    let name = context.name().to_string();
+    let name = if context.kind() == "command" { command_name(&name) } else { name };
+    note(format!("{} `{name}` failed: {text}{help}", context.kind()));
+}
+
+/// A command's name without modules and wrappers: `insert<Light>`.
+fn command_name(name: &str) -> String {
+    let name = name.split(" as ").next().unwrap_or(name).trim_start_matches('<').replace("::{{closure}}", "");
+    let parts = name.split_inclusive(|c: char| !c.is_alphanumeric() && c != '_' && c != ':');
+    parts.map(|part| part.rsplit("::").next().unwrap_or(part)).collect()
 }
 
 /// What to do about the usual mistakes.
@@ -49,5 +56,18 @@ fn help(text: &str) -> Option<&'static str> {
         Some("the entity is gone: look it up with `Query::get` in each step, or use `try_insert`, `try_despawn`")
     } else {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command_name;
+
+    #[test]
+    fn commands_are_named_briefly() {
+        let long = "<bevy_ecs::system::entity_command::insert<my_game::Light, (f32, std::vec::Vec<u8>)>::{{closure}} as \
+                    bevy_ecs::system::EntityCommand>::with_entity::{{closure}}";
+        assert_eq!(command_name(long), "insert<Light, (f32, Vec<u8>)>");
+        assert_eq!(command_name("my_game::ring"), "ring");
     }
 }

@@ -8,7 +8,7 @@ use super::space::{self, Ghost, Space};
 use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::AssetLibrary;
-use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, SceneData};
+use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, SceneData, SceneFile};
 use crate::world::GameWorld;
 use bevy_ecs::error::FallbackErrorHandler;
 use bevy_ecs::message::{Message, MessageRegistry};
@@ -16,6 +16,7 @@ use bevy_ecs::observer::IntoObserver;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Systems that run when a scene was entered, before its first step.
@@ -69,7 +70,13 @@ pub struct Game {
     pub world: GameWorld,
     library: AssetLibrary,
     options: LoadOptions,
+    /// What the scene's file said when it was read last.
+    file: Option<SceneFile>,
+    entering: Option<Entering>,
 }
+
+/// Changes a scene that was entered.
+type Entering = Box<dyn Fn(&mut GameWorld, &Path) -> Result<(), String>>;
 
 impl Default for Game {
     fn default() -> Self {
@@ -82,7 +89,8 @@ impl Game {
     pub fn new() -> Self {
         let mut options = LoadOptions::default();
         options.types.is_complete = true;
-        let mut game = Self { world: GameWorld::new(), library: AssetLibrary::new(), options };
+        let (world, library) = (GameWorld::new(), AssetLibrary::new());
+        let mut game = Self { world, library, options, file: None, entering: None };
         let ecs = &mut game.world.ecs;
         ecs.insert_resource(FallbackErrorHandler(fault::handle));
         ecs.insert_resource(Time::new(60));
@@ -164,12 +172,67 @@ impl Game {
     /// # Errors
     /// When the scene cannot be loaded, which leaves the one before as it is; or when a system fails.
     pub fn enter(&mut self, path: &Path) -> Result<(), GameError> {
+        self.take_scene(path)?;
+        self.begin()
+    }
+
+    /// Sets what is done with each scene that was entered, before [`Start`] runs: changes that a command line asks for.
+    pub fn on_entering(&mut self, change: impl Fn(&mut GameWorld, &Path) -> Result<(), String> + 'static) {
+        self.entering = Some(Box::new(change));
+    }
+
+    fn take_scene(&mut self, path: &Path) -> Result<(), FileError> {
         let old = self.scene_roots();
-        files::enter_scene(&mut self.world, &mut self.library, &self.options, path, &old)?;
+        let file = files::enter_scene(&mut self.world, &mut self.library, &self.options, path, &old)?;
+        self.file = Some(file);
         let since = self.world.ecs.resource::<Time>().step;
         self.world.ecs.insert_resource(CurrentScene { path: path.to_owned(), since });
+        Ok(())
+    }
+
+    fn begin(&mut self) -> Result<(), GameError> {
+        let path = self.world.ecs.resource::<CurrentScene>().path.clone();
+        let changed = self.entering.as_ref().map_or(Ok(()), |change| change(&mut self.world, &path));
         self.settle();
-        self.run(Start)
+        changed.map_err(|what| GameError::Failed(vec![what])).and(self.run(Start))
+    }
+
+    /// Takes up what changed in the scene's file since it was read, while the game goes on: fields that the file changed
+    /// get its values, entities that it added come, those that it dropped go. All else stays as the game has made it:
+    /// other fields of the same component, resources, the state of systems. [`Start`] does not run.
+    ///
+    /// # Errors
+    /// When the file or an asset that it names is faulty; the scene stays as it is then.
+    pub fn reload(&mut self) -> Result<(), GameError> {
+        let path = self.world.ecs.resource::<CurrentScene>().path.clone();
+        // All that can be wrong is found before anything changes.
+        files::load_scene(&path, &mut self.library.clone(), &self.options)?;
+        let now = files::read_scene(&path, &self.options)?;
+        let before = self.file.replace(now.clone()).unwrap_or_else(|| now.clone());
+        let mut context = EditContext { library: &mut self.library, options: &self.options, path: &path };
+        let result = files::follow_scene(&mut self.world, &mut context, &before, &now);
+        self.settle();
+        Ok(result?)
+    }
+
+    /// Begins the scene anew with prefabs, models and images read again, for when those have changed. Resources and what
+    /// is [`Persistent`] stay.
+    ///
+    /// # Errors
+    /// When a file is faulty, which leaves the scene as it is; or when a system fails.
+    pub fn reload_all(&mut self) -> Result<(), GameError> {
+        let path = self.world.ecs.resource::<CurrentScene>().path.clone();
+        let library = std::mem::take(&mut self.library);
+        if let Err(error) = self.take_scene(&path) {
+            self.library = library;
+            return Err(error.into());
+        }
+        self.begin()
+    }
+
+    /// The files that the game was made from so far, besides its scenes.
+    pub fn files(&self) -> BTreeSet<PathBuf> {
+        self.library.files()
     }
 
     /// Roots that go with the scene.
@@ -280,6 +343,9 @@ impl Game {
         let saved = SavedGame::read(path)?;
         let old = self.world.roots();
         saved.restore(path, &mut self.world, &mut self.library, &self.options, &old)?;
+        // Later changes of the scene's file count from here.
+        let scene = self.world.ecs.resource::<CurrentScene>().path.clone();
+        self.file = files::read_scene(&scene, &self.options).ok();
         self.settle();
         Ok(())
     }

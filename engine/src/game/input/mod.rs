@@ -25,8 +25,9 @@ pub use script::InputScript;
 
 use super::fault;
 use crate::files::suggestion;
+use crate::world::{Camera, GlobalTransform};
 use bevy_ecs::prelude::Resource;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,6 +46,8 @@ pub enum InputEvent {
     Motion(f32, f32),
     /// The wheel turned \[lines\], up.
     Wheel(f32),
+    /// The picture has another shape: its width over its height.
+    Aspect(f32),
 }
 
 /// Positions of a stick that are taken for its middle.
@@ -61,7 +64,11 @@ pub struct Input {
     pointer: Vec2,
     motion: Vec2,
     wheel: f32,
+    aspect: Option<f32>,
 }
+
+/// Width over height of a picture that nobody spoke of.
+const USUAL_ASPECT: f32 = 1.6;
 
 impl Input {
     /// With a table of actions.
@@ -91,6 +98,7 @@ impl Input {
                 InputEvent::Point(x, y) => self.pointer = Vec2::new(x, y),
                 InputEvent::Motion(x, y) => self.motion += Vec2::new(x, y),
                 InputEvent::Wheel(lines) => self.wheel += lines,
+                InputEvent::Aspect(aspect) => self.aspect = Some(aspect).filter(|aspect| aspect.is_normal()),
             }
         }
     }
@@ -127,6 +135,17 @@ impl Input {
     /// Where the pointer is in the picture, both 0 to 1 from the upper left corner.
     pub fn pointer(&self) -> Vec2 {
         self.pointer
+    }
+
+    /// The line of sight through the pointer, from where to which direction: for [`Space::ray`](super::Space::ray), to
+    /// find what is pointed at.
+    pub fn pointer_ray(&self, camera: &Camera, place: &GlobalTransform) -> (Vec3, Vec3) {
+        let half_height = (0.5 * camera.fov.to_radians()).tan();
+        let half_width = half_height * self.aspect.unwrap_or(USUAL_ASPECT);
+        let [right, up, back] = [0, 1, 2].map(|axis| Vec3::from(place.0.matrix3.col(axis)).normalize_or_zero());
+        let (x, y) = (2.0 * self.pointer.x - 1.0, 1.0 - 2.0 * self.pointer.y);
+        let direction = right * (x * half_width) + up * (y * half_height) - back;
+        (place.position(), direction.normalize_or(Vec3::NEG_Z))
     }
 
     /// How far the mouse moved in this step \[pixels\], to the right and down.
