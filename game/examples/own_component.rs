@@ -17,7 +17,7 @@ pub fn app() -> App {
 
 /// Rides up and down between two heights.
 #[derive(Component, SceneData, Clone)]
-struct Lift {
+pub struct Lift {
     /// Lower end [m].
     low: f32,
     /// Upper end [m].

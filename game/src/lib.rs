@@ -1,6 +1,19 @@
 //! What a game is written with, [`App`] and the [`prelude`]; and the program `lightwell` as a library, so that its
-//! headless scene tests and benchmarks are tests like any other. Its command line is [`run`]; a loaded scene with its
-//! device is a [`session::Session`].
+//! headless scene tests and benchmarks are tests like any other.
+//!
+//! | to | look at |
+//! | --- | --- |
+//! | write a game | [`App`], [`prelude`]; the README's "Write a game"; the examples in `game/examples` |
+//! | know what a system can ask for | [`lightwell::game`]: input, time, space, light probes, scenes, saved games |
+//! | draw over the picture, play sounds | [`Hud`], [`Sounds`] |
+//! | test a game | [`App::simulate`], [`App::headless`], [`lightwell::game::InputScript`] |
+//! | add a render pass | [`App::pass`] and `docs/frame.md` |
+//! | draw a scene without a game | [`session::Session`] |
+//! | extend the editor | [`editor`] |
+//! | test scenes, measure methods | [`scene_test`], [`bench`], [`stress`] |
+//! | the command line | [`cli`], [`run`] |
+//!
+//! How the engine itself is laid out stands on top of the crate [`lightwell`].
 
 #[macro_use]
 mod output;

@@ -10,7 +10,7 @@ pub use glam::{Quat, Vec2, Vec3};
 pub use lightwell;
 pub use lightwell::files::SceneData;
 pub use lightwell::game::{
-    Actions, Button, CurrentScene, EachFrame, FixedStep, Game, GameCommands, Ghost, Input, InputEvent, InputScript,
-    Key, LightProbe, MouseButton, PadButton, Persistent, Space, Start, Stick, Time, Timer,
+    Actions, Button, Contact, CurrentScene, EachFrame, FixedStep, Game, GameCommands, Ghost, Hit, Input, InputEvent,
+    InputScript, Key, LightProbe, MouseButton, PadButton, Persistent, Space, Start, Stick, Time, Timer,
 };
 pub use lightwell::world::{Camera, GlobalTransform, Light, LightKind, MeshRenderer, Name, Projection, Transform};

@@ -60,3 +60,61 @@ fn a_hidden_corner_has_bounced_light_alone() {
         "of the red wall: {probe:?}"
     );
 }
+
+#[test]
+fn own_components_are_set_on_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, set: &str| {
+        let out = folder.path().join(name);
+        let words: Vec<std::ffi::OsString> = [
+            "lifts",
+            "--headless",
+            "--steps",
+            "1",
+            "--every",
+            "1",
+            "--size",
+            "48x30",
+            "--gi",
+            "none",
+            "--set",
+            set,
+            "-o",
+        ]
+        .map(Into::into)
+        .to_vec();
+        let code = own_component::app().run_with(words.into_iter().chain([out.clone().into_os_string()]));
+        (code == std::process::ExitCode::SUCCESS, std::fs::read(out.join("step_0001.png")).ok())
+    };
+    let (low, high) = (run("low", "First.Lift.low=0.25"), run("high", "First.Lift.low=1.5"));
+    assert!(low.0 && high.0 && low.1 != high.1, "the lift stands higher");
+    for wrong in ["First.Lift.lowe=1", "First.Lift.low=deep", "First.Left.low=1", "Frist.Lift.low=1"] {
+        assert_eq!(run("wrong", wrong), (false, None), "{wrong}");
+    }
+}
+
+#[test]
+fn faulty_games_say_what_to_do() {
+    /// Another type of that name.
+    #[derive(Component, SceneData, Clone, Default)]
+    struct Lift;
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/lift.scene.ron");
+    let error = |app: App| format!("{:#}", app.start().map(drop).unwrap_err());
+    let bare = error(App::new(scene));
+    assert!(bare.contains("the game has no component `Lift`") && bare.contains(".component::<Lift>()"), "{bare}");
+    let twice = error(own_component::app().component::<Lift>());
+    assert!(twice.contains("two types are named `Lift`") && twice.contains("rename one of them"), "{twice}");
+    let lost = error(App::new("nowhere.scene.ron"));
+    assert!(lost.contains("nowhere.scene.ron"), "{lost}");
+    let table = error(App::new(scene).component::<own_component::Lift>().actions("none.actions.ron"));
+    assert!(table.contains("none.actions.ron"), "{table}");
+    fn needs(_: Res<Hidden>) {}
+    #[derive(Resource)]
+    struct Hidden;
+    let app = own_component::app().systems(FixedStep, needs);
+    let failed = format!("{:#}", app.simulate(&script("Script(steps: 3)")).map(drop).unwrap_err());
+    assert!(
+        failed.starts_with("step 1: system") && failed.contains("needs") && failed.contains(".resource("),
+        "{failed}"
+    );
+}

@@ -1,208 +1,13 @@
 //! The program in a real window: opened, clicked, edited, saved and killed as a person would.
-//!
-//! Needs `Xvfb`, `xdotool` and `import` (ImageMagick); without them the test says so and checks nothing.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
-use lightwell::measure::{Image, read_image};
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+mod screen;
+
+use screen::{Display, PATIENCE, Window, difference};
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-const SIZE: [u32; 2] = [1280, 800];
-/// Software drivers on busy machines take their time.
-const PATIENCE: Duration = Duration::from_secs(90);
-
-/// A display that nobody sees.
-struct Display {
-    server: Child,
-    name: String,
-}
-
-impl Display {
-    /// None, with a message, where a tool is missing.
-    fn open() -> Option<Self> {
-        for tool in ["Xvfb", "xdotool", "import"] {
-            let found = std::env::split_paths(&std::env::var_os("PATH")?).any(|folder| folder.join(tool).is_file());
-            if !found {
-                eprintln!("skipped: there is no {tool} (Debian: apt-get install xvfb xdotool imagemagick)");
-                return None;
-            }
-        }
-        let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
-        let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        Some(Self { server, name: format!(":{}", number.trim()) })
-    }
-
-    fn run(&self, program: &str, args: &[&str]) {
-        let status = Command::new(program).args(args).env("DISPLAY", &self.name).status().unwrap();
-        assert!(status.success(), "{program} {args:?}");
-    }
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
-    }
-}
-
-/// The program in its window.
-struct Window<'a> {
-    display: &'a Display,
-    program: Child,
-    log: PathBuf,
-    folder: PathBuf,
-}
-
-/// A place in the window [pixels]: left, top, right, bottom.
-#[derive(Clone, Copy, Debug)]
-struct Place([i32; 4]);
-
-impl Place {
-    fn at(self, x: f32, y: f32) -> [i32; 2] {
-        let [left, top, right, bottom] = self.0;
-        let between = |a: i32, b: i32, share: f32| a + ((b - a) as f32 * share).round() as i32;
-        [between(left, right, x), between(top, bottom, y)]
-    }
-}
-
-impl<'a> Window<'a> {
-    fn open(display: &'a Display, scene: &Path) -> Self {
-        let folder = scene.parent().unwrap().to_owned();
-        let log = folder.join("log.txt");
-        let file = std::fs::File::create(&log).unwrap();
-        let program = Command::new(env!("CARGO_BIN_EXE_lightwell"))
-            .args(["play", scene.to_str().unwrap(), "--size", &format!("{}x{}", SIZE[0], SIZE[1])])
-            .current_dir(&folder)
-            .env("DISPLAY", &display.name)
-            .env("XDG_CONFIG_HOME", folder.join("config"))
-            .env("RUST_LOG", "warn,lightwell::widgets=trace")
-            .env("NODEVICE_SELECT", "1")
-            .env_remove("WAYLAND_DISPLAY")
-            .env_remove("WAYLAND_SOCKET")
-            .stdout(Stdio::null())
-            .stderr(file)
-            .spawn()
-            .unwrap();
-        let window = Self { display, program, log, folder };
-        window.wait_for("the picture", |all| all.iter().any(|(_, name)| name == "Picture"));
-        window.xdotool(&["search", "--sync", "--name", "Lightwell", "windowfocus"]);
-        // Still, at the start of the clock.
-        window.key("space");
-        window.key("Home");
-        window.wait_for("a pause", |all| all.iter().any(|(_, name)| name.ends_with("Play")));
-        window
-    }
-
-    fn xdotool(&self, args: &[&str]) {
-        self.display.run("xdotool", args);
-        std::thread::sleep(Duration::from_millis(300));
-    }
-
-    fn key(&self, key: &str) {
-        self.xdotool(&["key", key]);
-    }
-
-    fn move_to(&self, [x, y]: [i32; 2]) {
-        self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
-    }
-
-    fn click(&self, at: [i32; 2]) {
-        self.move_to(at);
-        self.xdotool(&["click", "1"]);
-    }
-
-    fn drag(&self, [x, y]: [i32; 2], dx: i32) {
-        self.move_to([x, y]);
-        self.xdotool(&["mousedown", "1"]);
-        for step in 1..=4 {
-            self.move_to([x + dx * step / 4, y]);
-        }
-        self.xdotool(&["mouseup", "1"]);
-    }
-
-    /// All widgets with a name in the last whole frame.
-    fn widgets(&self) -> Vec<(Place, String)> {
-        let text = std::fs::read_to_string(&self.log).unwrap();
-        let text = text.rsplit_once("TRACE] frame").map_or("", |(before, _)| before);
-        let last = text.rsplit_once("TRACE] frame").map_or(text, |(_, last)| last);
-        let widget = |line: &str| {
-            let mut words = line.split_once("TRACE] ")?.1.splitn(6, ' ');
-            let mut edge = || words.next()?.parse().ok();
-            let place = Place([edge()?, edge()?, edge()?, edge()?]);
-            Some((place, words.nth(1)?.to_owned()))
-        };
-        last.lines().filter_map(widget).collect()
-    }
-
-    fn wait_for(&self, what: &str, holds: impl Fn(&[(Place, String)]) -> bool) {
-        let start = Instant::now();
-        while !holds(&self.widgets()) {
-            if start.elapsed() > PATIENCE {
-                let log = std::fs::read_to_string(&self.log).unwrap();
-                let other: Vec<&str> = log.lines().filter(|line| !line.contains("TRACE]")).collect();
-                let names: Vec<String> = self.widgets().into_iter().map(|(_, name)| name).collect();
-                panic!("{what} does not come; there are {names:?}; the program said {other:?}");
-            }
-            std::thread::sleep(Duration::from_millis(100));
-        }
-    }
-
-    fn place(&self, name: &str) -> Place {
-        self.wait_for(name, |all| all.iter().any(|(_, known)| known == name));
-        self.widgets().into_iter().rev().find(|(_, known)| known == name).unwrap().0
-    }
-
-    /// The picture as the screen shows it.
-    fn shot(&self) -> Image {
-        let Place([left, top, right, bottom]) = self.place("Picture");
-        let area = format!("{}x{}+{left}+{top}", right - left, bottom - top);
-        let file = self.folder.join("screen.png");
-        self.display.run("import", &["-window", "root", "-crop", &area, "+repage", file.to_str().unwrap()]);
-        read_image(&file).unwrap()
-    }
-
-    /// The picture once it is as wanted and has stood still for some seconds; the last one if that never comes.
-    fn picture(&self, is_wanted: impl Fn(&Image) -> bool) -> Image {
-        let start = Instant::now();
-        let (mut last, mut still) = (self.shot(), 0);
-        while (still < 4 || !is_wanted(&last)) && start.elapsed() < PATIENCE {
-            std::thread::sleep(Duration::from_millis(800));
-            let now = self.shot();
-            still = if now == last { still + 1 } else { 0 };
-            last = now;
-        }
-        last
-    }
-
-    fn kill(mut self) {
-        self.program.kill().unwrap();
-        self.program.wait().unwrap();
-    }
-}
-
-impl Drop for Window<'_> {
-    fn drop(&mut self) {
-        let _ = self.program.kill();
-        let _ = self.program.wait();
-    }
-}
-
-/// Mean difference of two pictures, over all pixels and channels.
-fn difference(a: &Image, b: &Image) -> f64 {
-    let sum: f64 = a.values().zip(b.values()).map(|(a, b)| f64::from(a - b).abs()).sum();
-    sum / (3 * a.pixels().len()) as f64
-}
 
 #[test]
 fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
@@ -272,4 +77,104 @@ fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
         assert!(world.find("Swing/Spot light").is_some());
         std::fs::write(&scene, &saved).unwrap();
     }
+}
+
+/// What the README promises: open a scene, move the lamp, change the quality of the light volume, undo it all, save under
+/// another name and play that.
+#[test]
+fn the_first_minutes_of_a_user() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let text = |path: &Path| {
+        let world = lightwell::files::load_scene(path, &mut Default::default(), &Default::default()).unwrap();
+        lightwell::files::save_scene(&world, &folder.path().join("again.scene.ron")).unwrap();
+        std::fs::read_to_string(folder.path().join("again.scene.ron")).unwrap()
+    };
+    let before = text(&scene);
+    let mut window = Window::open(&display, &scene);
+    let still = window.picture(|_| true);
+
+    let view = window.place("Picture");
+    let height = 0.5 - 0.5 * (0.9 / 4.0) / 20_f32.to_radians().tan();
+    window.click(view.at(0.5, height));
+    window.wait_for("the lamp in the inspector", |all| all.iter().any(|(_, name)| name == "Intensity"));
+    // The handle to the right.
+    let [x, y] = view.at(0.5, height);
+    window.drag([x + 60, y], 50);
+    let moved = window.picture(|now| difference(&still, now) > 0.005);
+    let by = difference(&still, &moved);
+    assert!(by > 0.005, "the lamp has moved, and its light with it: {by}");
+    window.keep("walk_moved");
+
+    let row = window.place("Light volume").at(0.5, 0.5);
+    window.click(row);
+    let quality = window.place("Quality").at(0.5, 0.5);
+    window.click(quality);
+    let low = window.place("Low").at(0.5, 0.5);
+    window.keep("walk_quality");
+    window.click(low);
+    window.wait_for("the choice to be made", |all| !all.iter().any(|(_, name)| name == "Ultra"));
+
+    window.key("ctrl+z");
+    window.key("ctrl+z");
+    // Nothing is selected then, and no handle is in the picture.
+    window.click(window.place("Camera").at(0.5, 0.5));
+    window.key("ctrl+shift+s");
+    let _ = window.place("Path");
+    let other = folder.path().join("other.scene.ron");
+    window.key("ctrl+a");
+    window.xdotool(&["type", other.to_str().unwrap()]);
+    window.keep("walk_save_as");
+    window.key("Return");
+    let start = Instant::now();
+    while !other.exists() {
+        assert!(start.elapsed() < PATIENCE, "nothing is saved; it said {}", window.said());
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    assert_eq!(text(&other), before, "all was undone");
+    window.key("ctrl+q");
+    assert!(window.wait_for_end(), "{}", window.said());
+
+    let window = Window::open(&display, &other);
+    let again = difference(&still, &window.picture(|now| difference(&still, now) < 0.005));
+    assert!(again < 0.005, "what was saved under another name looks the same: {again}");
+    window.keep("walk_played");
+    window.kill();
+}
+
+#[test]
+fn a_light_is_changed_without_a_mouse() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let window = Window::open(&display, &scene);
+    let tab_to = |wanted: &str| {
+        for _ in 0..120 {
+            if window.focused().as_deref() == Some(wanted) {
+                return;
+            }
+            window.key("Tab");
+        }
+        panic!("Tab does not come to {wanted}; it said {}", window.said());
+    };
+    window.key("ctrl+f");
+    window.xdotool(&["type", "Spot"]);
+    tab_to("Spot light");
+    window.key("Return");
+    window.wait_for("the light in the inspector", |all| all.iter().any(|(_, name)| name == "Intensity"));
+    tab_to("Intensity");
+    window.key("ctrl+a");
+    window.xdotool(&["type", "33"]);
+    window.key("Return");
+    window.keep("keyboard");
+    window.key("ctrl+s");
+    let start = Instant::now();
+    while !std::fs::read_to_string(&scene).unwrap().contains("intensity: 33.0") {
+        assert!(start.elapsed() < PATIENCE, "nothing is saved; it said {}", window.said());
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    window.kill();
 }

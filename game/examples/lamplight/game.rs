@@ -179,7 +179,7 @@ fn switch_on(
     mut commands: Commands,
 ) {
     for (entity, mut lamp, place) in &mut lamps {
-        let distance = ball.translation.distance(place.0.translation.into());
+        let distance = ball.translation.distance(place.position());
         if !lamp.on && distance < lamp.reach {
             lamp.on = true;
             commands.trigger(Lit(entity));
@@ -201,7 +201,7 @@ fn catch(
     mut commands: Commands,
 ) {
     for (entity, firefly, place) in &fireflies {
-        if ball.translation.distance(place.0.translation.into()) < 0.7 {
+        if ball.translation.distance(place.position()) < 0.7 {
             run.score += firefly.points;
             run.glow = (run.glow + 0.1).min(1.0);
             commands.entity(entity).despawn();
@@ -225,7 +225,7 @@ fn leave(
     mut sounds: ResMut<Sounds>,
 ) {
     let [on, all] = run.lamps;
-    if on == all && ball.translation.distance(gate.0.translation.into()) < 1.2 {
+    if on == all && ball.translation.distance(gate.position()) < 1.2 {
         run.phase = Phase::Won;
         run.score += (100.0 * run.glow).round() as u32;
         sounds.play("won.wav", 1.0);
@@ -293,7 +293,7 @@ fn follow(
 /// Fireflies go up and down, each in its own time.
 fn hover(time: Res<Time>, mut fireflies: Query<(&Firefly, &GlobalTransform, &mut Transform)>) {
     for (_, place, mut transform) in &mut fireflies {
-        let phase = time.elapsed as f32 * 2.0 + place.0.translation.x;
+        let phase = time.elapsed as f32 * 2.0 + place.position().x;
         transform.translation.y = 0.5 + 0.12 * phase.sin();
     }
 }

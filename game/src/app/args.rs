@@ -1,6 +1,6 @@
 //! The command line of a game.
 
-use crate::cli::{Common, Gi, LookArgs, PlayArgs, parse_size};
+use crate::cli::{Common, Gi, LookArgs, PlayArgs, parse_assignment, parse_size};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -41,6 +41,10 @@ pub struct GameArgs {
     /// Indirect light [default: what the scene asks for]
     #[arg(long, value_enum)]
     pub gi: Option<Gi>,
+    /// Change a value of the scene that it begins with: `ENTITY.COMPONENT.FIELD=VALUE`, with the game's own components
+    /// too, `clpv.FIELD=VALUE`, `scene.FIELD=VALUE`, or `preset=NAME`; may be given many times
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
+    pub sets: Vec<(String, String)>,
     /// Options of every program.
     #[command(flatten)]
     pub common: Common,
@@ -49,7 +53,7 @@ pub struct GameArgs {
 impl GameArgs {
     /// Choices of the picture.
     pub(super) fn look(&self) -> LookArgs {
-        LookArgs { gi: self.gi, ..LookArgs::default() }
+        LookArgs { gi: self.gi, sets: self.sets.clone(), ..LookArgs::default() }
     }
 
     /// The same for the editor.

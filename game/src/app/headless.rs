@@ -38,7 +38,7 @@ pub(super) fn run_args(mut app: App, args: &GameArgs, script: Option<InputScript
     let name = app.name();
     let folder = args.output.clone().unwrap_or_else(|| default_folder(&name));
     let passes = std::mem::take(&mut app.passes);
-    let game = app.start_with(args.scene.as_deref(), &args.common)?;
+    let game = app.start_with(args.scene.as_deref(), &args.sets, &args.common)?;
     let rate = u64::from(game.world.ecs.resource::<Time>().rate);
     let mut script = script.unwrap_or(InputScript { steps: 2 * rate, events: Vec::new() });
     script.steps = args.steps.unwrap_or(script.steps);

@@ -85,9 +85,15 @@ impl Hud {
     }
 }
 
-/// Shows what went wrong.
+/// Shows what went wrong, in letters of one width: files are quoted with a mark below the place.
 pub(super) fn show_trouble(hud: Res<Hud>) {
-    if let Some(trouble) = &hud.trouble {
-        hud.text_at(Align2::LEFT_BOTTOM, Vec2::ZERO, 2.2, [1.0, 0.5, 0.4], trouble);
-    }
+    let Some(trouble) = &hud.trouble else { return };
+    let screen = hud.context.content_rect();
+    let percent = screen.height() / 100.0;
+    let painter = hud.painter();
+    let font = FontId::monospace((2.0 * percent).max(9.0));
+    let text = painter.layout(trouble.clone(), font, Color32::from_rgb(255, 150, 130), screen.width() - 6.0 * percent);
+    let place = Align2::LEFT_BOTTOM.anchor_size(screen.shrink(2.0 * percent).left_bottom(), text.size());
+    painter.rect_filled(place.expand(percent), 0.5 * percent, Color32::from_black_alpha(210));
+    painter.galley(place.min, text, Color32::WHITE);
 }

@@ -13,6 +13,7 @@ const PIXELS_A_LINE: f64 = 40.0;
 pub struct Gathered {
     events: Vec<InputEvent>,
     held: BTreeSet<Button>,
+    aspect: f32,
 }
 
 impl Gathered {
@@ -81,6 +82,15 @@ impl Gathered {
         }
     }
 
+    /// The picture has that size \[pixels\].
+    pub fn size(&mut self, [width, height]: [u32; 2]) {
+        let aspect = width.max(1) as f32 / height.max(1) as f32;
+        if self.aspect != aspect {
+            self.aspect = aspect;
+            self.events.push(InputEvent::Aspect(aspect));
+        }
+    }
+
     /// What came since the last time.
     pub fn take(&mut self) -> Vec<InputEvent> {
         std::mem::take(&mut self.events)
@@ -114,6 +124,15 @@ mod tests {
             assert_eq!(key(code), Some(name));
         }
         assert_eq!(key(KeyCode::MediaStop), None);
+    }
+
+    #[test]
+    fn the_shape_of_the_picture_is_told_when_it_changes() {
+        let mut gathered = Gathered::default();
+        gathered.size([200, 100]);
+        gathered.size([400, 200]);
+        gathered.size([100, 100]);
+        assert_eq!(gathered.take(), [InputEvent::Aspect(2.0), InputEvent::Aspect(1.0)]);
     }
 
     #[test]

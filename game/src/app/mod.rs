@@ -32,6 +32,7 @@ mod input;
 #[cfg(feature = "gamepad")]
 mod pads;
 mod player;
+mod reload;
 mod sounds;
 #[cfg(feature = "sound")]
 mod speaker;
@@ -46,7 +47,7 @@ use crate::cli::Common;
 use crate::editor::OwnComponent;
 use crate::editor::schema::Shape;
 use crate::session::Painter;
-use crate::{logging, play, scene_path, session};
+use crate::{logging, play, scene_path, session, set};
 use anyhow::{Context, Result};
 use bevy_ecs::message::Message;
 use bevy_ecs::observer::IntoObserver;
@@ -217,22 +218,33 @@ impl App {
     /// # Errors
     /// If a part of the game is faulty, or the scene cannot be loaded.
     pub fn start(self) -> Result<Game> {
-        self.start_with(None, &Common::default())
+        self.start_with(None, &[], &Common::default())
     }
 
-    fn start_with(mut self, scene: Option<&str>, common: &Common) -> Result<Game> {
+    fn start_with(mut self, scene: Option<&str>, sets: &[(String, String)], common: &Common) -> Result<Game> {
+        if let Some(path) = self.actions_path()? {
+            self.game.set_actions(Actions::read(&path)?);
+        }
         if let Some(fault) = self.fault {
             return Err(fault.into());
         }
-        let first = scene_path::find(&self.scene)?;
-        if let Some(actions) = &self.actions {
-            let path = first.parent().unwrap_or(Path::new("")).join(actions);
-            self.game.set_actions(Actions::read(&path)?);
-        }
         self.game.set_models(common.models.clone());
-        let scene = scene.map_or(Ok(first), scene_path::find)?;
+        let scene = scene_path::find(scene.unwrap_or(&self.scene))?;
+        let (first, sets) = (scene.clone(), sets.to_vec());
+        // The first scene, whenever it is entered again.
+        self.game.on_entering(move |world, path| match path == first {
+            true => set::apply_all(world, &sets).map_err(|error| error.to_string()),
+            false => Ok(()),
+        });
         self.game.enter(&scene)?;
         Ok(self.game)
+    }
+
+    /// The file of the table of actions.
+    fn actions_path(&self) -> Result<Option<PathBuf>> {
+        let Some(actions) = &self.actions else { return Ok(None) };
+        let first = scene_path::find(&self.scene)?;
+        Ok(Some(first.parent().unwrap_or(Path::new("")).join(actions)))
     }
 
     /// Plays a script without window and device: for tests of a game's rules.

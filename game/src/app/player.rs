@@ -26,7 +26,8 @@ impl Drawn {
         drawn
     }
 
-    fn follow(&mut self) {
+    /// Takes over what changed in the world.
+    pub fn follow(&mut self) {
         self.painter.follow(&mut self.game.world);
     }
 

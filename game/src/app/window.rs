@@ -4,6 +4,7 @@ use super::input::Gathered;
 #[cfg(feature = "gamepad")]
 use super::pads::Pads;
 use super::player::Drawn;
+use super::reload::Reloader;
 #[cfg(feature = "sound")]
 use super::speaker::Speaker;
 use super::{App, GameArgs, Hud, OwnPass, Sounds};
@@ -31,14 +32,17 @@ pub(super) fn run(mut app: App, args: &GameArgs, script: Option<InputScript>) ->
     let event_loop = EventLoop::new().context("the display cannot be used; try --headless")?;
     let title = app.name();
     let passes = std::mem::take(&mut app.passes);
-    let game = app.start_with(args.scene.as_deref(), &args.common)?;
-    let mut handler = Handler { game: Some(game), passes, title, args, script, open: None, failure: None };
+    let actions = app.actions_path()?;
+    let game = app.start_with(args.scene.as_deref(), &args.sets, &args.common)?;
+    let reloader = Reloader::new(&game, actions);
+    let begun = Some((game, reloader));
+    let mut handler = Handler { begun, passes, title, args, script, open: None, failure: None };
     event_loop.run_app(&mut handler)?;
     handler.failure.map_or(Ok(()), Err)
 }
 
 struct Handler<'a> {
-    game: Option<Game>,
+    begun: Option<(Game, Reloader)>,
     passes: Vec<OwnPass>,
     title: String,
     args: &'a GameArgs,
@@ -53,6 +57,7 @@ struct Open {
     screen: Screen,
     ui: UiSurface,
     drawn: Drawn,
+    reloader: Reloader,
     input: Gathered,
     #[cfg(feature = "gamepad")]
     pads: Pads,
@@ -69,7 +74,7 @@ struct Open {
 
 impl Handler<'_> {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<Open> {
-        let game = self.game.take().context("the window was closed")?;
+        let (game, reloader) = self.begun.take().context("the window was closed")?;
         let [width, height] = self.args.size.unwrap_or([1280, 800]);
         let attributes =
             Window::default_attributes().with_title(&self.title).with_inner_size(PhysicalSize::new(width, height));
@@ -82,6 +87,7 @@ impl Handler<'_> {
             screen,
             ui,
             drawn: Drawn::new(game, Arc::new(gpu), self.args.look(), &self.passes),
+            reloader,
             input: Gathered::default(),
             #[cfg(feature = "gamepad")]
             pads: Pads::open(),
@@ -160,6 +166,8 @@ impl Open {
         self.last = Instant::now();
         let Some(size) = self.screen.size() else { return Ok(true) };
         self.drawn.painter.gpu.shaders.poll();
+        self.reload();
+        self.input.size(size);
         self.drawn.take_light()?;
         if !self.steps(elapsed) {
             return Ok(false);
@@ -178,6 +186,19 @@ impl Open {
         let painted = self.ui.over_image(&self.window, screen, &mut output);
         self.ui.present(&self.drawn.painter.gpu, &mut self.screen, &self.window, painted)?;
         Ok(!self.drawn.game.has_ended())
+    }
+
+    /// Takes up files that changed. What was wrong before may be mended now.
+    fn reload(&mut self) {
+        match self.reloader.poll(&mut self.drawn.game) {
+            Some(Ok(())) => {
+                self.drawn.game.world.ecs.resource_mut::<Hud>().set_trouble(None);
+                self.trouble = None;
+                self.drawn.follow();
+            }
+            Some(Err(error)) => self.tell(Err(error)),
+            None => {}
+        }
     }
 
     /// The steps that are due; false if the script is through.

@@ -45,7 +45,7 @@ impl Editor {
     /// # Errors
     /// If a value is wrong or an asset is missing.
     pub fn add(&mut self, stage: &mut Stage, parent: Option<SceneId>, mut file: EntityFile) -> Result<SceneId> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let parent = parent.and_then(|id| stage.world.entity(id));
         file.name = stage.world.unique_name(parent, &file.name);
         let entity = spawn_entity(stage.world, &mut stage.files.context(), parent, &file)?;
@@ -97,7 +97,7 @@ impl Editor {
     /// # Errors
     /// If something of it is part of a model, which only its file can change.
     pub fn delete(&mut self, stage: &mut Stage) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let tops = self.selected_tops(stage.world);
         self.refuse_model_parts(stage.world, &tops)?;
         let mut changes = Vec::new();
@@ -118,7 +118,7 @@ impl Editor {
     /// # Errors
     /// If something of it is part of a model.
     pub fn duplicate(&mut self, stage: &mut Stage) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let tops = self.selected_tops(stage.world);
         self.refuse_model_parts(stage.world, &tops)?;
         let (mut changes, mut copies) = (Vec::new(), Vec::new());
@@ -141,7 +141,7 @@ impl Editor {
     /// # Errors
     /// If the parent stands below one of them.
     pub fn reparent(&mut self, stage: &mut Stage, ids: &[SceneId], parent: Option<SceneId>) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let parts: Vec<_> = ids.iter().filter_map(|id| Some((*id, stage.world.entity(*id)?))).collect();
         self.refuse_model_parts(stage.world, &parts)?;
         let mut changes = Vec::new();
@@ -186,7 +186,7 @@ impl Editor {
         self.history.open(stage, "rename", &[id])?;
         let name = stage.world.unique_name(stage.world.parent(entity), name);
         stage.world.ecs.entity_mut(entity).insert(Name(name));
-        self.history.close(stage)
+        self.history.close(stage.world)
     }
 
     /// Changes components of entities; a drag goes on as one step as long as the label is the same.
@@ -219,7 +219,7 @@ impl Editor {
     }
 
     fn rebuild(&mut self, stage: &mut Stage, label: &str, edits: &[(SceneId, files::OverrideFile)]) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let mut changes = Vec::new();
         for (id, now) in edits {
             let before = Existence::of(stage.world, *id)?;
@@ -240,7 +240,7 @@ impl Editor {
     /// # Errors
     /// If something of it has no form in a file, or the file cannot be written.
     pub fn make_prefab(&mut self, stage: &mut Stage, path: &Path) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let (id, entity) = self.selected(stage.world).pop().context("nothing is selected")?;
         files::save_prefab(stage.world, entity, stage.files.path, path)?;
         let described = describe_entity(stage.world, entity, stage.files.path)?;
@@ -273,12 +273,12 @@ impl Editor {
     /// # Errors
     /// If nothing is selected.
     pub fn break_prefab(&mut self, stage: &mut Stage) -> Result<()> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let (id, entity) = self.selected(stage.world).pop().context("nothing is selected")?;
         let ids: Vec<SceneId> = stage.world.subtree(entity).iter().filter_map(|e| stage.world.id(*e)).collect();
         self.history.open(stage, "break the prefab", &ids)?;
         files::break_prefab(stage.world, entity);
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         self.select_only(id);
         Ok(())
     }
@@ -289,7 +289,7 @@ impl Editor {
     /// # Errors
     /// If the selected entity is no instance, or the file cannot be written.
     pub fn apply_prefab(&mut self, stage: &mut Stage) -> Result<std::path::PathBuf> {
-        self.history.close(stage)?;
+        self.history.close(stage.world)?;
         let (_, entity) = self.selected(stage.world).pop().context("nothing is selected")?;
         let written =
             files::prefab_of(stage.world, entity).context("the selected entity is no instance of a prefab")?;

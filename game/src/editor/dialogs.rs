@@ -117,7 +117,11 @@ fn changed(ui: &mut Ui, editor: &mut Editor, part: Option<&str>) -> bool {
             editor.requests.extend([Request::Save, Request::Reload]);
             done = true;
         }
-        if ui.button("Load the file").on_hover_text("what was changed here is lost").clicked() {
+        if ui
+            .button("Load the file")
+            .on_hover_text("in place of what was changed here; undo brings that back")
+            .clicked()
+        {
             editor.requests.push(Request::Reload);
             done = true;
         }

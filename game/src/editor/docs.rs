@@ -14,6 +14,8 @@ pub struct Note {
     pub range: Option<RangeInclusive<f64>>,
     /// Whether it is a colour.
     pub color: bool,
+    /// The field beside it, and the variant of that, with which alone it counts.
+    pub only: Option<(String, String)>,
 }
 
 /// Units as the comments write them, and as they are shown.
@@ -106,8 +108,16 @@ impl Note {
         let unit = UNITS.iter().find(|(text, _)| written(text)).map(|(_, shown)| *shown);
         let lower = help.to_lowercase();
         let color = lower.contains("linear rgb") || lower.contains("linear (r, g, b)");
-        Self { unit, range: range(&help), color, help }
+        Self { unit, range: range(&help), color, only: only(&help), help }
     }
+}
+
+/// The condition in words like "with `transport: Sweep` alone".
+fn only(help: &str) -> Option<(String, String)> {
+    let (before, _) = help.split_once("` alone")?;
+    let (_, condition) = before.rsplit_once('`')?;
+    let (field, variant) = condition.split_once(": ")?;
+    Some((field.to_owned(), variant.to_owned()))
 }
 
 /// The range in words like `0..1` or `1 to 4`.
@@ -150,6 +160,11 @@ mod tests {
         assert_eq!(docs.note("Material.metallic").unit, None);
         assert_eq!(docs.note("Material.roughness").range, Some(0.0..=1.0));
         assert!(docs.note("Transform.rotation").help.contains("look_at"), "the file's type, not the world's");
+        let only = |field: &str| docs.note(&format!("Clpv.{field}")).only.map(|(_, variant)| variant);
+        assert_eq!(
+            (only("quality"), only("steps"), only("cells")),
+            (Some("Sweep".into()), Some("Diffusion".into()), None)
+        );
         assert_eq!(docs.note("Nothing.at_all"), Note::default());
     }
 }

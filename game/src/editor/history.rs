@@ -107,6 +107,7 @@ impl Change {
             Self::Scene(before, after) => {
                 let wanted = if forth { after } else { before };
                 edit_scene(stage.world, &mut stage.files.context(), wanted)?;
+                stage.clock.follow(&wanted.settings);
             }
         }
         Ok(())
@@ -212,7 +213,7 @@ impl History {
         self.version += 1;
         let goes_on = self.open.as_ref().is_some_and(|open| open.label == label && open.scene.is_none());
         if !goes_on {
-            self.close(stage)?;
+            self.close(stage.world)?;
         }
         let open = self.open.get_or_insert_with(|| Open { label: label.to_owned(), before: Vec::new(), scene: None });
         for id in ids.iter().filter(|id| !open.before.iter().any(|(known, _)| known == *id)).collect::<Vec<_>>() {
@@ -231,7 +232,7 @@ impl History {
         if self.open.as_ref().is_some_and(|open| open.label == label && open.scene.is_some()) {
             return Ok(());
         }
-        self.close(stage)?;
+        self.close(stage.world)?;
         let scene = Some(Box::new(describe_scene(stage.world)));
         self.open = Some(Open { label: label.to_owned(), before: Vec::new(), scene });
         Ok(())
@@ -241,22 +242,22 @@ impl History {
     ///
     /// # Errors
     /// If an entity of it is gone.
-    pub fn close(&mut self, stage: &mut Stage) -> Result<()> {
+    pub fn close(&mut self, world: &mut GameWorld) -> Result<()> {
         let Some(open) = self.open.take() else { return Ok(()) };
         let mut changes = Vec::new();
         if let Some(before) = open.scene {
-            let after = describe_scene(stage.world);
+            let after = describe_scene(world);
             if *before != after {
                 changes.push(Change::Scene(before, Box::new(after)));
             }
         }
         for (id, before) in open.before {
-            let Some(entity) = stage.world.entity(id) else { continue };
-            let after = stage.world.stash(entity, false)?;
+            let Some(entity) = world.entity(id) else { continue };
+            let after = world.stash(entity, false)?;
             changes.push(Change::Components { id, before, after });
         }
         if !changes.is_empty() {
-            self.push(stage.world, &open.label, changes);
+            self.push(world, &open.label, changes);
         }
         Ok(())
     }
@@ -283,7 +284,7 @@ impl History {
     /// # Errors
     /// If it cannot be taken back; it stays then.
     pub fn undo(&mut self, stage: &mut Stage) -> Result<Option<String>> {
-        self.close(stage)?;
+        self.close(stage.world)?;
         let Some(step) = self.done.pop() else { return Ok(None) };
         self.version += 1;
         for change in step.changes.iter().rev() {
@@ -299,7 +300,7 @@ impl History {
     /// # Errors
     /// If it cannot be done.
     pub fn redo(&mut self, stage: &mut Stage) -> Result<Option<String>> {
-        self.close(stage)?;
+        self.close(stage.world)?;
         let Some(step) = self.undone.pop() else { return Ok(None) };
         self.version += 1;
         for change in &step.changes {

@@ -135,7 +135,7 @@ pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
     let result = match action {
         Action::Undo => return editor.undo(stage),
         Action::Redo => return editor.redo(stage),
-        Action::Save => editor.history.close(stage).map(|()| editor.requests.push(Request::Save)),
+        Action::Save => editor.history.close(stage.world).map(|()| editor.requests.push(Request::Save)),
         Action::SaveAs => return super::dialogs::ask_save_as(editor, stage.files.path),
         Action::Open => return super::dialogs::ask_open(editor, stage),
         Action::Duplicate => editor.duplicate(stage),

@@ -17,6 +17,7 @@ mod layout;
 mod menu;
 mod own;
 mod panels;
+mod reload;
 pub(crate) mod schema;
 pub mod stage;
 #[cfg(test)]
@@ -128,7 +129,7 @@ impl Editor {
     fn end_of_frame(&mut self, ui: &Ui, stage: &mut Stage) {
         let busy = ui.input(|i| i.pointer.any_down()) || ui.ctx().egui_wants_keyboard_input();
         if self.history.is_open() && !busy {
-            let result = self.history.close(stage);
+            let result = self.history.close(stage.world);
             self.told(result);
         }
         if let Some((_, _, since)) = &self.notice {
@@ -200,7 +201,7 @@ impl Editor {
         Ok(())
     }
 
-    /// The scene is another one now, or was loaded anew.
+    /// The scene is another one now.
     pub fn loaded(&mut self) {
         self.history = History::new();
         self.selection.clear();

@@ -5,6 +5,7 @@ use super::player::Player;
 use super::watch::SceneWatcher;
 use crate::editor::Request;
 use crate::editor::clock::PlayClock;
+use crate::session::Reloaded;
 use anyhow::{Context, Result};
 use lightwell::measure;
 use std::path::{Path, PathBuf};
@@ -74,15 +75,9 @@ impl Player {
     }
 
     fn reload(&mut self) {
-        let world = self.session.world();
-        let selected: Vec<String> = self.editor.selected(world).iter().map(|(_, e)| world.path(*e)).collect();
-        self.scene_error = match self.session.reload() {
+        self.scene_error = match self.read_anew() {
             Ok(()) => {
                 self.clock.follow(&self.session.settings());
-                self.editor.loaded();
-                let world = self.session.world();
-                let found = selected.iter().filter_map(|path| world.id(world.find(path)?));
-                self.editor.selection = found.collect();
                 self.watcher.saved();
                 self.watcher.follow(&self.session.files());
                 self.editor.tell("the scene was loaded anew", false);
@@ -95,10 +90,28 @@ impl Player {
         };
     }
 
+    fn read_anew(&mut self) -> Result<()> {
+        let before = self.editor.before_reload(self.session.parts().world)?;
+        let result = self.session.reload();
+        let world = self.session.parts().world;
+        match result {
+            Ok(Reloaded::InPlace) => self.editor.reloaded(world, before),
+            Ok(Reloaded::Anew) => {
+                self.editor.loaded();
+                Ok(())
+            }
+            Err(error) => {
+                self.editor.not_reloaded(world, before);
+                Err(error)
+            }
+        }
+    }
+
     fn open_scene(&mut self, path: &Path) {
         self.note();
         match self.session.open_other(path) {
             Ok(()) => {
+                lightwell::files::remove_leftovers(path);
                 self.watcher = SceneWatcher::new(path, &self.session.files());
                 self.clock = PlayClock::new(&self.session.settings());
                 self.editor.loaded();

@@ -10,7 +10,7 @@ mod player;
 mod remembered;
 pub(crate) mod screen;
 pub(crate) mod ui;
-mod watch;
+pub(crate) mod watch;
 mod window;
 
 use crate::cli::{Common, PlayArgs};

@@ -72,6 +72,7 @@ impl Player {
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
         let ui = UiSurface::new(&gpu, &window, screen.format());
         let session = Session::open_with(gpu, &args.scene, &args.look, common, own.types.clone())?;
+        lightwell::files::remove_leftovers(session.path());
         let mut player = Self {
             watcher: SceneWatcher::new(session.path(), &session.files()),
             clock: PlayClock::new(&session.settings()),

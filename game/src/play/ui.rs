@@ -20,6 +20,10 @@ fn tell_widgets(update: &egui::accesskit::TreeUpdate, scale: f32) {
             log::trace!(target: WIDGETS, "{x0} {y0} {x1} {y1} {:?} {name}", node.role());
         }
     }
+    let focused = update.nodes.iter().find(|(id, _)| *id == update.focus);
+    if let Some(name) = focused.and_then(|(_, node)| node.label().or(node.value())) {
+        log::trace!(target: WIDGETS, "focus {name}");
+    }
     log::trace!(target: WIDGETS, "frame");
 }
 

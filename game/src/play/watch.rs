@@ -86,19 +86,22 @@ impl SceneWatcher {
 
     /// What changed since the last call. The scene counts most.
     pub fn changed(&mut self) -> Option<Change> {
-        let mut change = None;
+        let changes = self.changes();
+        let is_scene = changes.contains(&Change::Scene);
+        if is_scene { Some(Change::Scene) } else { changes.into_iter().next() }
+    }
+
+    /// All that changed since the last call.
+    pub fn changes(&mut self) -> Vec<Change> {
+        let mut changes = Vec::new();
         let events: Vec<_> = self.events.try_iter().flatten().flatten().collect();
         for path in events.into_iter().flat_map(|event| event.event.paths) {
             let Some(known) = self.seen.get_mut(&path) else { continue };
             let Some(state) = State::of(&path).filter(|state| state != known) else { continue };
             *known = state;
-            change = match change {
-                _ if path == self.scene => Some(Change::Scene),
-                Some(known) => Some(known),
-                None => Some(Change::Part(path)),
-            };
+            changes.push(if path == self.scene { Change::Scene } else { Change::Part(path) });
         }
-        change
+        changes
     }
 }
 

@@ -12,7 +12,7 @@ use crate::cli::{Common, Gi, LookArgs};
 use crate::editor::Files;
 use crate::scene_path;
 use crate::set;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use lightwell::assets::AssetLibrary;
 use lightwell::files::{self, ComponentTypes, LoadOptions, load_scene};
 use lightwell::gpu::{self, Gpu, GpuOptions};
@@ -52,6 +52,15 @@ pub struct Session {
     world: GameWorld,
     pub(crate) painter: Painter,
     pub(crate) comparison: Comparison,
+}
+
+/// How a scene was loaded anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reloaded {
+    /// Into the same world, where entities have the identities of those that stood at the same paths.
+    InPlace,
+    /// As another world, which is so for models.
+    Anew,
 }
 
 /// What an editor works on.
@@ -129,9 +138,19 @@ impl Session {
     ///
     /// # Errors
     /// As [`Session::open`].
-    pub fn reload(&mut self) -> Result<()> {
+    pub fn reload(&mut self) -> Result<Reloaded> {
         let (path, look) = (self.path.clone(), self.painter.look.clone());
-        self.replace(path, look)
+        if !path.to_string_lossy().ends_with(".scene.ron") {
+            self.replace(path, look)?;
+            return Ok(Reloaded::Anew);
+        }
+        // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
+        let mut library = AssetLibrary::new();
+        load(&path, &mut library, &self.options, &mut Painter::new(self.gpu.clone(), look))?;
+        files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
+        self.library = library;
+        complete(&mut self.world, &mut self.painter)?;
+        Ok(Reloaded::InPlace)
     }
 
     /// Loads another scene on the same device. If that fails, the running one stays as it is.
@@ -340,21 +359,25 @@ fn add_virtual_lights(world: &mut GameWorld) {
 /// Loads a scene for a painter that has drawn none, with what its choices ask for.
 fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, painter: &mut Painter) -> Result<GameWorld> {
     let mut world = load_scene(path, library, options)?;
+    complete(&mut world, painter)?;
+    Ok(world)
+}
+
+/// Adds what the painter's choices ask for to a scene that was loaded.
+fn complete(world: &mut GameWorld, painter: &mut Painter) -> Result<()> {
     let look = painter.look.clone();
     world.set_tick(0);
-    update(&mut world, painter);
+    update(world, painter);
     if look.gi == Some(Gi::Clpv) && painter.scene.clpv.is_none() {
-        add_light_volume(&mut world, &painter.scene);
+        add_light_volume(world, &painter.scene);
     }
     if painter.scene.vpl.is_none()
-        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && painter::gi_of_scene(&world) == Gi::Vpl)
+        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && painter::gi_of_scene(world) == Gi::Vpl)
     {
-        add_virtual_lights(&mut world);
+        add_virtual_lights(world);
     }
-    for (target, value) in &look.sets {
-        set::apply(&mut world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))?;
-    }
-    update(&mut world, painter);
+    set::apply_all(world, &look.sets)?;
+    update(world, painter);
     painter.camera()?;
-    Ok(world)
+    Ok(())
 }

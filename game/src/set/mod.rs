@@ -1,6 +1,7 @@
 //! `--set PATH=VALUE`: changes a value of a loaded scene.
 
 mod clip;
+mod own;
 mod text;
 
 use anyhow::{Result, anyhow, bail};
@@ -67,11 +68,22 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
         "slc" => edit::<StochasticLightCulling, StochasticLightCulling>(world, entity, field, value),
         "animation" => edit::<Animation, Animation>(world, entity, field, value),
-        _ => Ok(false),
+        own => own::edit(world, entity, own, field, value),
     }
     .and_then(|found| match found {
         true => Ok(()),
         false => bail!("`{name}` has no `{component}`; it has {}", components(world, entity)),
+    })
+}
+
+/// Sets several values, one after the other.
+///
+/// # Errors
+/// As [`apply`], with the path and value that it is about.
+pub fn apply_all(world: &mut GameWorld, sets: &[(String, String)]) -> Result<()> {
+    let mut sets = sets.iter();
+    sets.try_for_each(|(target, value)| {
+        apply(world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))
     })
 }
 
@@ -188,9 +200,17 @@ fn edit_transform(world: &mut GameWorld, entity: Entity, field: &str, value: &st
 /// The same value with one field written anew.
 fn changed<T: Serialize + DeserializeOwned>(current: &T, field: &str, value: &str) -> Result<T> {
     let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let text = changed_text(&options.to_string(current)?, field, value)?;
+    options.from_str(&text).map_err(|error| misfit(field, value, &error.code))
+}
+
+fn changed_text(current: &str, field: &str, value: &str) -> Result<String> {
     let fields: Vec<&str> = field.split('.').collect();
-    let text = text::replace(&options.to_string(current)?, &fields, value).map_err(|error| anyhow!(error))?;
-    options.from_str(&text).map_err(|error| anyhow!("`{value}` does not fit `{field}`: {}", error.code))
+    text::replace(current, &fields, value).map_err(|error| anyhow!(error))
+}
+
+fn misfit(field: &str, value: &str, fault: &ron::Error) -> anyhow::Error {
+    anyhow!("`{value}` does not fit `{field}`: {fault}")
 }
 
 /// The entity that the path begins with: itself, its name, and what follows it in the path.
@@ -254,7 +274,9 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("slc", ecs.get::<StochasticLightCulling>(entity).is_some()),
         ("animation", ecs.get::<Animation>(entity).is_some()),
     ];
-    let names: Vec<String> = has.iter().filter(|(_, has)| *has).map(|(name, _)| format!("`{name}`")).collect();
+    let built_in = has.iter().filter(|(_, has)| *has).map(|(name, _)| *name);
+    let own = own::names(world, entity);
+    let names: Vec<String> = built_in.chain(own).map(|name| format!("`{name}`")).collect();
     if names.is_empty() { "nothing that can be set".to_owned() } else { names.join(", ") }
 }
 

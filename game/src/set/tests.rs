@@ -98,3 +98,55 @@ fn presets_make_all_their_changes() {
     world.ecs.insert_resource(SceneInfo::default());
     assert!(apply(&mut world, "preset", "small").unwrap_err().to_string().contains("no presets"));
 }
+
+/// A component of a game.
+#[derive(Component, lightwell::files::SceneData, Clone, Debug, Default, PartialEq)]
+struct Moth {
+    /// Speed [m/s].
+    speed: f32,
+    /// Where it likes to be.
+    home: Option<Vec3>,
+    /// How it flies.
+    way: Way,
+}
+
+/// How a moth flies.
+#[derive(lightwell::files::SceneData, Clone, Debug, Default, PartialEq)]
+enum Way {
+    #[default]
+    Straight,
+    Circling {
+        /// Radius [m].
+        radius: f32,
+    },
+}
+
+#[test]
+fn components_of_a_game_are_set_too() {
+    use lightwell::files::{ComponentType, ComponentTypes};
+    let mut world = world();
+    let mut types = ComponentTypes::default();
+    types.add(ComponentType::of::<Moth>()).unwrap();
+    types.register(&mut world.ecs);
+    world.ecs.insert_resource(types);
+    let lamp = find_entity(&mut world, "Lamp.x").unwrap().0;
+    world.ecs.entity_mut(lamp).insert(Moth::default());
+    for (path, value) in
+        [("Lamp.Moth.speed", "3"), ("Lamp.Moth.home", "(1, 2, 3)"), ("Lamp.Moth.way", "Circling(radius: 1)")]
+    {
+        apply(&mut world, path, value).unwrap_or_else(|e| panic!("{path}={value}: {e}"));
+    }
+    apply(&mut world, "Lamp.Moth.way.radius", "2.5").unwrap();
+    let expected = Moth { speed: 3.0, home: Some(Vec3::new(1.0, 2.0, 3.0)), way: Way::Circling { radius: 2.5 } };
+    assert_eq!(world.ecs.get::<Moth>(lamp), Some(&expected));
+    for (path, value, said) in [
+        ("Lamp.Moth.sped", "3", "speed, home, way"),
+        ("Lamp.Moth.speed", "fast", "does not fit"),
+        ("Lamp.Moht.speed", "3", "`light`, `Moth`"),
+        ("Lamp/Bulb.Moth.speed", "3", "has no `Moth`"),
+    ] {
+        let error = apply(&mut world, path, value).unwrap_err().to_string();
+        assert!(error.contains(said), "{path}={value}: {error}");
+    }
+    assert_eq!(world.ecs.get::<Moth>(lamp), Some(&expected), "mistakes change nothing");
+}

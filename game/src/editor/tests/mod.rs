@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 mod edit;
+mod keyboard;
 mod own;
 mod panels;
+mod reload;
 mod tree;
 
 use super::camera::FlyCamera;
