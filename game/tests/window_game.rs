@@ -66,9 +66,8 @@ fn a_scene_that_changes_shows_in_the_running_game() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
     // At rest, so that the picture changes by the file alone.
-    let text = scene("scenes/lift.scene.ron")
-        .replace("\"Lift\": (", "\"Lift\": (low: 1, high: 1,")
-        .replace("high: 1,high: 3,", "high: 1,");
+    let text = scene("scenes/lift.scene.ron").replace("\"Lift\": (", "\"Lift\": (low: 1, high: 1,");
+    let text = text.replace("high: 1,high: 3,", "high: 1,").replace(", 0.25, 0))", ", 1, 0))");
     std::fs::write(&path, &text).unwrap();
     let words = ["--scene", path.to_str().unwrap(), "--scale", "0.3"];
     let window = Window::start(&display, &program, &words, folder.path());

@@ -208,9 +208,13 @@ impl<'a> Window<'a> {
             let mut words = line.split_once("TRACE] ")?.1.splitn(6, ' ');
             let mut edge = || words.next()?.parse().ok();
             let place = Place([edge()?, edge()?, edge()?, edge()?]);
-            Some((place, words.nth(1)?.to_owned()))
+            let is_text = words.next()? == "Label";
+            Some((!is_text, (place, words.next()?.to_owned())))
         };
-        last.lines().filter_map(widget).collect()
+        let mut all: Vec<_> = last.lines().filter_map(widget).collect();
+        // What can be clicked comes after the text beside it, which may say the same.
+        all.sort_by_key(|(is_active, _)| *is_active);
+        all.into_iter().map(|(_, widget)| widget).collect()
     }
 
     pub fn wait_for(&self, what: &str, holds: impl Fn(&[(Place, String)]) -> bool) {

@@ -142,6 +142,35 @@ fn a_handle_moves_what_is_selected() {
     assert_eq!(place(bench.state()), before, "to the bit");
 }
 
+/// Where frames take long, the end of the way and the release come together.
+#[test]
+fn the_last_part_of_a_drag_counts() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().select("Group/Cube");
+    bench.run_steps(3);
+    let rect = bench.get_by_label("Picture").rect();
+    let desk = bench.state();
+    let lens = super::super::gizmo::Lens::new(&desk.scene.cameras[0], rect);
+    let cube = desk.world.find("Group/Cube").unwrap();
+    let place = |desk: &Desk| desk.world.ecs.get::<lightwell::world::GlobalTransform>(cube).unwrap().position();
+    let before = place(desk);
+    let point = |height: f32| lens.point(before + glam::Vec3::Y * height).unwrap();
+    let (grip, between, to) = (point(0.3), point(0.4), point(0.8));
+    bench.hover_at(grip);
+    bench.run_steps(1);
+    bench.drag_at(grip);
+    bench.run_steps(1);
+    bench.hover_at(between);
+    bench.run_steps(1);
+    bench.hover_at(to);
+    bench.drop_at(to);
+    bench.run_steps(3);
+    let by = place(bench.state()) - before;
+    assert!((by.y - 0.5).abs() < 0.05, "{by}");
+    press(&mut bench, Modifiers::COMMAND, Key::Z);
+    assert_eq!(place(bench.state()), before, "one step");
+}
+
 #[test]
 fn a_click_in_the_picture_asks_what_is_there() {
     let (mut bench, _folder) = bench();
