@@ -391,7 +391,7 @@ fn what_is_pointed_at_is_found() {
     ])"#;
     let mut game = Game::new();
     game.enter(&folder.write("c.scene.ron", scene)).unwrap();
-    let mut under = |events: &[InputEvent]| {
+    let under = |game: &mut Game, events: &[InputEvent]| {
         game.step(events).unwrap();
         let ecs = &game.world.ecs;
         let camera = game.world.find("Camera").unwrap();
@@ -400,9 +400,13 @@ fn what_is_pointed_at_is_found() {
         let hit = ecs.resource::<Space>().ray(origin, direction, 100.0, |_| true);
         hit.map(|hit| game.world.name(hit.entity).to_owned())
     };
-    assert_eq!(under(&[InputEvent::Point(0.5, 0.5)]).as_deref(), Some("Middle"));
-    assert_eq!(under(&[InputEvent::Point(0.6, 0.1)]), None);
+    assert_eq!(under(&mut game, &[InputEvent::Point(0.5, 0.5)]).as_deref(), Some("Middle"));
+    assert_eq!(under(&mut game, &[InputEvent::Point(0.6, 0.1)]), None);
     // 9 m to the right, 4.5 m up, 5 m away: 0.9 of the way to a border that is 10 m off.
-    assert_eq!(under(&[InputEvent::Aspect(2.0), InputEvent::Point(0.95, 0.05)]).as_deref(), Some("Corner"));
-    assert_eq!(under(&[InputEvent::Aspect(1.0)]), None, "in a square picture it is somewhere else");
+    assert_eq!(under(&mut game, &[InputEvent::Aspect(2.0), InputEvent::Point(0.95, 0.05)]).as_deref(), Some("Corner"));
+    assert_eq!(under(&mut game, &[InputEvent::Aspect(1.0)]), None, "in a square picture it is somewhere else");
+    let flat = scene.replace("fov: 90", "projection: Orthographic(height: 20)");
+    game.enter(&folder.write("c.scene.ron", &flat)).unwrap();
+    let hit = under(&mut game, &[InputEvent::Point(0.95, 0.275)]);
+    assert_eq!(hit.as_deref(), Some("Corner"), "9 and 4.5 of 10 m, however far away");
 }

@@ -146,7 +146,7 @@ impl Projection {
 pub struct Camera {
     /// Perspective, or orthographic with the height of what is seen.
     pub projection: Projection,
-    /// Vertical field of view of a perspective \[degrees\].
+    /// Vertical field of view \[degrees\]; with `projection: Perspective` alone.
     pub fov: f32,
     /// Near plane \[m\]; an orthographic camera may have it at 0.
     pub near: f32,

@@ -25,7 +25,7 @@ pub use script::InputScript;
 
 use super::fault;
 use crate::files::suggestion;
-use crate::world::{Camera, GlobalTransform};
+use crate::world::{Camera, GlobalTransform, Projection};
 use bevy_ecs::prelude::Resource;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -140,12 +140,18 @@ impl Input {
     /// The line of sight through the pointer, from where to which direction: for [`Space::ray`](super::Space::ray), to
     /// find what is pointed at.
     pub fn pointer_ray(&self, camera: &Camera, place: &GlobalTransform) -> (Vec3, Vec3) {
-        let half_height = (0.5 * camera.fov.to_radians()).tan();
-        let half_width = half_height * self.aspect.unwrap_or(USUAL_ASPECT);
         let [right, up, back] = [0, 1, 2].map(|axis| Vec3::from(place.0.matrix3.col(axis)).normalize_or_zero());
+        let half_height = match camera.projection {
+            Projection::Perspective => (0.5 * camera.fov.to_radians()).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
+        };
+        let half_width = half_height * self.aspect.unwrap_or(USUAL_ASPECT);
         let (x, y) = (2.0 * self.pointer.x - 1.0, 1.0 - 2.0 * self.pointer.y);
-        let direction = right * (x * half_width) + up * (y * half_height) - back;
-        (place.position(), direction.normalize_or(Vec3::NEG_Z))
+        let aside = right * (x * half_width) + up * (y * half_height);
+        match camera.projection {
+            Projection::Perspective => (place.position(), (aside - back).normalize_or(Vec3::NEG_Z)),
+            Projection::Orthographic { .. } => (place.position() + aside, -back),
+        }
     }
 
     /// How far the mouse moved in this step \[pixels\], to the right and down.
