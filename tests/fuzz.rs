@@ -166,6 +166,7 @@ const SCENE: &str = r#"Scene(
     materials: { "red": (color: (0.6, 0.05, 0.05), roughness: 0.4, metallic: 0.1, specular: 0.5, emissive: (1, 0, 0)) },
     entities: [
         (name: "Camera", transform: (translation: (0, 1, 4), look_at: (0, 0.5, 0)), camera: (fov: 45, near: 0.1, far: 50)),
+        (name: "Plan", camera: (projection: Orthographic(height: 4), near: 0)),
         (name: "Sun", transform: (rotation: (-60, 30, 0)), light: (kind: Directional, intensity: 3, shadow_size: 256)),
         (name: "Spot", light: (kind: Spot(inner: 20, outer: 40), color: (1, 0.9, 0.8), intensity: 3, range: 10)),
         (name: "Ball", transform: (translation: (0, 1, 0), scale: 2), mesh: Sphere(radius: 0.5), material: "red",

@@ -4,6 +4,9 @@ use super::accessor::Buffers;
 use super::{BufferData, draco, meshopt, source};
 use crate::assets::AssetError;
 use gltf::Document;
+use gltf::json::camera;
+use gltf::json::extensions::scene::khr_lights_punctual::Type;
+use gltf::json::validation::Checked;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -34,6 +37,7 @@ pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Res
     check_extensions(path, &root, warnings)?;
     check_attributes(path, &root)?;
     check_channels(path, &root)?;
+    check_kinds(path, &root)?;
     draco::give_views(&mut root);
     let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     // They were checked above, against what is supported here rather than by the parser.
@@ -80,7 +84,9 @@ fn check_channels(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError
     for (a, animation) in root.animations.iter().enumerate() {
         for (c, channel) in animation.channels.iter().enumerate() {
             let (node, sampler) = (channel.target.node.value(), channel.sampler.value());
-            let problem = if node >= root.nodes.len() {
+            let problem = if matches!(channel.target.path, Checked::Invalid) {
+                "moves something that is none of translation, rotation, scale and weights".into()
+            } else if node >= root.nodes.len() {
                 format!("moves node {node}, but there are {}", root.nodes.len())
             } else if sampler >= animation.samplers.len() {
                 format!("refers to sampler {sampler}, but there are {}", animation.samplers.len())
@@ -95,6 +101,36 @@ fn check_channels(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError
                 let problem = format!("refers to accessor {most}, but there are {}", root.accessors.len());
                 return Err(AssetError::format(path, format!("animation {a}, sampler {s}"), problem));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Parameters of a kind of camera or light that must be there are unwrapped by the parser.
+fn check_kinds(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
+    let fail = |place: String, part: &str| {
+        Err(AssetError::format(path, place, format!("has no `{part}`, which its type asks for")))
+    };
+    for (i, camera) in root.cameras.iter().enumerate() {
+        let part = match camera.type_ {
+            Checked::Valid(camera::Type::Perspective) if camera.perspective.is_none() => "perspective",
+            Checked::Valid(camera::Type::Orthographic) if camera.orthographic.is_none() => "orthographic",
+            _ => continue,
+        };
+        return fail(format!("camera {i}"), part);
+    }
+    let lights = root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+    for (i, light) in lights.iter().flat_map(|all| &all.lights).enumerate() {
+        if matches!(light.type_, Checked::Valid(Type::Spot)) && light.spot.is_none() {
+            return fail(format!("light {i}"), "spot");
+        }
+    }
+    let count = lights.map_or(0, |all| all.lights.len());
+    for (i, node) in root.nodes.iter().enumerate() {
+        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(index) = light.map(|l| l.light.value()).filter(|index| *index >= count) {
+            let problem = format!("refers to light {index}, but there are {count}");
+            return Err(AssetError::format(path, format!("node {i}"), problem));
         }
     }
     Ok(())

@@ -265,6 +265,47 @@ fn broken_data_is_refused_with_its_place() {
     refuse(r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"gone.bin"}]}"#, &["buffer 0", "gone.bin"]);
 }
 
+/// Faults that the parser takes and stumbles over later.
+#[test]
+fn kinds_without_their_parameters_are_refused() {
+    let punctual = |lights: &str| {
+        format!(
+            r#""extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":{{"lights":[{lights}]}}}}"#
+        )
+    };
+    let lit = r#","nodes":[{"extensions":{"KHR_lights_punctual":{"light":1}}}]"#;
+    let curve = |path: &str| {
+        format!(
+            r#""nodes":[{{}}],"animations":[{{"samplers":[{{"input":0,"output":0}}],
+            "channels":[{{"sampler":0,"target":{{"node":0,"path":"{path}"}}}}]}}]"#
+        )
+    };
+    for (rest, words) in [
+        (
+            r#""cameras":[{"type":"orthographic","perspective":{"yfov":1,"znear":0.1}}]"#.into(),
+            ["camera 0", "orthographic"],
+        ),
+        (
+            r#""cameras":[{"type":"perspective","orthographic":{"xmag":1,"ymag":1,"znear":0,"zfar":1}}]"#.into(),
+            ["camera 0", "perspective"],
+        ),
+        (r#""cameras":[{"type":"fisheye","perspective":{"yfov":1,"znear":0.1}}]"#.into(), ["cameras[0]", "not allow"]),
+        (
+            r#""cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":0,"znear":0,"zfar":1}}]"#.into(),
+            ["camera 0", "ymag 0"],
+        ),
+        (
+            r#""cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":2,"zfar":1}}]"#.into(),
+            ["camera 0", "zfar 1"],
+        ),
+        (punctual(r#"{"type":"spot"}"#), ["light 0", "spot"]),
+        (punctual(r#"{"type":"point"}"#) + lit, ["node 0", "light 1"]),
+        (curve("trenslation"), ["animation 0, channel 0", "none of translation"]),
+    ] {
+        refuse(&document(&square_bytes(), &[VIEWS, ACCESSORS, &rest]), &words);
+    }
+}
+
 #[test]
 fn every_truncation_of_a_binary_file_is_refused() {
     let mut json = format!(
