@@ -5,6 +5,11 @@ use lightwell_game::prelude::*;
 use rapier3d::prelude as rapier;
 
 fn main() -> std::process::ExitCode {
+    app().run()
+}
+
+/// The whole of it.
+pub fn app() -> App {
     App::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/tower.scene.ron"))
         .title("Tower")
         .component::<Body>()
@@ -12,7 +17,6 @@ fn main() -> std::process::ExitCode {
         .observer(on_body)
         .observer(on_body_gone)
         .systems(FixedStep, simulate)
-        .run()
 }
 
 /// Takes part in the physics, as a box of the entity's scale around its place.

@@ -110,6 +110,13 @@ pub const MOUSE: [(&str, &str); 9] = [
     ("drag in the tree", "another parent"),
 ];
 
+/// How everything is reached without a mouse, as the help lists it.
+pub const WITHOUT_MOUSE: [(&str, &str); 3] = [
+    ("Tab, Shift+Tab", "on to the next thing that can be changed, or back"),
+    ("Enter", "press it; end the typing of a value"),
+    ("arrows", "through the tree"),
+];
+
 /// Does what the keys ask for, unless something is being typed.
 pub fn take(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     let typing = ui.ctx().egui_wants_keyboard_input();

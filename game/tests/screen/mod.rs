@@ -208,7 +208,7 @@ impl<'a> Window<'a> {
             let mut words = line.split_once("TRACE] ")?.1.splitn(6, ' ');
             let mut edge = || words.next()?.parse().ok();
             let place = Place([edge()?, edge()?, edge()?, edge()?]);
-            let is_text = words.next()? == "Label";
+            let is_text = ["Label", "TextRun"].contains(&words.next()?);
             Some((!is_text, (place, words.next()?.to_owned())))
         };
         let mut all: Vec<_> = last.lines().filter_map(widget).collect();

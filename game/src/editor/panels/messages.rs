@@ -2,7 +2,7 @@
 
 use crate::editor::Editor;
 use crate::editor::console::{self, Record};
-use crate::editor::keys::{KEYS, MOUSE};
+use crate::editor::keys::{KEYS, MOUSE, WITHOUT_MOUSE};
 use crate::editor::layout::ERROR;
 use crate::editor::stage::Stage;
 use egui::{Color32, RichText, Ui};
@@ -77,6 +77,11 @@ pub fn errors(ui: &mut Ui, stage: &Stage) {
 pub fn help(ui: &mut Ui) {
     egui::Grid::new("keys").striped(true).show(ui, |ui| {
         for (what, meaning) in MOUSE {
+            ui.strong(what);
+            ui.label(meaning);
+            ui.end_row();
+        }
+        for (what, meaning) in WITHOUT_MOUSE {
             ui.strong(what);
             ui.label(meaning);
             ui.end_row();

@@ -121,6 +121,46 @@ fn every_panel_shows_at_both_scales() {
 }
 
 #[test]
+fn the_frame_is_explained() {
+    use lightwell::graph::{PassReport, PassState, ResourceReport, TextureDesc};
+    let (mut bench, _folder) = bench();
+    let pass = |name: &str, state, why: &str, gpu_ms| PassReport {
+        name: name.into(),
+        state,
+        why: why.into(),
+        counts: Default::default(),
+        gpu_ms,
+        cpu_ms: 0.25,
+    };
+    let desc = TextureDesc::d2(64, 32, wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureUsages::TEXTURE_BINDING);
+    let report = &mut bench.state_mut().report;
+    report.passes = vec![
+        pass("gbuffer", PassState::Ran, "the camera moved", Some(1.5)),
+        pass("shadow Lamp", PassState::Cached, "`shadow Lamp` unchanged", None),
+    ];
+    report.resources = vec![ResourceReport {
+        name: "gbuffer normal".into(),
+        desc: desc.into(),
+        bytes: 8192,
+        aliased_with: vec!["bloom".into()],
+        retained: true,
+        imported: false,
+    }];
+    open(&mut bench, Pane::Graph);
+    for text in ["gbuffer", "1.500", "0.250", "the camera moved", "cached", "`shadow Lamp` unchanged", "8.0", "bloom"] {
+        assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
+    }
+    open(&mut bench, Pane::Statistics);
+    for text in ["passes that ran", "1 of 2", "primitives", "3", "adapter", "none"] {
+        assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
+    }
+    press(&mut bench, Modifiers::NONE, Key::F1);
+    for text in ["Ctrl+Z", "drag a handle", "Tab, Shift+Tab"] {
+        assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
+    }
+}
+
+#[test]
 fn a_target_is_asked_for_and_shown() {
     use lightwell::graph::{ResourceReport, TextureDesc};
     let (mut bench, _folder) = bench();
