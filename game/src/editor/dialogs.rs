@@ -215,11 +215,13 @@ fn export_ui(ui: &mut Ui, editor: &mut Editor, export: &mut Export, folder: &mut
 fn path_field(ui: &mut Ui, text: &mut String) -> bool {
     let response = ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
     super::widgets::named(&response, "Path");
+    // Asked for before the focus comes back, with which nothing has lost it.
+    let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
     // Typing can begin at once.
-    if ui.memory(|memory| memory.focused().is_none()) {
+    if !entered && ui.memory(|memory| memory.focused().is_none()) {
         response.request_focus();
     }
-    response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter))
+    entered
 }
 
 fn answer(ui: &mut Ui, word: &str, can: bool, entered: bool, work: impl FnOnce()) -> bool {

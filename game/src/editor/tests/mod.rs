@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod dialogs;
 mod edit;
 mod keyboard;
 mod own;
