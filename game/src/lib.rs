@@ -10,7 +10,7 @@
 //! | add a render pass | [`App::pass`] and `docs/frame.md` |
 //! | draw a scene without a game | [`session::Session`] |
 //! | extend the editor | [`editor`] |
-//! | test scenes, measure methods | [`scene_test`], [`bench`], [`stress`] |
+//! | test scenes, measure methods | [`scene_test`], [`bench`](mod@bench), [`stress`] |
 //! | the command line | [`cli`], [`run`] |
 //!
 //! How the engine itself is laid out stands on top of the crate [`lightwell`].
