@@ -44,20 +44,20 @@ fn indirect_light_of(scene: &str, bounces: Bounces, quality: Quality, most: (f64
 
 #[test]
 fn one_bounce_in_the_cornell_box() {
-    indirect_light_of("cornell", Bounces::Count(1), Quality::High, (0.105, 0.03));
+    indirect_light_of("cornell", Bounces::Count(1), Quality::High, (0.1, 0.03));
 }
 
 #[test]
 fn all_bounces_in_the_cornell_box() {
-    indirect_light_of("cornell", Bounces::Converged, Quality::High, (0.09, 0.04));
+    indirect_light_of("cornell", Bounces::Converged, Quality::High, (0.07, 0.03));
 }
 
 #[test]
 fn one_bounce_among_the_cubes() {
-    indirect_light_of("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.18, 0.03));
+    indirect_light_of("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.17, 0.05));
 }
 
 #[test]
 fn all_bounces_among_the_cubes() {
-    indirect_light_of("bleeding_diffuse", Bounces::Converged, Quality::High, (0.18, 0.03));
+    indirect_light_of("bleeding_diffuse", Bounces::Converged, Quality::High, (0.17, 0.04));
 }

@@ -30,7 +30,7 @@ fn mean(image: &ImageF32) -> f32 {
 }
 
 /// A plane of 2 m that glows at x = 0, on a floor; the floor seen from above.
-fn glowing_wall() -> Stage {
+fn glowing_wall(settings: Clpv) -> Stage {
     let mut stage = Stage::new(Vec3::new(0.8, 0.8, 0.0), Vec3::new(0.8, 0.0, 0.0), 64);
     let slab = |size: Vec3| Shape::Box { size: size.into() };
     let floor = Affine3A::from_translation(Vec3::new(1.0, -0.1, 0.0));
@@ -38,7 +38,7 @@ fn glowing_wall() -> Stage {
     let mut glow = Material::diffuse("glow", Vec3::ZERO);
     glow.emissive = Vec3::ONE;
     stage.add_material(slab(Vec3::new(0.2, 2.0, 2.0)), glow, Affine3A::from_translation(Vec3::new(-0.1, 1.0, 0.0)));
-    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::High, ..settings(Bounces::Count(1)) });
+    stage.clpv(Vec3::ZERO, settings);
     stage
 }
 
@@ -54,11 +54,10 @@ fn wall_irradiance(x: f64) -> f64 {
     (0.5 * (0..4).map(edge).sum::<f64>()).abs()
 }
 
-#[test]
-fn a_glowing_wall_lights_the_floor_as_its_form_factor_says() {
-    let gpu = gpu();
-    let stage = glowing_wall();
-    let image = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+/// Normalised root of the mean square error of the floor's light, and its largest error.
+fn error_before_glowing_wall(gpu: &Gpu, settings: Clpv) -> (f64, f64) {
+    let stage = glowing_wall(settings);
+    let image = stage.render(gpu, GiMethod::Clpv, Layer::Indirect);
     let mut worst = 0.0_f64;
     let (mut square, mut total) = (0.0, 0.0);
     for column in 0..64 {
@@ -74,8 +73,81 @@ fn a_glowing_wall_lights_the_floor_as_its_form_factor_says() {
         square += (found - expected).powi(2);
         total += expected;
     }
-    let nrmse = (square * 64.0).sqrt() / total;
+    ((square * 64.0).sqrt() / total, worst)
+}
+
+#[test]
+fn a_glowing_wall_lights_the_floor_as_its_form_factor_says() {
+    let settings = Clpv { quality: Quality::High, ..settings(Bounces::Count(1)) };
+    let (nrmse, worst) = error_before_glowing_wall(&gpu(), settings);
     assert!(nrmse < 0.07 && worst < 0.15, "nrmse {nrmse}, largest error {worst}");
+}
+
+#[test]
+fn finer_cascades_before_the_camera_err_less() {
+    let gpu = gpu();
+    let with = |cascades| error_before_glowing_wall(&gpu, Clpv { cascades, ..settings(Bounces::Count(1)) }).0;
+    let errors = [1, 2, 3].map(with);
+    assert!(errors[1] < 0.95 * errors[0] && errors[2] < errors[0], "one, two and three cascades: {errors:?}");
+}
+
+#[test]
+fn finer_cascades_bring_no_energy_and_lose_none() {
+    let gpu = gpu();
+    for albedo in [0.5, 0.9] {
+        let with = |cascades| {
+            let settings = Clpv { cascades, ..settings(Bounces::Converged) };
+            mean(&room(albedo, settings).render(&gpu, GiMethod::Clpv, Layer::Indirect))
+        };
+        let [one, two, four] = [1, 2, 4].map(with);
+        let near = |a: f32| (a / one - 1.0).abs() < 0.08;
+        assert!(near(two) && near(four), "albedo {albedo}: {one}, {two} and {four} with 1, 2 and 4 cascades");
+    }
+}
+
+#[test]
+fn finer_cascades_stand_still_while_the_camera_stays_in_its_cell() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(&gpu);
+    let mut stage = room(0.5, Clpv { cascades: 2, ..settings(Bounces::Count(2)) });
+    stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
+    // Of two small steps one at most leads into the next cell.
+    let small_steps = [0, 1].map(|_| {
+        stage.view.camera.world_from_view.translation.x -= 0.004;
+        let (_, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
+        assert!(report.ran("relight"), "{report}");
+        report.passes.iter().filter(|p| p.name.contains("cascade") && report.ran(&p.name)).count()
+    });
+    assert!(small_steps.contains(&0), "passes that ran again: {small_steps:?}");
+    stage.view.camera.world_from_view.translation.x -= 0.9;
+    let (moved, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
+    assert!(report.ran("sweep, cascade 0, bounce 1") && !report.ran("opacity, cascade 1"), "{report}");
+    assert_eq!(moved, stage.render(&gpu, GiMethod::Clpv, Layer::Total), "it matters how the camera came here");
+}
+
+#[test]
+fn closed_shells_let_no_light_in() {
+    let gpu = gpu();
+    // Cells are of 0.2 m, or less in finer cascades.
+    for (thickness, shift) in [(0.01, 0.0), (0.04, 0.07), (0.1, 0.03), (0.2, 0.0), (0.2, 0.11), (0.35, 0.05)] {
+        for cascades in [1, 2, 3] {
+            let center = Vec3::new(shift, -0.4 * shift, 0.7 * shift);
+            let mut stage = Stage::new(center + Vec3::new(0.5, 0.3, 1.1), center + Vec3::new(-0.3, -0.4, -1.0), 32);
+            let edge = 3.0 + thickness;
+            for axis in 0..3 {
+                for side in [-1.5, 1.5] {
+                    let (mut at, mut size) = (center, Vec3::splat(edge));
+                    at[axis] += side;
+                    size[axis] = thickness;
+                    stage.add(Shape::Box { size: size.to_array() }, Vec3::splat(0.8), Affine3A::from_translation(at));
+                }
+            }
+            stage.scene.sky = Vec3::ONE;
+            stage.clpv(Vec3::ZERO, Clpv { cascades, ..settings(Bounces::Count(1)) });
+            let leaked = mean(&stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)) / 0.8;
+            assert!(leaked < 1e-3, "walls of {thickness} m, moved {shift} m, {cascades} cascades: {leaked}");
+        }
+    }
 }
 
 #[test]

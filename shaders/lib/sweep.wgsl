@@ -13,7 +13,7 @@ struct Surfel {
     albedo: vec3f,         // diffuse reflectance ρ
     place: u32,            // index of its transform
     emissive: vec3f,       // emitted radiance [W/(m² sr)]
-    extent: f32,           // second largest edge of its object's box [m]
+    wall: f32,             // cells up to this size are sealed by its object's triangles; 0: by its area alone [m]
 }
 
 // Surfaces are taken this far before where they are when a cell is chosen [cells]: ties break the same way everywhere.

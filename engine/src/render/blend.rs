@@ -59,7 +59,7 @@ pub fn is_needed(graph: &mut Graph, frame: &Frame) -> bool {
 }
 
 fn filter_of(frustum: &crate::scene::Frustum) -> DrawFilter<'_> {
-    DrawFilter { frustum, casters_only: false, opaque_only: false }
+    DrawFilter::seen(frustum)
 }
 
 /// Declares the pass; the result is premultiplied radiance, and in alpha how much is hidden of what lies behind.

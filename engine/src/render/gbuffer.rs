@@ -72,7 +72,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
                 ..Default::default()
             })
             .forget_lifetime();
-        let filter = DrawFilter { frustum: &frame.frustum(), casters_only: false, opaque_only: true };
+        let frustum = frame.frustum();
+        let filter = DrawFilter::opaque(&frustum);
         frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
     });
     let [base_color, normal, emissive, object] = color;

@@ -133,8 +133,7 @@ pub fn declare_sized<'a>(
     let faces = all.len();
     let useful = |view: &LightView| {
         let frustum = Frustum::new(&view.clip_from_world);
-        frustum.intersects(reach)
-            && frame.gpu_scene.any_visible(&DrawFilter { frustum: &frustum, casters_only: true, opaque_only: false })
+        frustum.intersects(reach) && frame.gpu_scene.any_visible(&DrawFilter::casters(&frustum))
     };
     let views: Vec<LightView> = all.into_iter().filter(useful).collect();
     if views.is_empty() {
@@ -187,7 +186,8 @@ fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> R
             ..Default::default()
         })
         .forget_lifetime();
-    let filter = DrawFilter { frustum: &Frustum::new(&view.clip_from_world), casters_only: true, opaque_only: false };
+    let frustum = Frustum::new(&view.clip_from_world);
+    let filter = DrawFilter::casters(&frustum);
     // Faces of a cube are mirror images: there the front of a triangle winds the other way.
     let seen_as = |class: MaterialClass| MaterialClass { mirrored: class.mirrored != view.is_mirrored(), ..class };
     frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(seen_as(class)))

@@ -141,7 +141,8 @@ fn draw_face(
             ..Default::default()
         })
         .forget_lifetime();
-    let filter = DrawFilter { frustum: &Frustum::new(&view.clip_from_world), casters_only: true, opaque_only: false };
+    let frustum = Frustum::new(&view.clip_from_world);
+    let filter = DrawFilter::casters(&frustum);
     frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(class, directional))
 }
 

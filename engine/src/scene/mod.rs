@@ -14,8 +14,8 @@ pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
 pub use probe::ProbePoint;
-pub(crate) use surfels::texel;
 pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
+pub(crate) use surfels::{texel, wall_extent};
 pub use view::{SceneCamera, SceneView, ViewProjection, orthographic, perspective};
 
 use crate::assets::{Material, Mesh, SkyMap};

@@ -4,7 +4,7 @@
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
 use super::{Primitive, Scene};
-use crate::assets::{AssetId, Texture, UvMap, Wrap, parallel};
+use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
@@ -37,8 +37,8 @@ pub struct Surfel {
     pub place: u32,
     /// Emitted radiance [W/(m² sr)].
     pub emissive: [f32; 3],
-    /// Second largest edge of the object's box \[m\].
-    pub extent: f32,
+    /// Largest cells \[m\] whose faces the object's triangles close whole: see [`wall_extent`].
+    pub wall: f32,
 }
 
 /// The surfels of a scene.
@@ -219,7 +219,7 @@ fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, 
     }
     let count = (whole * f64::from(density)).ceil().max(1.0);
     let rest_area = whole / count;
-    let extent = second_edge(primitive, linear);
+    let wall = wall_extent(primitive, linear);
     let turned = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
     let mut gone = 0.0;
     for (triangle, &share) in triangles(primitive).zip(&shares) {
@@ -246,7 +246,7 @@ fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, 
                 normal: normal.to_array(),
                 albedo: albedo.to_array(),
                 emissive: emissive.to_array(),
-                extent,
+                wall,
                 ..Surfel::default()
             };
             let back = behind(solid, *linear * position, facing, turned);
@@ -260,8 +260,12 @@ fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, 
     }
 }
 
-/// Second largest edge of the primitive's box in the world.
-fn second_edge(primitive: &Primitive, linear: &Mat3A) -> f32 {
+/// Largest cells \[m\] in which the primitive is a wall: the second largest edge of its box in the world. An object
+/// smaller than a cell in two directions is none, nor is a surface with holes: they stop a part of the light.
+pub(crate) fn wall_extent(primitive: &Primitive, linear: &Mat3A) -> f32 {
+    if primitive.material.alpha_mode != AlphaMode::Opaque {
+        return 0.0;
+    }
     let size = primitive.mesh.bounds.size();
     let mut edges =
         [(linear.x_axis * size.x).length(), (linear.y_axis * size.y).length(), (linear.z_axis * size.z).length()];
@@ -323,9 +327,9 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
     };
     let base = material.base_color * color * texel(&material.base_color_texture, &material.uv.base_color);
     let cutoff = match material.alpha_mode {
-        crate::assets::AlphaMode::Opaque => -1.0,
-        crate::assets::AlphaMode::Mask(cutoff) => cutoff,
-        crate::assets::AlphaMode::Blend => 0.5,
+        AlphaMode::Opaque => -1.0,
+        AlphaMode::Mask(cutoff) => cutoff,
+        AlphaMode::Blend => 0.5,
     };
     if base.w < cutoff {
         return None;

@@ -235,8 +235,8 @@ pub struct Clpv {
     pub quality: Quality,
     /// Where the volumes lie.
     pub placement: ClpvPlacement,
-    /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. The sweep uses the coarsest
-    /// alone, and says so in the report.
+    /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
+    /// sweep's coarsest covers the scene and the finer ones lie before the camera. Each costs about as much as the first.
     pub cascades: u32,
     /// Cells along x, y and z, the same in each cascade; 1 to 128. The sweep with [`CellSize::Auto`] takes its own.
     pub cells: [u32; 3],

@@ -13,6 +13,8 @@ struct Emit {
     counted: u32,          // whether this cascade's flux is the scene's
     padding: u32,
     sky: vec3f,            // what enters from the sky, in fixed point
+    inner_low: vec3f,      // box of the next finer cascade [cells]; without one it is empty
+    inner_high: vec3f,
 }
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -43,7 +45,17 @@ fn inside(cell: vec3f) -> bool {
     return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
 }
 
-fn add_to_cell(cell: vec3f, n: vec3f, flux: vec3f) {
+fn in_inner(cell: vec3f) -> bool {
+    return all(cell >= emit.inner_low) && all(cell < emit.inner_high);
+}
+
+// Adds to the cell, or to that of the surface itself where the border of this cascade or of the next finer one lies
+// between them: else the light of a surface would enter the finer cascade twice, or not at all.
+fn add_to_cell(wanted: vec3f, own: vec3f, n: vec3f, flux: vec3f) {
+    var cell = wanted;
+    if !inside(wanted) || in_inner(wanted) != in_inner(own) {
+        cell = own;
+    }
     if !inside(cell) {
         return;
     }
@@ -64,7 +76,7 @@ fn add_to_cell(cell: vec3f, n: vec3f, flux: vec3f) {
 fn deposit(p: vec3f, n: vec3f, flux: vec3f, thin: bool) {
     let before = p + BEFORE * n;
     if !thin {
-        add_to_cell(floor(before + 0.5 * n), n, flux);
+        add_to_cell(floor(before + 0.5 * n), floor(before), n, flux);
         return;
     }
     let axis = nearest_axis(n);
@@ -74,7 +86,7 @@ fn deposit(p: vec3f, n: vec3f, flux: vec3f, thin: bool) {
             cell[axis] += sign(n[axis]);
         }
     }
-    add_to_cell(cell, n, flux);
+    add_to_cell(cell, floor(before), n, flux);
 }
 
 @compute @workgroup_size(8, 8)

@@ -1,17 +1,21 @@
-// What stops light in a cell: the opacity tensor of thick solids, and the seal, by which a wall closes the faces of
-// the cells that it passes.
+// What stops light in a cell: the opacity tensor of thick solids, and the seal, by which surfaces close the faces of the
+// cells that they pass. A wall closes a face whole or not at all (`lpv/sweep/walls.wgsl`), so that closed surfaces leave
+// no gap; surfels tell which way it faces. What is smaller than a cell, or has holes, closes faces by its area.
 
 #import lightwell::sweep::{Surfel, BEFORE, nearest_axis}
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-// 44 a cell: Txx Tyy Tzz Txy Tyz Tzx, area of thin surfaces, area of thick ones just above the centre; then N and a of the lower faces along x, y, z,
-// for light along +i (surfaces with n_i < 0) and along −i; then Σ A·n of the surfaces that look their light up here,
-// for each axis that a normal may lie nearest to; nothing.
+// 44 a cell: Txx Tyy Tzz Txy Tyz Tzx, area of thin surfaces, area of thick ones just above the centre; then N and a of
+// the lower faces along x, y, z, for light along +i (surfaces with n_i < 0) and along −i; then Σ A·n of the surfaces that
+// look their light up here, for each axis that a normal may lie nearest to; nothing.
 @group(0) @binding(2) var<storage, read_write> sums: array<atomic<i32>>;
 // The same as numbers, eleven vectors a cell; N and n normalised, a at most 1.
 @group(0) @binding(3) var<storage, read_write> opacity: array<vec4f>;
+
+// Faces that surfaces close, see `lpv/sweep/walls.wgsl`.
+@group(0) @binding(4) var<storage, read> walls: array<u32>;
 
 // A cell's areas sum to far less than 2⁷ faces.
 const AREA_SCALE: f32 = 16777216.0;
@@ -39,8 +43,9 @@ fn add_tensor(p: vec3f, n: vec3f, area: f32) {
     }
 }
 
-// Slides the surfel's plane to the centre line of the column that it lies in, and closes the face next to it.
-fn seal(q: vec3f, n: vec3f, area: f32, disc: f32, i: u32) {
+// Slides the surfel's plane to the centre line of the column that it lies in, and gives its normal to the face next to
+// it there; what is no wall closes that face by its area.
+fn seal(q: vec3f, n: vec3f, area: f32, is_wall: bool, i: u32) {
     let j = (i + 1u) % 3u;
     let k = (i + 2u) % 3u;
     if abs(n[i]) < 1e-3 {
@@ -59,9 +64,9 @@ fn seal(q: vec3f, n: vec3f, area: f32, disc: f32, i: u32) {
     add(first, weight * n.x);
     add(first + 1u, weight * n.y);
     add(first + 2u, weight * n.z);
-    // A surfel whose disc covers the centre line closes the face by itself.
-    let covers = slide * slide + dot(across, across) <= disc;
-    add(first + 3u, weight + select(0.0, 1.0, covers));
+    if !is_wall {
+        add(first + 3u, weight);
+    }
 }
 
 // Tells the cells before a surface, which its irradiance is interpolated from, which way it faces.
@@ -94,9 +99,7 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
     let thickness = surfel.thickness / volume.cell;
     let before = p + BEFORE * n;
     add_facing(p, n, area);
-    var depth = 0.0;
     if thickness >= 1.0 {
-        depth = min(0.9, 0.5 * thickness);
         add_tensor(before, n, area);
         // The cell whose centre lies just below the surface.
         let below = floor(before - 0.5 * n);
@@ -106,11 +109,22 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
     } else if inside(floor(before)) {
         add(44u * cell_index(volume, vec3u(before)) + 6u, area);
     }
-    // κ² = 2: discs of twice the surfels' area leave no gap between them. Objects smaller than a cell are no walls.
-    let disc = select(0.0, 2.0 * area / 3.14159265, surfel.extent >= volume.cell);
+    let is_wall = surfel.wall >= volume.cell;
     for (var axis = 0u; axis < 3u; axis++) {
-        seal(before - depth * n, n, area, disc, axis);
+        seal(before, n, area, is_wall, axis);
     }
+}
+
+// Closes what walls close. Where a wall's surfels miss the face, the wall counts as one across the axis.
+fn with_wall(index: u32, axis: u32, side: u32, from_surfels: vec4f) -> vec4f {
+    if (walls[index] & (1u << (2u * axis + side))) == 0u {
+        return from_surfels;
+    }
+    var n = from_surfels.xyz;
+    if all(n == vec3f(0.0)) {
+        n[axis] = select(-1.0, 1.0, side == 1u);
+    }
+    return vec4f(n, 1.0);
 }
 
 @compute @workgroup_size(64)
@@ -127,6 +141,7 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         ) / AREA_SCALE;
         if i >= 2u {
             v = vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
+            v = with_wall(index, (i - 2u) / 2u, i % 2u, v);
         }
         opacity[11u * index + i] = v;
     }

@@ -5,28 +5,41 @@
 //   arriving = (1−s_u)(1−s_v)·L[u,v] + s_u(1−s_v)·τ_u·L[u_m,v] + (1−s_u)s_v·τ_v·L[u,v_m] + s_u s_v·τ_uv·L[u_m,v_m]
 //   L_in  = τ_AXIS·arriving
 //   L_out = (1−α)·L_in + F·max(0, n·d)/(π h² |d_AXIS|),  α = min(1, √(dᵀTd·tr T)/|d_AXIS|)
-// τ is 1 − a of the face that is crossed if its normal faces the light, else 1; τ_uv is the mean of both ways around
-// the corner.
+// τ is 1 − a of the face that is crossed if its normal faces the light, else 1; τ_uv is that of the more open way around
+// the corner: light along a slanting wall passes the steps that cells make of it.
+//
+// Cascades are nested: what leaves the cells of the coarser one that lie around the finer one, its shell, enters the
+// finer one. NO_OUTER: no coarser cascade lies around this one. NO_INNER: no finer one lies in it.
 
 #import lightwell::volume::{Volume, cell_index}
 
 struct Slice {
+    inner_low: vec3i,      // first cell of this cascade that the next finer one covers
     forward: i32,          // slices gone from the lower border; negative: this sense rests
-    backward: i32,         // and from the upper border
+    inner_size: vec3i,     // how many of its cells that one covers
+    backward: i32,         // slices gone from the upper border
     quarter: u32,          // directions of one quadrant: a group has four quadrants
+    before: u32,           // where in `fronts` the slice before is
+    after: u32,            // and this one
     padding: u32,
+}
+
+struct Ordinate {
+    direction: vec3f,      // unit
+    weight: f32,           // [sr]
+    border: vec3f,         // radiance that enters from outside of the coarsest cascade [W/(m² sr)]
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<uniform> slice: Slice;
-// Unit direction and weight [sr]; by axis, sense, quadrant.
-@group(0) @binding(2) var<storage, read> directions: array<vec4f>;
+// By axis, sense, quadrant.
+@group(0) @binding(2) var<storage, read> ordinates: array<Ordinate>;
 @group(0) @binding(3) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(4) var<storage, read> emission: array<vec4f>;
 // L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u.
 // and, in the fourth place, the flux that the cell took out of the light, without regard to colour [W/m²].
-@group(0) @binding(5) var<storage, read> before: array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> after: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> fronts: array<vec4f>;
 // Irradiance [W/m²] by cell, normal and channel: for +x −x +y −y +z −z, and for the normals of the surfaces that look
 // their light up in the cell, by nearest axis. For its own normal a surface gets the exact cosine integral over all
 // directions. Spherical harmonics of order 3 would give it 9 % of the light that only grazes it and 6 % of what comes
@@ -34,8 +47,13 @@ struct Slice {
 // holds what each took out of the light [W/m²].
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
 @group(0) @binding(8) var<storage, read_write> facing: array<f32>;
-// Radiance that enters from outside along each direction [W/(m² sr)].
-@group(0) @binding(9) var<storage, read> border: array<vec4f>;
+// L_out of the shells for the directions of this axis [W/(m² sr)]: sense, direction, place in the shell.
+#ifndef NO_OUTER
+@group(0) @binding(9) var<storage, read> outer_shell: array<vec4f>;
+#endif
+#ifndef NO_INNER
+@group(0) @binding(10) var<storage, read_write> inner_shell: array<vec4f>;
+#endif
 
 #ifdef AXIS
 const A: u32 = #{AXIS}u;
@@ -45,13 +63,86 @@ const A: u32 = 0u;
 const U: u32 = (A + 1u) % 3u;
 const V: u32 = (A + 2u) % 3u;
 
-fn cell_of(along: i32, u: i32, v: i32) -> vec3u {
-    var cell: vec3u;
-    cell[A] = u32(along);
-    cell[U] = u32(u);
-    cell[V] = u32(v);
+fn place_of(along: i32, u: i32, v: i32) -> vec3i {
+    var cell: vec3i;
+    cell[A] = along;
+    cell[U] = u;
+    cell[V] = v;
     return cell;
 }
+
+fn cell_of(along: i32, u: i32, v: i32) -> vec3u {
+    return vec3u(place_of(along, u, v));
+}
+
+// Cells of the shell around a box of n cells: the faces of a box of n + 2.
+fn shell_size(n: vec3u) -> u32 {
+    let m = n + 2u;
+    return 2u * (m.y * m.z + m.z * m.x + m.x * m.y);
+}
+
+// The place in the shell of a cell g of that larger box.
+fn shell_place(g: vec3u, n: vec3u) -> u32 {
+    let m = n + 2u;
+    let faces = vec3u(m.y * m.z, m.z * m.x, m.x * m.y);
+    if g.x == 0u || g.x == n.x + 1u {
+        return select(faces.x, 0u, g.x == 0u) + g.z * m.y + g.y;
+    }
+    if g.y == 0u || g.y == n.y + 1u {
+        return 2u * faces.x + select(faces.y, 0u, g.y == 0u) + g.x * m.z + g.z;
+    }
+    return 2u * (faces.x + faces.y) + select(faces.z, 0u, g.z == 0u) + g.y * m.x + g.x;
+}
+
+// L_out of a column of the slice before: `direction` counts both senses of the axis, `first` is where its front begins.
+fn light_before(direction: u32, first: u32, past: i32, u: i32, v: i32, border: vec3f) -> vec4f {
+    let size = vec3i(volume.cells);
+    let cell = place_of(past, u, v);
+    if all(cell >= vec3i(0)) && all(cell < size) {
+        return fronts[first + u32(v * size[U] + u)];
+    }
+#ifdef NO_OUTER
+    return vec4f(border, 0.0);
+#else
+    // Two cells for one of the coarser cascade.
+    let n = volume.cells / 2u;
+    return vec4f(outer_shell[direction * shell_size(n) + shell_place(vec3u((cell + 2) / 2), n)].rgb, 0.0);
+#endif
+}
+
+#ifndef NO_INNER
+// 1 before an opening, 0 before a wall that closes a face.
+fn no_wall(f: vec4f, d: vec3f) -> f32 {
+    return smoothstep(0.0, 0.3, open(f, d));
+}
+
+// What leaves a cell of the shell for the finer cascade. Its upper borders have no faces of their own; and a wall along
+// a border may close the faces beyond it here, and those before it there: so it counts as far as one cell inside.
+fn into_shell(direction: u32, cell: vec3i, d: vec3f, leaving: vec3f) {
+    let n = vec3u(slice.inner_size);
+    let g = cell - slice.inner_low + 1;
+    let last = slice.inner_size + 1;
+    if any(g < vec3i(0)) || any(g > last) || (all(g > vec3i(0)) && all(g < last)) {
+        return;
+    }
+    var light = leaving;
+    for (var axis = 0u; axis < 3u; axis++) {
+        var onward = cell;
+        if g[axis] == 0 && d[axis] > 0.0 {
+            onward[axis] += 1;
+            light *= no_wall(face(vec3u(onward), axis, 0u), d);
+            onward[axis] += 1;
+            light *= no_wall(face(vec3u(onward), axis, 0u), d);
+        }
+        if g[axis] == last[axis] && d[axis] < 0.0 {
+            light *= open(face(vec3u(onward), axis, 1u), d);
+            onward[axis] -= 1;
+            light *= no_wall(face(vec3u(onward), axis, 1u), d);
+        }
+    }
+    inner_shell[direction * shell_size(n) + shell_place(vec3u(g), n)] = vec4f(light, 0.0);
+}
+#endif
 
 // The lower face of a cell along an axis, for light along +axis (side 0) or −axis (side 1).
 fn face(cell: vec3u, axis: u32, side: u32) -> vec4f {
@@ -188,37 +279,29 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             if has_um { face_v_at_um = face(cell_of(past, um, face_of_v), V, side_v); }
         }
         for (var i = quadrant * slice.quarter; i < (quadrant + 1u) * slice.quarter; i++) {
-            let direction = directions[group + i];
-            let d = direction.xyz;
+            let ordinate = ordinates[group + i];
+            let d = ordinate.direction;
             let inverse = 1.0 / abs(d[A]);
             let s = vec2f(abs(d[U]), abs(d[V])) * inverse;
             let straight = (1.0 - s.x) * (1.0 - s.y);
-            let base = front + i * stride;
-            let outside = border[group + i].rgb;
-            var arriving = outside;
-            var sent = outside;
+            let direction = sense * count + i;
+            let base = slice.before + front + i * stride;
+            let own_column = light_before(direction, base, past, u, v, ordinate.border);
+            let left = s.x * (1.0 - s.y) * light_before(direction, base, past, um, v, ordinate.border).rgb;
+            let low = (1.0 - s.x) * s.y * light_before(direction, base, past, u, vm, ordinate.border).rgb;
+            let corner = s.x * s.y * light_before(direction, base, past, um, vm, ordinate.border).rgb;
+            let tau_u = open(face_u, d);
+            let tau_v = open(face_v, d);
+            let tau_uv = max(open(face_u_at_vm, d) * tau_v, open(face_v_at_um, d) * tau_u);
+            let sent = straight * own_column.rgb + left + low + corner;
+            let arriving = straight * own_column.rgb + tau_u * left + tau_v * low + tau_uv * corner;
             if has_past {
-                var left = outside;
-                var low = outside;
-                var corner = outside;
-                if has_um { left = before[base + u32(v * size[U] + um)].rgb; }
-                if has_vm { low = before[base + u32(vm * size[U] + u)].rgb; }
-                if has_um && has_vm { corner = before[base + u32(vm * size[U] + um)].rgb; }
-                let tau_u = open(face_u, d);
-                let tau_v = open(face_v, d);
-                let tau_uv = 0.5 * (open(face_u_at_vm, d) * tau_v + open(face_v_at_um, d) * tau_u);
-                let own_column = before[base + at];
                 lost += own_column.a;
-                left *= s.x * (1.0 - s.y);
-                low *= (1.0 - s.x) * s.y;
-                corner *= s.x * s.y;
-                sent = straight * own_column.rgb + left + low + corner;
-                arriving = straight * own_column.rgb + tau_u * left + tau_v * low + tau_uv * corner;
                 // What reaches the downwind face of the cell before, less what the cell itself sends out, and before
                 // the seal: the irradiance of a surface that closes that face.
-                var w = direction.w * arriving;
+                var w = ordinate.weight * arriving;
                 if gone.is_lit {
-                    w += direction.w * beside(gone, d);
+                    w += ordinate.weight * beside(gone, d);
                 }
                 px += max(0.0, -d.x) * w; mx += max(0.0, d.x) * w;
                 py += max(0.0, -d.y) * w; my += max(0.0, d.y) * w;
@@ -237,7 +320,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 if own.is_lit {
                     leaving += emitted(own, d);
                 }
-                after[base + at] = vec4f(leaving, direction.w * abs(d[A]) * (taken.r + taken.g + taken.b));
+                let flux = ordinate.weight * abs(d[A]) * (taken.r + taken.g + taken.b);
+                fronts[slice.after + front + i * stride + at] = vec4f(leaving, flux);
+#ifndef NO_INNER
+                into_shell(direction, place_of(here, u, v), d, leaving);
+#endif
             }
         }
     }

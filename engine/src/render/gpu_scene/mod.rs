@@ -14,7 +14,7 @@ use super::sky::{GpuSky, SkyReflections};
 use crate::assets::{AlphaMode, AssetId, Mesh, Vertex, VertexExtra};
 use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
-use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId};
+use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId, wall_extent};
 use bytemuck::{Pod, Zeroable};
 use material::MaterialStore;
 pub(super) use material::alpha_cutoff;
@@ -148,6 +148,19 @@ struct Member {
     id: SceneId,
     bounds: Aabb,
     casts_shadow: bool,
+    /// See [`wall_extent`].
+    wall: f32,
+}
+
+impl Member {
+    fn new(primitive: &Primitive) -> Self {
+        Self {
+            id: primitive.id,
+            bounds: primitive.bounds,
+            casts_shadow: primitive.casts_shadow,
+            wall: wall_extent(primitive, &primitive.world_from_object.matrix3),
+        }
+    }
 }
 
 /// Which primitives a pass draws.
@@ -158,6 +171,31 @@ pub struct DrawFilter<'a> {
     pub casters_only: bool,
     /// Only those of which a part hides what lies behind.
     pub opaque_only: bool,
+    /// Only those that are walls in cells of this size \[m\], see [`wall_extent`].
+    pub least_wall: f32,
+}
+
+impl<'a> DrawFilter<'a> {
+    /// What a camera may see.
+    pub fn seen(frustum: &'a Frustum) -> Self {
+        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0 }
+    }
+
+    /// Of that, what hides what lies behind.
+    pub fn opaque(frustum: &'a Frustum) -> Self {
+        Self { opaque_only: true, ..Self::seen(frustum) }
+    }
+
+    /// What stops light.
+    pub fn casters(frustum: &'a Frustum) -> Self {
+        Self { casters_only: true, ..Self::seen(frustum) }
+    }
+
+    /// Of that, the walls in cells of so many metres.
+    pub fn walls(frustum: &'a Frustum, cell: f32) -> Self {
+        // A little less: surfels know the extent of their object but for a rounding.
+        Self { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
+    }
 }
 
 /// The scene on the device.
@@ -231,8 +269,7 @@ impl GpuScene {
             let first_instance = instances.len() as u32;
             instances.extend(members.iter().map(|p| Instance::new(p)));
             let nowhere_opaque = members.iter().any(|p| is_nowhere_opaque(&p.material));
-            let member = |p: &&Primitive| Member { id: p.id, bounds: p.bounds, casts_shadow: p.casts_shadow };
-            let members = members.iter().map(member).collect();
+            let members = members.iter().map(|p| Member::new(p)).collect();
             self.batches.push(Batch { class, nowhere_opaque, material, mesh, first_instance, members });
         }
         if instances.is_empty() {
@@ -347,7 +384,9 @@ impl GpuScene {
 
 impl Member {
     fn visible(&self, filter: &DrawFilter) -> bool {
-        (self.casts_shadow || !filter.casters_only) && filter.frustum.intersects(&self.bounds)
+        (self.casts_shadow || !filter.casters_only)
+            && self.wall >= filter.least_wall
+            && filter.frustum.intersects(&self.bounds)
     }
 }
 

@@ -147,7 +147,8 @@ impl Work<'_> {
         pass.set_bind_group(2, &surfaces, &[]);
         pass.set_bind_group(3, &light, &[]);
         let view = self.frame.view_uniform(gpu);
-        let filter = DrawFilter { frustum: &self.frame.frustum(), casters_only: false, opaque_only: true };
+        let frustum = self.frame.frustum();
+        let filter = DrawFilter::opaque(&frustum);
         self.frame.gpu_scene.draw(cx, &mut pass, &view, &filter, |class| self.raster_key(class))
     }
 

@@ -23,6 +23,8 @@ pub(crate) struct EmitUniform {
     counted: u32,
     padding: u32,
     sky: Vec3,
+    inner_low: Vec3,
+    inner_high: Vec3,
 }
 
 /// Bytes of the sums of a bounce: see `totals` of `lpv/sweep/emit.wgsl`.
@@ -111,6 +113,7 @@ pub(super) fn declare<'a>(
     step: Step,
 ) {
     let is_coarsest = step.index + 1 == levels.len();
+    let inner = step.index.checked_sub(1).map(|finer| levels[finer].volume);
     let level = &mut levels[step.index];
     let volume = level.volume;
     let name = match step.bounce {
@@ -148,6 +151,7 @@ pub(super) fn declare<'a>(
     let sky_bits = sky.to_array().map(f32::to_bits);
     pass.key(&(
         volume.key(),
+        inner.map(|inner| inner.key()),
         lights,
         sky_bits,
         sources.scale.to_bits(),
@@ -155,12 +159,15 @@ pub(super) fn declare<'a>(
         directions.values.len(),
         frame.scene.identity,
     ));
+    let in_cells = |point: Vec3| (point - volume.origin) / volume.cell;
     let emit = EmitUniform {
         scale: sources.scale,
         bounce: step.bounce,
         counted: u32::from(is_coarsest),
         padding: 0,
         sky: sky * sources.scale,
+        inner_low: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().min).round()),
+        inner_high: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().max).round()),
     };
     let rsms = if step.bounce == 0 { sources.rsms.to_vec() } else { Vec::new() };
     let (surfels, directions) = (frame.surfels, directions.clone());

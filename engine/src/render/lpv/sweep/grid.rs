@@ -5,11 +5,13 @@ use super::directions::Directions;
 use super::transport;
 use crate::render::RenderError;
 use crate::scene::{Aabb, SceneClpv, SceneView};
-use crate::world::{CellSize, ClpvPlacement, Quality};
+use crate::world::{CellSize, Clpv, ClpvPlacement, Quality};
 use glam::{U64Vec3, UVec3, Vec3};
 
 /// Cells on each side beyond the scene's bounds: for what stops light behind its surfaces.
 const MARGIN: f32 = 2.0;
+/// How far ahead of the eye the finer cascades lie, as a part of their half extent.
+const AHEAD: f32 = 0.6;
 /// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding of 128 MiB, the portable limit.
 const MAX_CELLS: u32 = (128 << 20) / 176;
 
@@ -20,15 +22,77 @@ const MAX_CELLS: u32 = (128 << 20) / 176;
 pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<Volume>, RenderError> {
     let settings = &clpv.settings;
     if settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed {
-        return Ok(vec![around_scene(bounds, settings.quality)]);
+        let forward = -Vec3::from(view.camera.world_from_view.matrix3.z_axis).normalize_or_zero();
+        return Ok(around_camera(around_scene(bounds, settings.quality), settings, view.eye(), forward));
     }
     let cells: u32 = settings.cells.iter().product();
     if cells > MAX_CELLS {
         let cells = settings.cells;
         return Err(RenderError::Clpv(format!("`cells` is {cells:?}; the sweep takes at most {MAX_CELLS} together")));
     }
-    // The coarsest covers most; finer ones inside it are not swept.
-    Ok(volume::volumes(clpv, bounds, view)?.split_off(settings.cascades.max(1) as usize - 1))
+    Ok(nested(volume::volumes(clpv, bounds, view)?))
+}
+
+/// A grid over the scene with finer ones before the camera in it, finest first.
+fn around_camera(scene: Volume, settings: &Clpv, eye: Vec3, forward: Vec3) -> Vec<Volume> {
+    let mut cascades = vec![scene];
+    for _ in 1..settings.cascades {
+        let outer = cascades[cascades.len() - 1];
+        let Some(size) = finer_size(outer.cells, settings.quality) else { break };
+        let half = 0.5 * outer.cell * size.as_vec3();
+        let center = eye + AHEAD * half * forward;
+        let finer = Volume {
+            origin: center - half,
+            cell: 0.5 * outer.cell,
+            cells: 2 * size,
+            fade_center: center,
+            fade_half: half - 0.5 * outer.cell,
+        };
+        cascades.push(finer);
+    }
+    cascades.reverse();
+    nested(cascades)
+}
+
+/// How many cells of a cascade the next finer one covers: as near to a cube as it can be within the budget.
+fn finer_size(outer: UVec3, quality: Quality) -> Option<UVec3> {
+    let mut size = outer.checked_sub(UVec3::splat(2)).filter(|size| size.min_element() > 0)?;
+    while 8 * size.element_product() > finer_budget(quality) {
+        let longest = size.max_position();
+        size[longest] -= 1;
+    }
+    Some(size)
+}
+
+/// Moves each finer cascade to whole cells of the next coarser one, at least one of them from its border; what has no
+/// room there is left out. Finest first.
+fn nested(cascades: Vec<Volume>) -> Vec<Volume> {
+    let mut fitting: Vec<Volume> = Vec::new();
+    for finer in cascades.into_iter().rev() {
+        match fitting.last() {
+            None => fitting.push(finer),
+            Some(outer) => match within(outer, finer) {
+                Some(finer) => fitting.push(finer),
+                None => break,
+            },
+        }
+    }
+    fitting.reverse();
+    fitting
+}
+
+fn within(outer: &Volume, finer: Volume) -> Option<Volume> {
+    let room = outer.cells.checked_sub(UVec3::splat(2))?;
+    let size = (finer.cells / 2).min(room);
+    if size.min_element() == 0 {
+        return None;
+    }
+    let wanted = ((finer.origin - outer.origin) / outer.cell).round();
+    let last = (outer.cells - size - 1).as_vec3();
+    let low = wanted.clamp(Vec3::ONE, last);
+    let moved = (low - wanted) * outer.cell;
+    let origin = outer.origin + low * outer.cell;
+    Some(Volume { origin, cells: 2 * size, fade_center: finer.fade_center + moved, ..finer })
 }
 
 /// The finest grid of a quality that covers the scene.
@@ -58,6 +122,11 @@ fn budget(quality: Quality) -> u32 {
         Quality::High => 64 * 64 * 64,
         Quality::Ultra => 88 * 88 * 88,
     }
+}
+
+/// Cells of a cascade before the camera.
+fn finer_budget(quality: Quality) -> u32 {
+    budget(quality)
 }
 
 /// The finest grid within the budget that covers the bounds with a margin. Cell sizes are (1 + k/16)·2ⁿ, so
@@ -106,6 +175,33 @@ fn size_of(step: i32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn finer_cascades_lie_on_whole_cells_inside_the_coarser_ones() {
+        let bounds = Aabb { min: Vec3::new(-30.0, -1.0, -8.0), max: Vec3::new(30.0, 9.0, 8.0) };
+        let coarse = Volume { cells: UVec3::new(9, 4, 13), ..around_scene(&bounds, Quality::Low) };
+        let eyes = [Vec3::ZERO, Vec3::new(29.9, 8.9, -7.9), Vec3::new(1e6, -40.0, 3.0), Vec3::new(-3.3, 0.1, 2.2)];
+        for (scene, quality) in [(around_scene(&bounds, Quality::Low), Quality::Low), (coarse, Quality::Medium)] {
+            for eye in eyes {
+                for forward in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
+                    let settings = Clpv { cascades: 4, quality, ..Clpv::default() };
+                    let cascades = around_camera(scene, &settings, eye, forward);
+                    assert!(cascades.len() >= 2, "{cascades:?}");
+                    for pair in cascades.windows(2) {
+                        let (finer, outer) = (pair[0], pair[1]);
+                        assert_eq!((finer.cell, finer.cells % 2), (0.5 * outer.cell, UVec3::ZERO));
+                        let low = (finer.origin - outer.origin) / outer.cell;
+                        assert!((low - low.round()).abs().max_element() < 1e-3, "{low}");
+                        let high = low.round().as_uvec3() + finer.cells / 2;
+                        assert!(
+                            low.round().min_element() >= 1.0 && high.cmplt(outer.cells).all(),
+                            "{finer:?} in {outer:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn scenes_of_any_shape_fit_the_portable_limits() {

@@ -2,6 +2,7 @@
 
 use super::super::linear_groups;
 use super::super::relight::CascadeUniform;
+use super::super::volume::Volume;
 use super::emit::Sources;
 use super::{Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
@@ -17,8 +18,17 @@ pub(crate) struct LookupUniform {
     cascade: CascadeUniform,
 }
 
-pub(super) fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
+fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
     LookupUniform { cascade: CascadeUniform::new(&levels[index].volume, fade_cells) }
+}
+
+/// How surfels look a cascade up: it fades along the box as it lies on the cells, so that their light changes only with
+/// what is swept, and not with each step of the camera.
+pub(super) fn lookup_at_surfels(levels: &[Level], index: usize) -> LookupUniform {
+    let volume = levels[index].volume;
+    let bounds = volume.bounds();
+    let snapped = Volume { fade_center: bounds.center(), fade_half: 0.5 * bounds.size(), ..volume };
+    LookupUniform { cascade: CascadeUniform::new(&snapped, SURFEL_FADE) }
 }
 
 /// The shader for one of so many cascades, finest first.
@@ -34,7 +44,7 @@ fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
 }
 
 /// Width of the border between cascades at the surfels [cells].
-pub(super) const SURFEL_FADE: f32 = 2.0;
+const SURFEL_FADE: f32 = 2.0;
 
 /// Declares the irradiance that the surfels receive in a bounce; the result is E [W/m²], a vector each.
 pub(super) fn at_surfels<'a>(
@@ -62,7 +72,7 @@ pub(super) fn at_surfels<'a>(
     let received = pass.write(received);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
     pass.key(&(keys, bounce));
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE)).collect();
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
     pass.execute(move |cx| {
         let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
         look_up(cx, &lookups, &light, &opacities, [&surfels, &target], count)

@@ -18,6 +18,7 @@ mod probes;
 pub(in crate::render) mod sky;
 mod surfels;
 mod transport;
+mod walls;
 
 pub use grid::volumes;
 
@@ -63,6 +64,8 @@ struct Level {
     bounce: Irradiance,
     /// Irradiance of all bounces.
     sum: Irradiance,
+    /// Light of the bounce under way that enters from the next coarser cascade, by axis.
+    shell: Option<[Handle<Buffer>; 3]>,
 }
 
 /// Irradiance by cell and normal, see `lpv/sweep/transport.wgsl`.
@@ -91,9 +94,6 @@ pub(super) fn declare<'a>(
         return Ok(None);
     }
     let settings = &clpv.settings;
-    if settings.cascades > 1 {
-        graph.skip("finer cascades", "the sweep uses the coarsest alone");
-    }
     let directions = [Directions::of(settings.quality), Directions::of_further_bounces(settings.quality)];
     let surfels = surfels::declare(graph, frame);
     let bounces = bounces(settings, cloud.mean_albedo());
@@ -101,7 +101,7 @@ pub(super) fn declare<'a>(
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
         let name = format!("cascade {index}");
-        let opacity = opacity::declare(graph, surfels, &name, volume);
+        let opacity = opacity::declare(graph, frame, surfels, &name, volume);
         levels.push(transport::level(graph, opacity, &name, volume));
     }
     let source =

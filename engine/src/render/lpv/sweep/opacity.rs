@@ -2,8 +2,10 @@
 
 use super::super::linear_groups;
 use super::super::volume::Volume;
+use super::walls;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::render::frame::Frame;
 use crate::scene::Surfel;
 use wgpu::BufferUsages;
 
@@ -13,10 +15,12 @@ const CELL_BYTES: u64 = 176;
 /// Declares the opacity of one cascade. It depends on the scene's surfaces alone, not on any light.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
     surfels: Handle<Buffer>,
     level: &str,
     volume: &Volume,
 ) -> Handle<Buffer> {
+    let walls = walls::declare(graph, frame, level, volume);
     let name = format!("opacity, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
@@ -24,11 +28,13 @@ pub(super) fn declare<'a>(
     let opacity = graph.retained_buffer(name.as_str(), desc);
     let mut pass = graph.pass(name.as_str());
     pass.read(surfels);
+    pass.read(walls);
     let (sums, opacity) = (pass.write(sums), pass.write(opacity));
     pass.key(&volume.key());
     let volume = *volume;
     pass.execute(move |cx| {
-        let [source, fixed, target] = [surfels, sums, opacity].map(|handle| cx.buffer(handle).clone());
+        let handles = [surfels, walls, sums, opacity];
+        let [source, walls, fixed, target] = handles.map(|handle| cx.buffer(handle).clone());
         cx.encoder().clear_buffer(&fixed, 0, None);
         let uniform = cx.gpu.uniform("volume", &volume.uniform());
         let count = (source.size() / size_of::<Surfel>() as u64) as u32;
@@ -48,6 +54,7 @@ pub(super) fn declare<'a>(
             &[
                 ("volume", Binding::Buffer(&uniform)),
                 ("sums", Binding::Buffer(&fixed)),
+                ("walls", Binding::Buffer(&walls)),
                 ("opacity", Binding::Buffer(&target)),
             ],
             linear_groups(volume.cell_count()),

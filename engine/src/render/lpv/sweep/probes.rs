@@ -1,6 +1,6 @@
 //! Indirect light at points that a game asks for: looked up as for the surfels of a bounce, in the sum over all bounces.
 
-use super::irradiance::{SURFEL_FADE, look_up, lookup};
+use super::irradiance::{look_up, lookup_at_surfels};
 use super::{Irradiance, Level};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
@@ -50,7 +50,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
     let places: Vec<u32> = bytemuck::cast_slice::<Surfel, u32>(&surfels).to_vec();
     pass.key(&(keys, places));
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, SURFEL_FADE)).collect();
+    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
     pass.execute(move |cx| {
         let target = cx.buffer(found).clone();
         let surfels = cx.gpu.storage("probes", &surfels, BufferUsages::empty());

@@ -23,7 +23,7 @@ pub(in crate::render) fn volume(bounds: &Aabb) -> Volume {
 pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer) -> Indirect {
     let volume = volume(&frame.bounds);
     let surfels = surfels::declare(graph, frame);
-    let opacity = opacity::declare(graph, surfels, NAME, &volume);
+    let opacity = opacity::declare(graph, frame, surfels, NAME, &volume);
     let level = level(graph, frame, opacity, &volume);
     let field = field_of(&level);
     let names = irradiance::Names { pass: "relight, sky", image: "sky radiance" };

@@ -7,16 +7,21 @@ use super::{BounceCount, Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
+use bytemuck::{Pod, Zeroable};
 use encase::ShaderType;
-use glam::Vec3;
+use glam::{IVec3, UVec3, Vec3};
 use wgpu::BufferUsages;
 
 /// `Slice` of `lpv/sweep/transport.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
 pub(crate) struct SliceUniform {
+    inner_low: IVec3,
     forward: i32,
+    inner_size: IVec3,
     backward: i32,
     quarter: u32,
+    before: u32,
+    after: u32,
     padding: u32,
 }
 
@@ -27,6 +32,14 @@ pub(crate) struct SumUniform {
     has_tail: u32,
     most: f32,
     padding: u32,
+}
+
+/// `Ordinate` of `lpv/sweep/transport.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Ordinate {
+    direction: [f32; 4],
+    border: [f32; 4],
 }
 
 /// Bound on the factor from one bounce to the next in the series that ends the sum.
@@ -57,11 +70,11 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, 
         axes: graph.retained_buffer(format!("axes, {name}"), desc(72)),
         facing: graph.retained_buffer(format!("facing, {name}"), desc(36)),
     };
-    Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum }
+    Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum, shell: None }
 }
 
-/// Bytes of a cell and direction of a front: light of both senses, RGB and one unused number.
-pub(super) const FRONT_BYTES: u64 = 32;
+/// Bytes of a cell and direction of a front: light of both senses before and after a slice, RGB and the flux lost.
+pub(super) const FRONT_BYTES: u64 = 64;
 
 /// Declares the sweep of a bounce through a cascade, and its addition to the sum of all bounces.
 pub(super) fn declare<'a>(
@@ -72,14 +85,17 @@ pub(super) fn declare<'a>(
     totals: Handle<Buffer>,
     step: Step,
 ) {
+    let inner = step.index.checked_sub(1).map(|finer| levels[finer].volume);
     let level = &mut levels[step.index];
     let volume = level.volume;
     let name = format!("sweep, {}, bounce {}", level.name, step.bounce + 1);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let front_bytes = FRONT_BYTES * u64::from(directions.group()) * u64::from(largest_slice(&volume));
-    let fronts = [0, 1].map(|i| graph.buffer(format!("{name}, front {i}"), BufferDesc::new(front_bytes, usage)));
+    let fronts = graph.buffer(format!("{name}, fronts"), BufferDesc::new(front_bytes, usage));
+    let outer = level.shell.take();
+    let shell = inner.map(|inner| Shell::new(graph, &name, &volume, &inner, directions));
     let mut pass = graph.pass(name);
-    for buffer in [level.opacity, level.emission, totals] {
+    for buffer in [level.opacity, level.emission, totals].into_iter().chain(outer.into_iter().flatten()) {
         pass.read(buffer);
     }
     let mut written = |handle: &mut Handle<Buffer>| {
@@ -93,12 +109,18 @@ pub(super) fn declare<'a>(
         totals,
         bounce: Irradiance { axes: written(&mut bounce.axes), facing: written(&mut bounce.facing) },
         sum: Irradiance { axes: written(&mut sum.axes), facing: written(&mut sum.facing) },
-        fronts: fronts.map(|mut front| written(&mut front)),
+        fronts: pass.write(fronts),
+        outer,
+        inner: shell.map(|shell| Shell { light: shell.light.map(|light| pass.write(light)), ..shell }),
     };
+    if let Some(inner) = &buffers.inner {
+        levels[step.index - 1].shell = Some(inner.light);
+    }
     let border = if step.bounce == 0 { frame.scene.sky } else { Vec3::ZERO };
     let map = frame.scene.sky_map.as_deref().filter(|_| step.bounce == 0);
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
-    pass.key(&(volume.key(), directions.values.len(), sky, step.bounce, step.bounces));
+    let inner_key = inner.map(|inner| inner.key());
+    pass.key(&(volume.key(), inner_key, directions.values.len(), sky, step.bounce, step.bounces));
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {
@@ -123,7 +145,38 @@ struct Buffers {
     totals: Handle<Buffer>,
     bounce: Irradiance,
     sum: Irradiance,
-    fronts: [Handle<Buffer>; 2],
+    fronts: Handle<Buffer>,
+    /// Light of the shell around this cascade, by axis.
+    outer: Option<[Handle<Buffer>; 3]>,
+    /// The shell around the next finer one.
+    inner: Option<Shell>,
+}
+
+/// The cells of a cascade around the next finer one, whose light enters that one.
+#[derive(Clone, Copy)]
+struct Shell {
+    /// First cell that the finer cascade covers.
+    low: IVec3,
+    /// How many it covers.
+    size: IVec3,
+    /// Light of the cells, for the directions of each axis.
+    light: [Handle<Buffer>; 3],
+}
+
+impl Shell {
+    fn new(graph: &mut Graph<'_>, name: &str, volume: &Volume, inner: &Volume, directions: &Directions) -> Self {
+        let low = ((inner.origin - volume.origin) / volume.cell).round().as_ivec3();
+        let size = inner.cells.as_ivec3() / 2;
+        let desc = BufferDesc::new(shell_bytes(size.as_uvec3(), directions), BufferUsages::STORAGE);
+        let light = [0, 1, 2].map(|axis| graph.buffer(format!("{name}, shell along axis {axis}"), desc.clone()));
+        Self { low, size, light }
+    }
+}
+
+/// Bytes of the light of a shell around so many cells, for the directions of one axis.
+pub(super) fn shell_bytes(inner: UVec3, directions: &Directions) -> u64 {
+    let n = inner.as_u64vec3() + 2;
+    2 * (n.x * n.y + n.y * n.z + n.z * n.x) * 2 * u64::from(directions.group()) * 16
 }
 
 fn largest_slice(volume: &Volume) -> u32 {
@@ -138,47 +191,55 @@ fn sweep(
     buffers: &Buffers,
     border: &[[f32; 4]],
 ) -> Result<(), PassError> {
-    let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.facing];
-    let [opacity, emission, axes, facing] = handles.map(|handle| cx.buffer(handle).clone());
-    let fronts = buffers.fronts.map(|handle| cx.buffer(handle).clone());
+    let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.facing, buffers.fronts];
+    let [opacity, emission, axes, facing, fronts] = handles.map(|handle| cx.buffer(handle).clone());
     for buffer in [&axes, &facing] {
         cx.encoder().clear_buffer(buffer, 0, None);
     }
     let uniform = cx.gpu.uniform("volume", &volume.uniform());
-    let set = cx.gpu.storage("directions", &directions.values, BufferUsages::empty());
-    let border = cx.gpu.storage("border", border, BufferUsages::empty());
+    let ordinates = directions.values.iter().zip(border).map(|(&direction, &border)| Ordinate { direction, border });
+    let ordinates = cx.gpu.storage("ordinates", &ordinates.collect::<Vec<_>>(), BufferUsages::empty());
+    let half = (fronts.size() / 32) as u32;
     for axis in 0..3 {
         let along = volume.cells[axis];
         let across = [volume.cells[(axis + 1) % 3], volume.cells[(axis + 2) % 3]];
-        let key = ComputeKey::new("lpv/sweep/transport.wgsl", "main").def("AXIS", ShaderDef::Int(axis as i32));
+        let mut key = ComputeKey::new("lpv/sweep/transport.wgsl", "main").def("AXIS", ShaderDef::Int(axis as i32));
+        let outer = buffers.outer.map(|shell| cx.buffer(shell[axis]).clone());
+        let inner = buffers.inner.map(|shell| cx.buffer(shell.light[axis]).clone());
+        for (name, shell) in [("NO_OUTER", &outer), ("NO_INNER", &inner)] {
+            if shell.is_none() {
+                key = key.def(name, ShaderDef::Flag(true));
+            }
+        }
         // Both senses go on in one dispatch. They must not add to the same slice: where the number of slices is odd
         // they would meet in the middle, and the second sense starts one later.
         let late = along % 2;
         for step in 0..=along + late {
+            let turn = step % 2;
             let slice = SliceUniform {
+                inner_low: buffers.inner.map_or(IVec3::ZERO, |shell| shell.low),
                 forward: if step <= along { step as i32 } else { -1 },
+                inner_size: buffers.inner.map_or(IVec3::ZERO, |shell| shell.size),
                 backward: step as i32 - late as i32,
                 quarter: directions.quarter,
+                before: turn * half,
+                after: (1 - turn) * half,
                 padding: 0,
             };
             let slice = cx.gpu.uniform("slice", &slice);
-            let turn = step as usize % 2;
-            cx.dispatch(
-                &key,
-                &[
-                    ("volume", Binding::Buffer(&uniform)),
-                    ("slice", Binding::Buffer(&slice)),
-                    ("directions", Binding::Buffer(&set)),
-                    ("border", Binding::Buffer(&border)),
-                    ("opacity", Binding::Buffer(&opacity)),
-                    ("emission", Binding::Buffer(&emission)),
-                    ("before", Binding::Buffer(&fronts[turn])),
-                    ("after", Binding::Buffer(&fronts[1 - turn])),
-                    ("axes", Binding::Buffer(&axes)),
-                    ("facing", Binding::Buffer(&facing)),
-                ],
-                [across[0].div_ceil(8), across[1].div_ceil(8), 2],
-            )?;
+            let mut bindings = vec![
+                ("volume", Binding::Buffer(&uniform)),
+                ("slice", Binding::Buffer(&slice)),
+                ("ordinates", Binding::Buffer(&ordinates)),
+                ("opacity", Binding::Buffer(&opacity)),
+                ("emission", Binding::Buffer(&emission)),
+                ("fronts", Binding::Buffer(&fronts)),
+                ("axes", Binding::Buffer(&axes)),
+                ("facing", Binding::Buffer(&facing)),
+            ];
+            bindings.extend(outer.iter().map(|shell| ("outer_shell", Binding::Buffer(shell))));
+            bindings.extend(inner.iter().map(|shell| ("inner_shell", Binding::Buffer(shell))));
+            cx.dispatch(&key, &bindings, [across[0].div_ceil(8), across[1].div_ceil(8), 2])?;
         }
         // A submit stays short even for the largest grids.
         cx.submit();
