@@ -113,14 +113,16 @@ fn interpolated(volume: Volume, x: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> 
     return all_cells;
 }
 
-// The clear cells up to two away, by their distance.
-fn nearby(volume: Volume, x: vec3f, n: vec3f, d: vec3f) -> Gathered {
+// The clear cells up to two away towards the eye, by their distance: beyond the surface's other neighbours may be another
+// room.
+fn nearby(volume: Volume, x: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> Gathered {
     let at = x + 0.5 * n - 0.5;
     var all_cells = Gathered(vec3f(0.0), 0.0);
     for (var i = 0u; i < 64u; i++) {
         let cell = floor(at) - 1.0 + vec3f(f32(i & 3u), f32((i >> 2u) & 3u), f32(i >> 4u));
         let w = max(vec3f(0.0), 2.0 - abs(cell - at));
-        if inside(volume, cell) && dot(n, cell + 0.5 - x) > 0.0 {
+        let way = cell + 0.5 - x;
+        if inside(volume, cell) && dot(n, way) > 0.0 && dot(to_eye, way) > 0.0 {
             let index = cell_index(volume, vec3u(cell));
             let clear = w.x * w.y * w.z * clearance(index);
             if clear > 0.0 {
@@ -158,7 +160,7 @@ fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f, to_eye: v
     let x = (point - volume.origin) / volume.cell;
     var all_cells = interpolated(volume, x, n, d, to_eye);
     if all_cells.weights < LEAST && any(to_eye != vec3f(0.0)) {
-        let more = nearby(volume, x, n, d);
+        let more = nearby(volume, x, n, d, to_eye);
         if more.weights > 0.0 {
             let share = LEAST - all_cells.weights;
             all_cells.sum += more.sum * (share / more.weights);
