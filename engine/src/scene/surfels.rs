@@ -37,7 +37,7 @@ pub struct Surfel {
     pub place: u32,
     /// Emitted radiance [W/(m² sr)].
     pub emissive: [f32; 3],
-    /// Largest cells \[m\] whose faces the object's triangles close whole: see [`wall_extent`].
+    /// Largest cells \[m\] whose faces the object closes whole: the second largest edge of its box, 0 if it has holes.
     pub wall: f32,
 }
 

@@ -171,7 +171,7 @@ pub struct DrawFilter<'a> {
     pub casters_only: bool,
     /// Only those of which a part hides what lies behind.
     pub opaque_only: bool,
-    /// Only those that are walls in cells of this size \[m\], see [`wall_extent`].
+    /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
     pub least_wall: f32,
 }
 
