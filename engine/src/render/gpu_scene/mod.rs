@@ -385,7 +385,8 @@ impl GpuScene {
 impl Member {
     fn visible(&self, filter: &DrawFilter) -> bool {
         (self.casts_shadow || !filter.casters_only)
-            && self.wall >= filter.least_wall
+            // An extent that is no number counts as a wall, and hides the primitive from no other pass.
+            && !(self.wall < filter.least_wall)
             && filter.frustum.intersects(&self.bounds)
     }
 }

@@ -12,8 +12,12 @@ use glam::{U64Vec3, UVec3, Vec3};
 const MARGIN: f32 = 2.0;
 /// How far ahead of the eye the finer cascades lie, as a part of their half extent.
 const AHEAD: f32 = 0.6;
-/// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding of 128 MiB, the portable limit.
-const MAX_CELLS: u32 = (128 << 20) / 176;
+/// Most bytes of a storage binding, the portable limit.
+const BINDING: u64 = 128 << 20;
+/// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding.
+const MAX_CELLS: u32 = BINDING as u32 / 176;
+/// Most cells along an axis: a texture that walls are drawn into has a texel for each, and this is the portable limit.
+const MAX_EDGE: u32 = 8192;
 
 /// The cascades of the settings for this view, finest first.
 ///
@@ -57,11 +61,23 @@ fn around_camera(scene: Volume, settings: &Clpv, eye: Vec3, forward: Vec3) -> Ve
 /// How many cells of a cascade the next finer one covers: as near to a cube as it can be within the budget.
 fn finer_size(outer: UVec3, quality: Quality) -> Option<UVec3> {
     let mut size = outer.checked_sub(UVec3::splat(2)).filter(|size| size.min_element() > 0)?;
-    while 8 * size.element_product() > finer_budget(quality) {
+    while !is_affordable(size, quality) {
         let longest = size.max_position();
         size[longest] -= 1;
     }
     Some(size)
+}
+
+/// Whether a cascade over so many cells of the next coarser one keeps to the budget, and what it is swept with to the
+/// portable limits.
+fn is_affordable(size: UVec3, quality: Quality) -> bool {
+    let n = (2 * size).as_u64vec3();
+    let slice = (n * U64Vec3::new(n.y, n.z, n.x)).max_element();
+    let sets = [Directions::of(quality), Directions::of_further_bounces(quality)];
+    n.element_product() <= u64::from(budget(quality))
+        && n.max_element() <= u64::from(MAX_EDGE)
+        && slice <= u64::from(largest_slice(quality))
+        && sets.iter().all(|set| transport::shell_bytes(size, set) <= BINDING)
 }
 
 /// Moves each finer cascade to whole cells of the next coarser one, at least one of them from its border; what has no
@@ -111,7 +127,7 @@ struct Most {
 /// Cells of a layer whose light along all directions of an axis fills a storage binding.
 fn largest_slice(quality: Quality) -> u32 {
     let group = Directions::of(quality).group().max(Directions::of_further_bounces(quality).group());
-    (128 << 20) / (transport::FRONT_BYTES as u32 * group)
+    BINDING as u32 / (transport::FRONT_BYTES as u32 * group)
 }
 
 /// Cells of a grid that covers the scene.
@@ -122,11 +138,6 @@ fn budget(quality: Quality) -> u32 {
         Quality::High => 64 * 64 * 64,
         Quality::Ultra => 88 * 88 * 88,
     }
-}
-
-/// Cells of a cascade before the camera.
-fn finer_budget(quality: Quality) -> u32 {
-    budget(quality)
 }
 
 /// The finest grid within the budget that covers the bounds with a margin. Cell sizes are (1 + k/16)·2ⁿ, so
@@ -160,7 +171,8 @@ fn fitted(bounds: &Aabb, most: Most) -> Volume {
         let volume = around(size_of(step));
         let cells = volume.cells.as_u64vec3();
         let slice = (cells * U64Vec3::new(cells.z, cells.x, cells.y)).max_element();
-        if cells.element_product() <= u64::from(most.cells) && slice <= u64::from(most.slice) {
+        let fits = cells.element_product() <= u64::from(most.cells) && slice <= u64::from(most.slice);
+        if fits && volume.cells.max_element() <= MAX_EDGE {
             return volume;
         }
         step += 1;
@@ -205,13 +217,30 @@ mod tests {
 
     #[test]
     fn scenes_of_any_shape_fit_the_portable_limits() {
-        for size in [Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.0, 0.0, 7.0), Vec3::new(1e4, 1.0, 30.0), Vec3::splat(1e-3)] {
+        for size in [
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::new(0.0, 0.0, 7.0),
+            Vec3::new(1e4, 1.0, 30.0),
+            Vec3::splat(1e-3),
+            Vec3::new(1e4, 1e-3, 1e-3),
+            Vec3::new(4e2, 0.05, 4e2),
+        ] {
             let bounds = Aabb { min: Vec3::new(-0.3, 2.0, 0.1), max: Vec3::new(-0.3, 2.0, 0.1) + size };
             for quality in [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra] {
                 let most = Most { cells: budget(quality), slice: largest_slice(quality) };
                 let volume = fitted(&bounds, most);
                 let n = volume.cells;
                 assert!(n.element_product() <= most.cells && (n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice);
+                assert!(n.max_element() <= MAX_EDGE, "{volume:?}");
+                for finer in
+                    around_camera(volume, &Clpv { cascades: 4, quality, ..Clpv::default() }, Vec3::ZERO, Vec3::X)
+                {
+                    let n = finer.cells;
+                    assert!((n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice, "{finer:?}");
+                    assert!(n.max_element() <= MAX_EDGE, "{finer:?}");
+                    let shell = transport::shell_bytes(n / 2, &Directions::of(quality));
+                    assert!(finer.cell == volume.cell || shell <= BINDING, "{finer:?}");
+                }
                 let covered = volume.bounds();
                 assert!(covered.min.cmple(bounds.min).all() && covered.max.cmpge(bounds.max).all(), "{volume:?}");
             }

@@ -18,23 +18,30 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str,
     let name = format!("walls, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let walls = graph.buffer(name.as_str(), BufferDesc::new(4 * u64::from(volume.cell_count()), usage));
-    let edge = volume.cells.max_element();
-    let desc = TextureDesc::d2(edge, edge, FORMAT, TextureUsages::RENDER_ATTACHMENT);
-    let columns = graph.texture(format!("{name}, columns"), desc);
+    let columns = [0, 1, 2].map(|axis| {
+        let [width, height] = across(volume, axis);
+        let desc = TextureDesc::d2(width, height, FORMAT, TextureUsages::RENDER_ATTACHMENT);
+        graph.texture(format!("{name}, columns along axis {axis}"), desc)
+    });
     let mut pass = graph.pass(name.as_str());
-    let (walls, columns) = (pass.write(walls), pass.write(columns));
+    let (walls, columns) = (pass.write(walls), columns.map(|texture| pass.write(texture)));
     pass.key(&(frame.geometry_key(), volume.key()));
     let (volume, frame) = (*volume, frame.clone());
     pass.execute(move |cx| {
         let buffer = cx.buffer(walls).clone();
         cx.encoder().clear_buffer(&buffer, 0, None);
-        let target = cx.view(columns);
-        for axis in 0..3 {
+        for (axis, texture) in columns.into_iter().enumerate() {
+            let target = cx.view(texture);
             draw_along(cx, &frame, &volume, axis, &target, &buffer)?;
         }
         Ok(())
     });
     walls
+}
+
+/// Columns of cells along an axis.
+fn across(volume: &Volume, axis: usize) -> [u32; 2] {
+    [1, 2].map(|next| volume.cells[(axis + next) % 3])
 }
 
 fn draw_along(
@@ -62,8 +69,6 @@ fn draw_along(
             ..Default::default()
         })
         .forget_lifetime();
-    let [width, height] = [1, 2].map(|next| volume.cells[(axis + next) % 3] as f32);
-    pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
     pass.set_bind_group(1, &group, &[]);
     let frustum = Frustum::new(&clip_from_world(volume));
     let filter = DrawFilter::walls(&frustum, volume.cell);
