@@ -34,7 +34,7 @@ pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub use sky_map::SkyMap;
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
-pub use texture::{Sampling, Texture, Wrap};
+pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};

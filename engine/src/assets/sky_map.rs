@@ -69,6 +69,11 @@ impl SkyMap {
         Ok(map)
     }
 
+    /// The same sky, so many times as bright and turned otherwise.
+    pub fn varied(&self, factor: f32, turn: f32) -> Self {
+        Self::new([self.width, self.height], self.texels.iter().map(|texel| *texel * factor).collect(), turn)
+    }
+
     /// The same sky, not turned.
     pub(super) fn plain(&self) -> Self {
         Self::new([self.width, self.height], self.texels.clone(), 0.0)

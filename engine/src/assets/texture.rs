@@ -16,6 +16,26 @@ pub enum Wrap {
     Clamp,
 }
 
+/// Which copies of a texture are read where it is drawn small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Levels {
+    /// The full size alone.
+    Full,
+    /// The nearest mip level.
+    Nearest,
+    /// The two nearest mip levels, blended.
+    Blended,
+}
+
+/// How a texture is read where it is drawn small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Minification {
+    /// Nearest texel instead of bilinear filtering.
+    pub nearest: bool,
+    /// Mip levels.
+    pub levels: Levels,
+}
+
 /// Sampler settings of a texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sampling {
@@ -25,6 +45,17 @@ pub struct Sampling {
     pub wrap_v: Wrap,
     /// Nearest texel instead of bilinear filtering when magnified.
     pub nearest: bool,
+    /// How it is read where it is drawn small. None: bilinear and blended between mip levels, eightfold anisotropic; or
+    /// nearest in all if it is so when magnified.
+    pub minification: Option<Minification>,
+}
+
+impl Sampling {
+    /// What holds where the texture is drawn small.
+    pub fn minified(&self) -> Minification {
+        let levels = if self.nearest { Levels::Nearest } else { Levels::Blended };
+        self.minification.unwrap_or(Minification { nearest: self.nearest, levels })
+    }
 }
 
 /// An image with its sampler. Immutable once made; share it by `Arc`. Mip levels are made at upload.

@@ -238,7 +238,10 @@ impl TextureFile {
     pub fn sampling(&self) -> Sampling {
         match self {
             Self::Path(_) => Sampling::default(),
-            Self::Sampled(s) => Sampling { wrap_u: s.wrap_u.into(), wrap_v: s.wrap_v.into(), nearest: s.nearest },
+            Self::Sampled(s) => {
+                let (wrap_u, wrap_v) = (s.wrap_u.into(), s.wrap_v.into());
+                Sampling { wrap_u, wrap_v, nearest: s.nearest, minification: None }
+            }
         }
     }
 

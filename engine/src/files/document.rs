@@ -4,14 +4,12 @@ use super::error::{FileError, FileErrorKind, Place};
 use super::suggest::suggestion;
 use super::tree::{Node, Step, block_comment};
 use ron::error::{Error as Ron, SpannedError};
-use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// How all our RON files are read and written: `Some(…)` need not be written, nor the brackets of newtypes.
 pub fn ron_options() -> ron::Options {
-    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    ron::Options::default().with_default_extension(extensions)
+    crate::world::fields::ron_options()
 }
 
 /// A text file with the shape of its values.

@@ -17,7 +17,7 @@ use super::tree::Step;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetLibrary, Material};
 use crate::world::{
-    Animation, Camera, Clpv, EnvironmentImage, GameWorld, InstantRadiosity, Light, MeshRenderer, SceneSettings,
+    Animation, Camera, Clpv, EnvironmentImage, GameWorld, InstantRadiosity, Light, MeshRenderer,
     StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::Entity;
@@ -143,6 +143,11 @@ fn put(
         animation: None,
         ..changes.clone()
     };
+    let own = changes.components.keys().map(String::as_str);
+    let given = [("clpv", changes.clpv.is_some()), ("vpl", changes.vpl.is_some()), ("slc", changes.slc.is_some())];
+    for name in own.chain(given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name)) {
+        world.release_fields(entity, name);
+    }
     with_loader(world, context, |loader, file| loader.insert_components(entity, &Resolved::of(plain, file)))?;
     if let Some(animation) = &changes.animation {
         world.ecs.entity_mut(entity).insert(animation.clone());
@@ -216,7 +221,7 @@ pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneF
     if now.settings != before.settings {
         let clock = world.clock();
         let rate = now.settings.frame_rate;
-        world.ecs.insert_resource::<SceneSettings>(now.settings);
+        world.set_rest_settings(now.settings);
         world.ecs.insert_resource(clock.with_rate(rate));
     }
     let mut info = world.ecs.get_resource_or_init::<SceneInfo>();

@@ -95,6 +95,9 @@ fn enter(
     let context = Rc::new(Context { document, materials: file.materials.clone(), is_root: true });
     let before = world.roots();
     let shapes = world.ecs.get_resource::<SceneInfo>().map(|info| info.shapes.clone()).unwrap_or_default();
+    // Tracks of the entities may be for settings.
+    let kept = world.rest_settings();
+    world.set_rest_settings(file.settings.clone());
     let mut loader = Loader::new(library, options, std::mem::take(world), info, &path);
     let mut entities = file.entities.iter().enumerate();
     let result = entities
@@ -104,6 +107,7 @@ fn enter(
     if let Err(error) = result {
         let new = world.roots().into_iter().filter(|root| !before.contains(root)).collect::<Vec<_>>();
         despawn(world, &new);
+        world.set_rest_settings(kept);
         return Err(error);
     }
     despawn(world, old);
@@ -113,7 +117,6 @@ fn enter(
     for (mesh, shape) in shapes {
         info.shapes.entry(mesh).or_insert(shape);
     }
-    world.ecs.insert_resource(file.settings.clone());
     match image {
         Some(image) => world.ecs.insert_resource(image),
         None => drop(world.ecs.remove_resource::<EnvironmentImage>()),

@@ -28,12 +28,13 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     let mut world = GameWorld::new();
     options.types.register(&mut world.ecs);
     world.ecs.insert_resource(options.types.clone());
+    // Tracks of the entities may be for settings.
+    world.ecs.insert_resource(file.settings);
     let mut loader = Loader::new(library, options, world, info, path);
     for (i, entity) in file.entities.iter().enumerate() {
         loader.entity(entity, &context, None, &[Step::Key("entities".into()), Step::Index(i)])?;
     }
     let Loader { mut world, info, .. } = loader;
-    world.ecs.insert_resource(file.settings);
     if let Some(image) = image {
         world.ecs.insert_resource(image);
     }

@@ -57,6 +57,7 @@ mod source;
 mod spawn;
 mod suggest;
 mod surfaces;
+mod track_fields;
 mod tracks;
 mod tree;
 mod validate;

@@ -9,6 +9,7 @@ use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, OverrideFile};
 use super::suggest::suggestion;
 use super::tree::{Node, Step};
+use crate::world::fields::{FieldType, FieldTypes, rest_text};
 use bevy_ecs::component::Component;
 use bevy_ecs::prelude::{Entity, Resource, World};
 use ron::error::SpannedError;
@@ -192,6 +193,14 @@ impl ComponentType {
         (self.text)(world, entity)
     }
 
+    /// Whether a text is such a value.
+    ///
+    /// # Errors
+    /// When it is not: why.
+    pub fn check(&self, text: &str) -> Result<(), SpannedError> {
+        (self.canonical)(text).map(drop)
+    }
+
     /// Puts a value on the entity that is written as in a file.
     ///
     /// # Errors
@@ -279,14 +288,19 @@ impl ComponentTypes {
         for known in self.iter() {
             let Some(text) = (known.text)(world, entity) else { continue };
             let text = text.map_err(|error| format!("`{}` has a value that cannot be written: {error}", known.name))?;
+            let text = rest_text(world, entity, known.name, text);
             now.insert(known.name.to_owned(), OwnValue(text));
         }
         Ok(now)
     }
 
-    /// Registers all in a world, so that it can be queried by shared reference.
+    /// Registers all in a world, so that it can be queried by shared reference and keyed by tracks.
     pub fn register(&self, world: &mut World) {
         self.iter().for_each(|known| (known.register)(world));
+        let mut fields = world.get_resource_or_init::<FieldTypes>();
+        for known in self.iter() {
+            fields.add(known.name, FieldType::new(known.text, known.put));
+        }
     }
 
     /// How the defaults look in a file.

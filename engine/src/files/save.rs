@@ -8,7 +8,7 @@ use super::tree::Step;
 use super::validate::Validator;
 use super::write::{to_text, write_atomically};
 use crate::world::{
-    Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
+    Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::{Entity, World};
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,7 +42,7 @@ pub(super) fn scene_without_entities(world: &GameWorld) -> SceneFile {
         description: info.description.clone(),
         gi: info.gi,
         presets: info.presets.clone(),
-        settings: world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default(),
+        settings: world.rest_settings(),
         materials: info.materials.clone(),
         entities: Vec::new(),
     }
@@ -194,9 +194,9 @@ impl Writer<'_> {
             transform: self.transform(entity, described.transform),
             light: self.world.rest_light(entity),
             camera: self.world.rest_camera(entity),
-            clpv: self.ecs().get::<Clpv>(entity).cloned(),
-            vpl: self.ecs().get::<InstantRadiosity>(entity).cloned(),
-            slc: self.ecs().get::<StochasticLightCulling>(entity).cloned(),
+            clpv: self.world.rest_component::<Clpv>(entity, "clpv"),
+            vpl: self.world.rest_component::<InstantRadiosity>(entity, "vpl"),
+            slc: self.world.rest_component::<StochasticLightCulling>(entity, "slc"),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone(),
             ..Default::default()
@@ -240,7 +240,8 @@ impl Writer<'_> {
         now.material = self.material(entity, renderer, described)?;
         let flag =
             |now: bool, described: Option<bool>| if now == described.unwrap_or(true) { described } else { Some(now) };
-        now.casts_shadow = flag(renderer.casts_shadow, described.casts_shadow);
+        let casts_shadow = self.world.rest_casts_shadow(entity).unwrap_or(renderer.casts_shadow);
+        now.casts_shadow = flag(casts_shadow, described.casts_shadow);
         let visible = self.world.rest_visible(entity).unwrap_or(renderer.visible);
         now.visible = flag(visible, described.visible);
         Ok(())

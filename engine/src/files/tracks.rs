@@ -4,9 +4,10 @@ use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::load::{extended, fault_error, key};
 use super::suggest::{nearest, suggestion};
+use super::track_fields::{FieldTrack, Wrong};
 use super::tree::Step;
 use super::validate::Fault;
-use crate::world::animation::{Target, Track};
+use crate::world::animation::{KeyValue, Target, Track};
 use crate::world::{Animation, Clips, GameWorld, MorphWeights, NotBelow};
 use bevy_ecs::prelude::Entity;
 
@@ -21,21 +22,20 @@ pub(super) fn check(world: &GameWorld, entity: Entity, document: &Document, at: 
 /// The first thing that is not there; its path begins at the entity's components.
 pub(super) fn fault(world: &GameWorld, entity: Entity, animation: &Animation) -> Option<Fault> {
     let of = |(index, track): (usize, &Track)| {
-        let (field, kind, message, help) = match track {
+        let wrong = match track {
             Track::Clip { name, .. } => clip_fault(world, entity, name)?,
-            Track::Keys { node, target, .. } => keys_fault(world, entity, node, *target)?,
+            Track::Keys { node, target, keys, .. } => keys_fault(world, entity, node, target, keys)?,
             Track::Spin { .. } | Track::Orbit { .. } => return None,
         };
-        let path = vec![key("animation"), key("tracks"), Step::Index(index), key(field)];
-        Some(Fault { path, kind, message, help })
+        let mut path = vec![key("animation"), key("tracks"), Step::Index(index)];
+        path.extend(wrong.at);
+        let message = format!("track {index}: {}", wrong.message);
+        Some(Fault { path, kind: wrong.kind, message, help: wrong.help })
     };
     animation.tracks.iter().enumerate().find_map(of)
 }
 
-/// Field, kind, message, help.
-type Told = (&'static str, Kind, String, Option<String>);
-
-fn clip_fault(world: &GameWorld, entity: Entity, name: &str) -> Option<Told> {
+fn clip_fault(world: &GameWorld, entity: Entity, name: &str) -> Option<Wrong> {
     let clips = world.ecs.get::<Clips>(entity);
     if clips.is_some_and(|clips| clips.find(name).is_some()) {
         return None;
@@ -45,19 +45,28 @@ fn clip_fault(world: &GameWorld, entity: Entity, name: &str) -> Option<Told> {
         true => "the model has no clips to play".to_owned(),
         false => format!("the model has no clip `{name}`"),
     };
-    Some(("name", Kind::UnknownName, message, suggestion(name, names)))
+    Some(Wrong::at("name", Kind::UnknownName, message, suggestion(name, names)))
 }
 
-fn keys_fault(world: &GameWorld, entity: Entity, node: &str, target: Target) -> Option<Told> {
+fn keys_fault(
+    world: &GameWorld,
+    entity: Entity,
+    node: &str,
+    target: &Target,
+    keys: &[(f64, KeyValue)],
+) -> Option<Wrong> {
     let meant = match node {
         "" => Ok(entity),
         node => world.below(entity, node),
     };
     let meant = match meant {
         Ok(meant) => meant,
-        Err(error) => return Some(("node", Kind::UnknownName, error.to_string(), advice(&error))),
+        Err(error) => return Some(Wrong::at("node", Kind::UnknownName, error.to_string(), advice(&error))),
     };
-    let Target::MorphWeight(index) = target else { return None };
+    if let Target::Field(path) = target {
+        return FieldTrack { world, entity: meant, node, path, keys }.fault();
+    }
+    let Target::MorphWeight(index) = *target else { return None };
     let count = world.ecs.get::<MorphWeights>(meant).map_or(0, |weights| weights.0.len());
     if (index as usize) < count {
         return None;
@@ -73,7 +82,7 @@ fn keys_fault(world: &GameWorld, entity: Entity, node: &str, target: Target) -> 
             format!("use MorphWeight(0) to MorphWeight({})", count - 1),
         ),
     };
-    Some(("target", Kind::UnknownName, message, Some(help)))
+    Some(Wrong::at("target", Kind::UnknownName, message, Some(help)))
 }
 
 fn advice(error: &NotBelow) -> Option<String> {

@@ -2,10 +2,11 @@
 
 use super::below::TrackTarget;
 use super::clips::{self, Called, ClipTarget, Clips, MorphWeights};
+use super::fields::{SCENE, Wanted, split};
 use super::rest::RestPose;
 use super::sample::{MaterialSample, Sample};
-use super::{Animation, Camera, Clock, Light, LightKind, MeshRenderer, Name, Projection, Transform};
-use crate::assets::{AssetId, Material};
+use super::{Animation, Camera, Clock, Identity, Light, LightKind, MeshRenderer, Name, Projection, Transform};
+use crate::assets::{AlphaMode, AssetId, Material};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use glam::Vec3;
@@ -17,6 +18,7 @@ use std::sync::Arc;
 pub(super) struct Animated {
     entity: Entity,
     name: Option<&'static Name>,
+    identity: Option<&'static Identity>,
     rest: &'static mut RestPose,
     transform: Option<&'static mut Transform>,
     light: Option<&'static mut Light>,
@@ -37,7 +39,9 @@ pub(super) fn animate(
     clock: Res<Clock>,
     mut animated: Query<Moved, Moves>,
     players: Query<(Entity, &Animation, Option<&Clips>)>,
+    mut wanted: ResMut<Wanted>,
 ) {
+    let mut of_scene = Vec::new();
     for (animation, _, _, mut item) in &mut animated {
         if let Some(animation) = animation.filter(|a| a.is_changed()) {
             check(&animation, &mut item);
@@ -57,7 +61,17 @@ pub(super) fn animate(
             sample = animation.sample_over(sample, &clock, &base);
         }
         pose(&sample, &mut item);
+        let (scene, own): (Vec<_>, Vec<_>) = sample.fields.into_iter().partition(|f| split(&f.path).0 == SCENE);
+        if !own.is_empty() {
+            wanted.entities.push((item.entity, own));
+        }
+        if !scene.is_empty() {
+            of_scene.push((item.identity.copied(), scene));
+        }
     }
+    // Whose word is the last does not depend on the order in which the world keeps its entities.
+    of_scene.sort_by_key(|(identity, _)| *identity);
+    wanted.scene.extend(of_scene.into_iter().flat_map(|(_, fields)| fields));
 }
 
 /// Who may move the entity, in the order in which they do.
@@ -88,7 +102,10 @@ fn check(animation: &Animation, item: &mut AnimatedItem) {
 pub(super) fn put_to_rest(mut commands: Commands, mut left: Query<Animated, Still>) {
     for mut item in &mut left {
         pose(&Sample::default(), &mut item);
-        commands.entity(item.entity).remove::<RestPose>();
+        // Fields by path are given back after this.
+        if item.rest.fields.is_empty() {
+            commands.entity(item.entity).remove::<RestPose>();
+        }
     }
 }
 
@@ -121,6 +138,10 @@ fn pose(sample: &Sample, item: &mut AnimatedItem) {
         let visible = drive(&mut rest.visible, sample.visible, renderer.visible);
         if visible != renderer.visible {
             renderer.visible = visible;
+        }
+        let casts_shadow = drive(&mut rest.casts_shadow, sample.casts_shadow, renderer.casts_shadow);
+        if casts_shadow != renderer.casts_shadow {
+            renderer.casts_shadow = casts_shadow;
         }
         paint(&sample.material, rest, renderer);
     }
@@ -213,13 +234,24 @@ fn painted(own: &Material, sample: &MaterialSample) -> Material {
         metallic: sample.metallic.unwrap_or(own.metallic),
         roughness: sample.roughness.unwrap_or(own.roughness),
         emissive: sample.emissive.unwrap_or(own.emissive),
+        specular: sample.specular.unwrap_or(own.specular),
+        specular_color: sample.specular_color.unwrap_or(own.specular_color),
+        normal_scale: sample.normal_scale.unwrap_or(own.normal_scale),
+        double_sided: sample.double_sided.unwrap_or(own.double_sided),
+        alpha_mode: match (own.alpha_mode, sample.alpha_cutoff) {
+            (AlphaMode::Mask(_), Some(cutoff)) => AlphaMode::Mask(cutoff),
+            (mode, _) => mode,
+        },
         ..Material::clone(own)
     }
 }
 
-fn paint_bits(m: &Material) -> [u32; 9] {
+fn paint_bits(m: &Material) -> [u32; 16] {
     let ([r, g, b, a], [x, y, z]) = (m.base_color.to_array(), m.emissive.to_array());
-    [r, g, b, a, x, y, z, m.metallic, m.roughness].map(f32::to_bits)
+    let [i, j, k] = m.specular_color.to_array();
+    let cutoff = if let AlphaMode::Mask(cutoff) = m.alpha_mode { cutoff } else { 0.0 };
+    let sides = f32::from(u8::from(m.double_sided));
+    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.normal_scale, cutoff, sides].map(f32::to_bits)
 }
 
 /// Compared by bits, so that frames do not depend on the sign of a zero that was there before.

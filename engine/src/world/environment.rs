@@ -45,3 +45,32 @@ pub struct EnvironmentImage {
     /// The image.
     pub map: Arc<SkyMap>,
 }
+
+impl EnvironmentImage {
+    /// The map that was loaded, if the environment is the same image: turned and brightened otherwise perhaps.
+    pub fn map_for(&self, wanted: &Environment) -> Option<&Arc<SkyMap>> {
+        match (&self.environment, wanted) {
+            (Environment::Image { file: known, .. }, Environment::Image { file, .. }) if known == file => {
+                Some(&self.map)
+            }
+            _ => None,
+        }
+    }
+
+    /// The map of an environment of the same image.
+    pub fn made_for(&self, wanted: &Environment) -> Option<Arc<SkyMap>> {
+        let map = self.map_for(wanted)?;
+        if *wanted == self.environment {
+            return Some(map.clone());
+        }
+        let (Environment::Image { intensity: known, .. }, Environment::Image { rotation, intensity, .. }) =
+            (&self.environment, wanted)
+        else {
+            return None;
+        };
+        // What was loaded black has no image left to brighten.
+        let factor = if *known > 0.0 { (intensity / known).max(0.0) } else { 0.0 };
+        let is_finite = factor.is_finite() && rotation.is_finite();
+        is_finite.then(|| Arc::new(map.varied(factor, rotation.to_radians())))
+    }
+}

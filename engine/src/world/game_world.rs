@@ -1,5 +1,6 @@
 //! The world that a game plays in.
 
+use super::fields::{self, FieldTypes};
 use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
     Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
@@ -67,6 +68,8 @@ impl GameWorld {
         ecs.init_resource::<DespawnQueue>();
         ecs.init_resource::<UpdateCount>();
         ecs.init_resource::<SceneSettings>();
+        ecs.init_resource::<FieldTypes>();
+        ecs.init_resource::<fields::Wanted>();
         ecs.insert_resource(Clock::at_tick(0, SceneSettings::default().frame_rate));
         ecs.add_observer(hierarchy::refuse_cycles);
         let mut frame = Schedule::new(Frame);
@@ -76,6 +79,7 @@ impl GameWorld {
                 below::bind,
                 animate::put_to_rest,
                 animate::animate,
+                fields::drive,
                 transform::propagate,
                 deform::deform,
                 despawn_queued,

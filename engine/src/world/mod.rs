@@ -12,6 +12,7 @@ mod components;
 mod deform;
 mod environment;
 mod error;
+pub mod fields;
 mod game_world;
 mod hierarchy;
 mod identity;

@@ -1,5 +1,6 @@
 //! What an entity is without its animation.
 
+use super::fields::HeldFields;
 use super::{Camera, GameWorld, Light, LightKind, MeshRenderer, Projection, Transform};
 use crate::assets::Material;
 use bevy_ecs::prelude::*;
@@ -22,12 +23,15 @@ pub struct RestPose {
     pub(super) fov: Option<f32>,
     pub(super) projection: Option<Projection>,
     pub(super) visible: Option<bool>,
+    pub(super) casts_shadow: Option<bool>,
     pub(super) weights: Option<Vec<f32>>,
     pub(super) material: Option<Arc<Material>>,
     /// The material that the animation made last; another one in its place was put there by someone else.
     pub(super) animated_material: Option<Arc<Material>>,
     /// Whether the animation cannot be played.
     pub(super) faulty: bool,
+    /// Fields that tracks change by their paths.
+    pub(super) fields: HeldFields,
 }
 
 impl RestPose {
@@ -63,7 +67,7 @@ impl GameWorld {
 
     /// The light without animation, as files hold it.
     pub fn rest_light(&self, entity: Entity) -> Option<Light> {
-        let light = self.ecs.get::<Light>(entity)?.clone();
+        let light = self.rest_component::<Light>(entity, "light")?;
         let Some(rest) = self.ecs.get::<RestPose>(entity) else { return Some(light) };
         let (intensity, color) = (rest.intensity.unwrap_or(light.intensity), rest.color.unwrap_or(light.color));
         let (range, kind) = (rest.range.unwrap_or(light.range), rest.kind.unwrap_or(light.kind));
@@ -72,6 +76,7 @@ impl GameWorld {
 
     /// Sets the light without animation: the way to change one that may be animated.
     pub fn set_rest_light(&mut self, entity: Entity, light: Light) {
+        self.release_fields(entity, "light");
         let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
         let mut now = light;
         if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Light>()) {
@@ -86,6 +91,7 @@ impl GameWorld {
 
     /// Sets the camera without animation.
     pub fn set_rest_camera(&mut self, entity: Entity, camera: Camera) {
+        self.release_fields(entity, "camera");
         let Ok(mut entity) = self.ecs.get_entity_mut(entity) else { return };
         let mut now = camera;
         if let (Some(mut rest), Some(current)) = (entity.get::<RestPose>().cloned(), entity.get::<Camera>()) {
@@ -98,7 +104,7 @@ impl GameWorld {
 
     /// The camera without animation, as files hold it.
     pub fn rest_camera(&self, entity: Entity) -> Option<Camera> {
-        let camera = self.ecs.get::<Camera>(entity)?.clone();
+        let camera = self.rest_component::<Camera>(entity, "camera")?;
         let Some(rest) = self.ecs.get::<RestPose>(entity) else { return Some(camera) };
         let (fov, projection) = (rest.fov.unwrap_or(camera.fov), rest.projection.unwrap_or(camera.projection));
         Some(Camera { fov, projection, ..camera })
@@ -108,6 +114,12 @@ impl GameWorld {
     pub fn rest_visible(&self, entity: Entity) -> Option<bool> {
         let current = self.ecs.get::<MeshRenderer>(entity)?.visible;
         Some(self.ecs.get::<RestPose>(entity).and_then(|rest| rest.visible).unwrap_or(current))
+    }
+
+    /// Whether the entity's mesh casts shadows without animation, as files hold it.
+    pub fn rest_casts_shadow(&self, entity: Entity) -> Option<bool> {
+        let current = self.ecs.get::<MeshRenderer>(entity)?.casts_shadow;
+        Some(self.ecs.get::<RestPose>(entity).and_then(|rest| rest.casts_shadow).unwrap_or(current))
     }
 
     /// The material without animation, as files hold it.

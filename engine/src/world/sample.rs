@@ -4,9 +4,11 @@
 //! give the same bits.
 
 use super::animation::{Animation, Interpolation, KeyValue, Target, Track, Wrap, rotation_from_degrees};
+use super::animation::{Meaning, Part, SurfaceField};
 use super::clock::{FLICKS_PER_SECOND, flicks};
+use super::fields::FieldSample;
 use super::{Clock, Transform};
-use glam::{Mat3, Quat, Vec3};
+use glam::{EulerRot, Mat3, Quat, Vec3};
 use std::f64::consts::TAU;
 
 /// What an animation says at a time. None: nothing, the entity's own value holds.
@@ -34,10 +36,14 @@ pub struct Sample {
     pub height: Option<f32>,
     /// Whether the mesh is drawn.
     pub visible: Option<bool>,
+    /// Whether the mesh casts shadows.
+    pub casts_shadow: Option<bool>,
     /// What changes of the material.
     pub material: MaterialSample,
     /// Weights of morph targets, by number; later ones hold.
     pub weights: Vec<(usize, f32)>,
+    /// Fields by path; later ones hold.
+    pub fields: Vec<FieldSample>,
 }
 
 /// What an animation says of a material at a time.
@@ -53,6 +59,16 @@ pub struct MaterialSample {
     pub roughness: Option<f32>,
     /// Emitted radiance [W/(m² sr)].
     pub emissive: Option<Vec3>,
+    /// Strength of the reflection of dielectrics.
+    pub specular: Option<f32>,
+    /// Colour of that reflection.
+    pub specular_color: Option<Vec3>,
+    /// Scale of the normal map.
+    pub normal_scale: Option<f32>,
+    /// Alpha from which on a masked surface is drawn.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether back faces are drawn.
+    pub double_sided: Option<bool>,
 }
 
 impl Animation {
@@ -147,8 +163,9 @@ impl Track {
                 let Some((last, _)) = keys.last() else { return };
                 // A single key at zero spans no time, and says the same at all times.
                 let now = if *last > 0.0 { time.within(*last, *wrap) } else { 0.0 };
-                let curve = Curve { target: *target, keys, interpolation: *interpolation, wrap: *wrap };
-                target.set(curve.at(now), out);
+                let rotates = target.is_rotation();
+                let curve = Curve { rotates, keys, interpolation: *interpolation, wrap: *wrap };
+                write(target, curve.at(now), keys, rest, out);
             }
             // The nodes of the model follow it, not the entity itself.
             Self::Clip { .. } => {}
@@ -179,6 +196,66 @@ fn set<T: Copy>(slot: &mut Option<T>, value: T, is_finite: fn(T) -> bool) {
 
 type Lanes = [f64; 4];
 
+/// Says of a target what its curve says.
+fn write(target: &Target, lanes: Lanes, keys: &[(f64, KeyValue)], rest: &Transform, out: &mut Sample) {
+    match target.meaning() {
+        Meaning::Named(target) => target.set(lanes, out),
+        Meaning::Lane(part, lane) => set_lane(part, lane, lanes[0], rest, out),
+        Meaning::Surface(field) => field.set(lanes, out),
+        Meaning::Text(path) => {
+            // A spline may swing below zero between keys; colours and sizes must not.
+            let floor = |lane: usize| match keys.iter().all(|(_, key)| key.numbers()[lane] >= 0.0) {
+                true => 0.0,
+                false => f64::NEG_INFINITY,
+            };
+            let lanes = std::array::from_fn(|lane| lanes[lane].max(floor(lane)));
+            let count = keys.first().map_or(1, |(_, key)| key.count());
+            out.fields.retain(|field| field.path != path);
+            out.fields.push(FieldSample { path: path.to_owned(), lanes, count });
+        }
+    }
+}
+
+/// One number of a transform; the others stay what they are.
+fn set_lane(part: Part, lane: usize, value: f64, rest: &Transform, out: &mut Sample) {
+    let value = value as f32;
+    match part {
+        Part::Translation => {
+            let mut now = out.translation.unwrap_or(rest.translation);
+            now[lane] = value;
+            set(&mut out.translation, now, Vec3::is_finite);
+        }
+        Part::Scale => {
+            let mut now = out.scale.unwrap_or(rest.scale);
+            now[lane] = value;
+            set(&mut out.scale, now, Vec3::is_finite);
+        }
+        Part::Rotation => {
+            let (y, x, z) = out.rotation.unwrap_or_else(|| rest.unit_rotation()).to_euler(EulerRot::YXZ);
+            let mut now = Vec3::new(x, y, z).map(f32::to_degrees);
+            now[lane] = value;
+            set(&mut out.rotation, rotation_from_degrees(now), Quat::is_finite);
+        }
+    }
+}
+
+impl SurfaceField {
+    fn set(self, lanes: Lanes, out: &mut Sample) {
+        let [x, y, z, _] = lanes.map(|v| v as f32);
+        let material = &mut out.material;
+        match self {
+            Self::CastsShadow => out.casts_shadow = Some(x >= 0.5),
+            Self::DoubleSided => material.double_sided = Some(x >= 0.5),
+            Self::Specular => set(&mut material.specular, x.clamp(0.0, 1.0), f32::is_finite),
+            Self::SpecularColor => {
+                set(&mut material.specular_color, Vec3::new(x, y, z).max(Vec3::ZERO), Vec3::is_finite);
+            }
+            Self::NormalScale => set(&mut material.normal_scale, x, f32::is_finite),
+            Self::AlphaCutoff => set(&mut material.alpha_cutoff, x.max(0.0), f32::is_finite),
+        }
+    }
+}
+
 impl Target {
     fn set(self, lanes: Lanes, out: &mut Sample) {
         let [x, y, z, w] = lanes.map(|v| v as f32);
@@ -204,30 +281,33 @@ impl Target {
             Self::MaterialAlpha => set(&mut out.material.alpha, x.clamp(0.0, 1.0), f32::is_finite),
             Self::MaterialMetallic => set(&mut out.material.metallic, x.clamp(0.0, 1.0), f32::is_finite),
             Self::MaterialRoughness => set(&mut out.material.roughness, x.clamp(0.0, 1.0), f32::is_finite),
+            // Paths are told apart before.
+            Self::Field(_) => {}
         }
     }
 }
 
 impl KeyValue {
     /// Numbers to interpolate; a rotation as a unit quaternion, a single number in all lanes.
-    fn lanes(self, target: Target) -> Lanes {
+    fn lanes(self, rotates: bool) -> Lanes {
         let widened = |q: Quat| {
             let q = q.to_array().map(f64::from);
             let length = dot(q, q).sqrt();
             q.map(|v| v / length)
         };
         match self {
-            Self::Quaternion(q) => widened(q),
-            Self::Vector(v) if target == Target::Rotation => widened(rotation_from_degrees(v)),
-            Self::Vector(v) => [v.x.into(), v.y.into(), v.z.into(), 0.0],
+            Self::Quaternion(q) if rotates => widened(q),
+            Self::Vector(v) if rotates => widened(rotation_from_degrees(v)),
             Self::Scalar(v) => [v.into(); 4],
+            _ => self.numbers(),
         }
     }
 }
 
 /// Keys and the curve through them.
 struct Curve<'a> {
-    target: Target,
+    /// Whether the values are rotations.
+    rotates: bool,
     keys: &'a [(f64, KeyValue)],
     interpolation: Interpolation,
     wrap: Wrap,
@@ -241,25 +321,26 @@ impl Curve<'_> {
         }
         let here = next - 1;
         let (start, value) = (self.keys[here].0, self.value(here));
-        if next == self.keys.len() || start == time || self.interpolation == Interpolation::Step {
+        let is_step = self.interpolation == Interpolation::Step || matches!(self.keys[here].1, KeyValue::Flag(_));
+        if next == self.keys.len() || start == time || is_step {
             return value;
         }
         let s = (time - start) / (self.keys[next].0 - start);
         let end = self.aligned(self.value(next), value);
         match self.interpolation {
             Interpolation::Cubic => self.cubic(here, value, end, s),
-            _ if self.target == Target::Rotation => slerp(value, end, s),
+            _ if self.rotates => slerp(value, end, s),
             _ => std::array::from_fn(|i| value[i] + s * (end[i] - value[i])),
         }
     }
 
     fn value(&self, key: usize) -> Lanes {
-        self.keys[key].1.lanes(self.target)
+        self.keys[key].1.lanes(self.rotates)
     }
 
     /// The same rotation, by the quaternion that is nearer to another; other values as they are.
     fn aligned(&self, value: Lanes, to: Lanes) -> Lanes {
-        if self.target == Target::Rotation && dot(value, to) < 0.0 { value.map(|v| -v) } else { value }
+        if self.rotates && dot(value, to) < 0.0 { value.map(|v| -v) } else { value }
     }
 
     /// Hermite spline between keys `here` and `here + 1`, whose values are a and b.
@@ -275,7 +356,7 @@ impl Curve<'_> {
             let tangent_b = (after[i] - a[i]) / (after_time - t0);
             h00 * a[i] + h10 * span * tangent_a + h01 * b[i] + h11 * span * tangent_b
         });
-        if self.target == Target::Rotation { normalized(lanes, a) } else { lanes }
+        if self.rotates { normalized(lanes, a) } else { lanes }
     }
 
     /// Time and value of the key before or after one, over the seam of a closed loop; none at an open end.

@@ -1,6 +1,6 @@
 //! Arguments of `lightwell sheet`.
 
-use super::{Gi, parse_size, parse_time};
+use super::{Gi, parse_assignment, parse_size, parse_time};
 use clap::Args;
 use std::num::NonZeroU16;
 use std::path::PathBuf;
@@ -10,6 +10,7 @@ Examples:
   lightwell sheet scenes -o out/scenes                    every scene of a folder
   lightwell sheet ~/models/khronos -o out/khronos         every .gltf and .glb file below a folder
   lightwell sheet cornell courtyard my.glb -o out/three --size 400x300 --time 2
+  lightwell sheet ~/models/khronos -o out/lit --gi clpv --set clpv.quality=Low --set 'clpv.bounces=Count(1)'
 
 Writes DIR/sheet_01.png and so on, and DIR/sheet.txt with each file's triangles, times, warnings and errors. A file
 that cannot be loaded or drawn is a cell with its message.
@@ -38,6 +39,9 @@ pub struct SheetArgs {
     /// Indirect light [default: what each scene asks for]
     #[arg(long, value_enum)]
     pub gi: Option<Gi>,
+    /// Change a value of every scene, as for `render`; may be given many times
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
+    pub sets: Vec<(String, String)>,
     /// Number of files drawn side by side [default: by cores and free memory]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<NonZeroU16>,

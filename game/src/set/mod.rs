@@ -2,12 +2,12 @@
 
 mod clip;
 mod own;
-mod text;
 
 use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
 use lightwell::files::SceneInfo;
+use lightwell::world::fields::text;
 use lightwell::world::{
     Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings,
     StochasticLightCulling, Transform,

@@ -97,7 +97,7 @@ fn attempt(
         Some(gpu) => gpu,
         None => Arc::new(open_gpu(common)?),
     };
-    let look = LookArgs { gi: args.gi, ..LookArgs::default() };
+    let look = LookArgs { gi: args.gi, sets: args.sets.clone(), ..LookArgs::default() };
     let start = Instant::now();
     let opened = Session::open(gpu.clone(), &subject.path.to_string_lossy(), &look, common);
     cell.loading = start.elapsed();

@@ -1,11 +1,12 @@
 //! Materials and the textures they use.
 
 use super::source;
-use crate::assets::{AlphaMode, AssetError, Material, Sampling, Texture, UvMap, UvMaps, Wrap, image, parallel};
+use crate::assets::{AlphaMode, AssetError, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap};
+use crate::assets::{image, parallel};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;
-use gltf::texture::{Info, MagFilter, WrappingMode};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -113,7 +114,7 @@ fn load_textures(
     for ((_, name, _, uses), pixels) in encoded.iter().zip(decoded) {
         let mut pixels = Some(pixels?);
         let mut same: HashMap<(Sampling, bool), Arc<Texture>> = HashMap::new();
-        let kinds: BTreeSet<_> = uses.iter().map(|(t, srgb)| (sampling_key(&by_index[*t]), *srgb)).collect();
+        let kinds: HashSet<_> = uses.iter().map(|(t, srgb)| (sampling(&by_index[*t]), *srgb)).collect();
         let mut left = kinds.len();
         for usage in uses.iter() {
             let sampling = sampling(&by_index[usage.0]);
@@ -157,12 +158,20 @@ fn sampling(texture: &gltf::Texture) -> Sampling {
         wrap_u: wrap(sampler.wrap_s()),
         wrap_v: wrap(sampler.wrap_t()),
         nearest: sampler.mag_filter() == Some(MagFilter::Nearest),
+        minification: sampler.min_filter().map(minification),
     }
 }
 
-fn sampling_key(texture: &gltf::Texture) -> (u8, u8, bool) {
-    let s = sampling(texture);
-    (s.wrap_u as u8, s.wrap_v as u8, s.nearest)
+fn minification(filter: MinFilter) -> Minification {
+    let (nearest, levels) = match filter {
+        MinFilter::Nearest => (true, Levels::Full),
+        MinFilter::Linear => (false, Levels::Full),
+        MinFilter::NearestMipmapNearest => (true, Levels::Nearest),
+        MinFilter::LinearMipmapNearest => (false, Levels::Nearest),
+        MinFilter::NearestMipmapLinear => (true, Levels::Blended),
+        MinFilter::LinearMipmapLinear => (false, Levels::Blended),
+    };
+    Minification { nearest, levels }
 }
 
 fn convert(

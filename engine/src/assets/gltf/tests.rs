@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::Gltf;
-use crate::assets::{AlphaMode, AssetError, AssetLibrary, Sampling, Wrap};
+use crate::assets::{AlphaMode, AssetError, AssetLibrary, Levels, Minification, Sampling, Wrap};
 use crate::world::{Camera, LightKind};
 use glam::{Mat4, Quat, Vec3};
 use std::path::Path;
@@ -171,7 +171,8 @@ fn materials_lights_and_cameras() {
     assert!(Arc::ptr_eq(base, glow) && base.srgb && !normal.srgb);
     assert_eq!((base.width, base.height, &base.rgba[..4]), (3, 2, &[10, 20, 30, 255][..]));
     assert_eq!(normal.rgba, base.rgba);
-    assert_eq!(base.sampling, Sampling { wrap_u: Wrap::Clamp, wrap_v: Wrap::Mirror, nearest: true });
+    let expected = Sampling { wrap_u: Wrap::Clamp, wrap_v: Wrap::Mirror, nearest: true, minification: None };
+    assert_eq!(base.sampling, expected);
     assert_eq!(node.light.as_ref().unwrap().intensity, 5.0);
     let LightKind::Spot { inner, outer } = node.light.as_ref().unwrap().kind else { panic!("no spot") };
     assert!((inner - 5.729_578).abs() < 1e-4 && (outer - 28.647_89).abs() < 1e-4);
@@ -382,4 +383,42 @@ fn sixteen_bit_images_become_eight_and_bombs_are_refused() {
     let wide = png(16385, 1);
     let message = crate::assets::image::decode(Path::new("x.png"), "image", &wide).unwrap_err().to_string();
     assert!(message.contains("x.png"), "{message}");
+}
+
+#[test]
+fn samplers_say_how_textures_are_minified() {
+    let mut bytes = square_bytes();
+    let picture = png(3, 2);
+    bytes.extend(&picture);
+    let views =
+        VIEWS.replace("12}]", &format!("12}},{{\"buffer\":0,\"byteOffset\":92,\"byteLength\":{}}}]", picture.len()));
+    let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
+    let of = |sampler: &str| {
+        let rest = format!(
+            r#""images":[{{"bufferView":3,"mimeType":"image/png"}}],"samplers":[{{{sampler}}}],
+            "textures":[{{"source":0,"sampler":0}},{{"source":0}}],"nodes":[{{"mesh":0}}],
+            "materials":[{{"emissiveTexture":{{"index":1}},"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}]"#
+        );
+        let model = load(&document(&bytes, &[&views, ACCESSORS, &mesh, &rest])).unwrap();
+        let material = model.nodes[0].primitives[0].1.clone();
+        let [base, plain] = [&material.base_color_texture, &material.emissive_texture].map(|t| t.clone().unwrap());
+        assert_eq!((plain.sampling, &plain.rgba), (Sampling::default(), &base.rgba), "one image, two samplers");
+        base.sampling
+    };
+    for (filter, nearest, levels) in [
+        (9728, true, Levels::Full),
+        (9729, false, Levels::Full),
+        (9984, true, Levels::Nearest),
+        (9985, false, Levels::Nearest),
+        (9986, true, Levels::Blended),
+        (9987, false, Levels::Blended),
+    ] {
+        let minification = Some(Minification { nearest, levels });
+        assert_eq!(of(&format!("\"minFilter\":{filter}")), Sampling { minification, ..Sampling::default() });
+    }
+    // What a file leaves open follows the other filter.
+    let open = |nearest| Sampling { nearest, ..Sampling::default() };
+    assert_eq!(of("\"magFilter\":9728"), open(true));
+    assert_eq!(open(true).minified(), Minification { nearest: true, levels: Levels::Nearest });
+    assert_eq!(open(false).minified(), Minification { nearest: false, levels: Levels::Blended });
 }

@@ -3,6 +3,7 @@
 
 mod bad;
 mod clips;
+mod fields;
 mod instances;
 mod models;
 mod repeats;

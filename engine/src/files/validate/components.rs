@@ -19,6 +19,7 @@ impl Validator {
             E::Axis { track, .. } => (*track, None, "axis"),
             E::Number { track, field, .. } => (*track, None, *field),
             E::NoKeys { track } => (*track, None, "keys"),
+            E::Path { track, .. } => (*track, None, "target"),
             E::Unsorted { track, key, .. } | E::Time { track, key, .. } | E::Value { track, key, .. } => {
                 (*track, Some(*key), "keys")
             }

@@ -1,6 +1,6 @@
 //! Upload of textures with their mip levels.
 
-use crate::assets::{Texture, Wrap};
+use crate::assets::{Levels, Sampling, Texture, Wrap};
 use crate::gpu::Gpu;
 use std::sync::OnceLock;
 
@@ -18,6 +18,9 @@ impl GpuTexture {
         let limit = gpu.limits.max_texture_dimension_2d;
         let mut levels = mip_levels(texture);
         levels.retain(|level| level.width <= limit && level.height <= limit);
+        if texture.sampling.minified().levels == Levels::Full {
+            levels.truncate(1);
+        }
         let size =
             |level: &Level| wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
         let format = if texture.srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm };
@@ -45,28 +48,34 @@ impl GpuTexture {
         }
         Self {
             view: raw.create_view(&Default::default()),
-            sampler: sampler(gpu, texture),
+            sampler: sampler(gpu, &texture.sampling),
             bytes: levels.iter().map(|level| level.rgba.len() as u64).sum(),
         }
     }
 }
 
-fn sampler(gpu: &Gpu, texture: &Texture) -> wgpu::Sampler {
+/// The sampler of the settings; textures share those that are alike, since devices hold few (2,048 on some).
+fn sampler(gpu: &Gpu, sampling: &Sampling) -> wgpu::Sampler {
     let address = |wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
         Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
     };
-    let nearest = texture.sampling.nearest;
-    let filter = if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some(&texture.name),
-        address_mode_u: address(texture.sampling.wrap_u),
-        address_mode_v: address(texture.sampling.wrap_v),
-        mag_filter: filter,
-        min_filter: filter,
-        mipmap_filter: if nearest { wgpu::MipmapFilterMode::Nearest } else { wgpu::MipmapFilterMode::Linear },
-        anisotropy_clamp: if nearest { 1 } else { 8 },
+    let filter = |nearest| if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
+    let small = sampling.minified();
+    let blends = small.levels == Levels::Blended;
+    gpu.sampler(&wgpu::SamplerDescriptor {
+        label: Some("material"),
+        address_mode_u: address(sampling.wrap_u),
+        address_mode_v: address(sampling.wrap_v),
+        mag_filter: filter(sampling.nearest),
+        min_filter: filter(small.nearest),
+        mipmap_filter: if blends { wgpu::MipmapFilterMode::Linear } else { wgpu::MipmapFilterMode::Nearest },
+        // Not 0: a level of detail above 0 tells what is minified from what is magnified (Vulkan specification,
+        // VkSamplerCreateInfo, on the filters of OpenGL without mip levels).
+        lod_max_clamp: if small.levels == Levels::Full { 0.25 } else { 32.0 },
+        // Devices allow it with filters that are linear throughout alone.
+        anisotropy_clamp: if blends && !sampling.nearest && !small.nearest { 8 } else { 1 },
         ..Default::default()
     })
 }

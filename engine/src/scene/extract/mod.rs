@@ -45,7 +45,14 @@ struct Source {
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
     slc: slc::LightCullings,
+    environment: Known,
+}
+
+/// The environment that the scene's map was made of, and the loaded image that it was made with.
+#[derive(Default)]
+struct Known {
     environment: Option<Environment>,
+    image: Option<Arc<SkyMap>>,
 }
 
 impl Source {
@@ -60,7 +67,7 @@ impl Source {
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
             slc: slc::LightCullings::new(world),
-            environment: None,
+            environment: Known::default(),
         }
     }
 }
@@ -167,27 +174,27 @@ fn fresh_identity() -> u64 {
 }
 
 /// Keeps the sky current; a map is made anew only if the environment changed.
-fn extract_sky(world: &World, scene: &mut Scene, known: &mut Option<Environment>, revisions: &mut Counter) {
+fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, revisions: &mut Counter) {
     let settings = world.get_resource::<SceneSettings>();
     scene.sky_light = settings.is_none_or(|s| s.sky_light);
     let environment = settings.and_then(|s| s.environment.clone());
-    let loaded =
-        world.get_resource::<EnvironmentImage>().filter(|image| Some(&image.environment) == environment.as_ref());
-    let is_stale = loaded.is_some_and(|image| scene.sky_map.as_ref().is_none_or(|map| !Arc::ptr_eq(map, &image.map)));
-    if *known != environment || is_stale {
+    let loaded = world.get_resource::<EnvironmentImage>();
+    let map = environment.as_ref().and_then(|environment| loaded.and_then(|image| image.map_for(environment)));
+    let is_stale = map.is_some_and(|map| known.image.as_ref().is_none_or(|known| !Arc::ptr_eq(map, known)));
+    if known.environment != environment || is_stale {
         scene.sky_map = match &environment {
             Some(Environment::Gradient { zenith, horizon, ground }) => {
                 Some(Arc::new(SkyMap::gradient(*zenith, *horizon, *ground)))
             }
             Some(Environment::Image { file, .. }) => {
-                if loaded.is_none() {
+                if map.is_none() {
                     log::warn!("the sky's image {file} is not loaded: load the scene again from its file");
                 }
-                loaded.map(|image| image.map.clone())
+                environment.as_ref().and_then(|environment| loaded?.made_for(environment))
             }
             None => None,
         };
-        *known = environment;
+        *known = Known { image: map.cloned(), environment };
         scene.sky = scene.sky_map.as_ref().map_or(Vec3::ZERO, |map| map.mean());
         scene.revisions.settings = revisions.next();
     }

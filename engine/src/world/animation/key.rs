@@ -1,6 +1,6 @@
-//! Values of keys: a number, three or four, as files write them.
+//! Values of keys: one to four numbers or a switch, as files write them.
 
-use glam::{EulerRot, Quat, Vec3};
+use glam::{EulerRot, Quat, Vec2, Vec3};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -9,9 +9,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub enum KeyValue {
     /// A number.
     Scalar(f32),
+    /// On or off; changes at its key, whatever the interpolation.
+    Flag(bool),
+    /// (x, y).
+    Pair(Vec2),
     /// (x, y, z), (r, g, b) or Euler angles \[degrees\].
     Vector(Vec3),
-    /// A quaternion (x, y, z, w); need not be of unit length.
+    /// A quaternion (x, y, z, w), which need not be of unit length; or four numbers of a field.
     Quaternion(Quat),
 }
 
@@ -19,6 +23,8 @@ impl Serialize for KeyValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Scalar(v) => v.serialize(serializer),
+            Self::Flag(on) => on.serialize(serializer),
+            Self::Pair(v) => v.to_array().serialize(serializer),
             Self::Vector(v) => v.to_array().serialize(serializer),
             Self::Quaternion(q) => q.to_array().serialize(serializer),
         }
@@ -37,7 +43,10 @@ impl<'de> Visitor<'de> for KeyValueVisitor {
     type Value = KeyValue;
 
     fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str("a number, (x, y, z) or (x, y, z, w)")
+        f.write_str("a number, (x, y), (x, y, z), (x, y, z, w), true or false")
+    }
+    fn visit_bool<E: Error>(self, on: bool) -> Result<KeyValue, E> {
+        Ok(KeyValue::Flag(on))
     }
     fn visit_f64<E: Error>(self, v: f64) -> Result<KeyValue, E> {
         Ok(KeyValue::Scalar(v as f32))
@@ -54,6 +63,7 @@ impl<'de> Visitor<'de> for KeyValueVisitor {
             values.push(value);
         }
         match values[..] {
+            [x, y] => Ok(KeyValue::Pair(Vec2::new(x, y))),
             [x, y, z] => Ok(KeyValue::Vector(Vec3::new(x, y, z))),
             [x, y, z, w] => Ok(KeyValue::Quaternion(Quat::from_xyzw(x, y, z, w))),
             _ => Err(A::Error::invalid_length(values.len(), &self)),

@@ -4,9 +4,12 @@
 //! it was reached, and the pose without animation is kept in [`super::RestPose`].
 
 mod key;
+mod target;
 mod validate;
 
 pub use key::{KeyValue, rotation_from_degrees};
+pub use target::Target;
+pub(super) use target::{Meaning, Part, SurfaceField};
 pub use validate::AnimationError;
 
 use super::rest::RestPose;
@@ -77,7 +80,7 @@ pub enum Track {
         node: String,
         /// What the values are for; it takes the place of the entity's own value.
         target: Target,
-        /// Time \[s\], from 0, growing; and value: a number, (x, y, z) or (x, y, z, w), as the target wants it.
+        /// Time \[s\], from 0, growing; and value: a number, (x, y, z), (x, y, z, w) or true, as the target wants it.
         keys: Vec<(f64, KeyValue)>,
         /// What lies between keys.
         #[serde(default)]
@@ -111,45 +114,6 @@ fn up() -> Vec3 {
     Vec3::Y
 }
 
-/// What a key-framed track changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Target {
-    /// Translation \[m\], (x, y, z).
-    Translation,
-    /// Rotation: (x, y, z) in degrees, applied Z first, then X, then Y; or a quaternion (x, y, z, w).
-    Rotation,
-    /// Scale: (x, y, z), or one number for all three.
-    Scale,
-    /// Intensity of the entity's light, a number.
-    LightIntensity,
-    /// Colour of the entity's light, linear (r, g, b).
-    LightColor,
-    /// Distance beyond which the entity's light does not reach \[m\], a number.
-    LightRange,
-    /// Half angle of full intensity of the entity's spot light \[degrees\], a number.
-    LightInner,
-    /// Half angle beyond which the entity's spot light does not shine \[degrees\], a number.
-    LightOuter,
-    /// Vertical field of view of the entity's camera \[degrees\], a number.
-    CameraFov,
-    /// Height of what the entity's orthographic camera sees \[m\], a number.
-    CameraHeight,
-    /// Radiance that the entity's own material emits [W/(m² sr)], linear (r, g, b).
-    MaterialEmissive,
-    /// Base colour of the entity's own material, linear (r, g, b).
-    MaterialColor,
-    /// Alpha of the entity's own material, a number.
-    MaterialAlpha,
-    /// Metallic of the entity's own material, a number.
-    MaterialMetallic,
-    /// Roughness of the entity's own material, a number.
-    MaterialRoughness,
-    /// Whether the entity's own mesh is drawn: where the number is ½ or more.
-    Visible,
-    /// Weight of a morph target of the model's node, by its number from 0; a number, usually from 0 to 1.
-    MorphWeight(u32),
-}
-
 /// What lies between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
@@ -159,7 +123,7 @@ pub enum Interpolation {
     #[default]
     Linear,
     /// A cubic Hermite spline with tangents from the neighbouring keys (Catmull-Rom over uneven times); smooth over
-    /// the seam of a loop whose last value equals its first.
+    /// the seam of a loop whose last value equals its first. Where no key of a field is negative the spline is not.
     Cubic,
 }
 

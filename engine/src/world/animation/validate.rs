@@ -1,5 +1,6 @@
 //! What makes an animation meaningless.
 
+use super::target::Meaning;
 use super::{Animation, KeyValue, Target, Track};
 use glam::Vec3;
 
@@ -71,6 +72,14 @@ pub enum AnimationError {
         /// Its time \[s\].
         time: f64,
     },
+    /// A path names nothing.
+    #[error("track {track}: `{path}` is no path of a field: write COMPONENT.FIELD, such as light.casts_shadow")]
+    Path {
+        /// The track.
+        track: usize,
+        /// Its path.
+        path: String,
+    },
     /// A key's value is of the wrong kind for the target, or not finite.
     #[error("track {track}, key {key}: {target:?} wants {expected}")]
     Value {
@@ -123,11 +132,16 @@ impl Track {
                 number("period", *period, valid, "from 1e-6 to 1e9 seconds (or the negative of that)")
             }
             Self::Keys { target, keys, .. } => {
-                if let Target::MorphWeight(index) = *target {
+                if let &Target::MorphWeight(index) = target {
                     let expected = "the number of a morph target, 0 to 65535";
                     number("MorphWeight", index.into(), index <= MAX_MORPH_TARGET, expected)?;
                 }
-                check_keys(track, *target, keys)
+                if let Target::Field(path) = target
+                    && path.split('.').any(|word| word.is_empty() || word.contains(char::is_whitespace))
+                {
+                    return Err(AnimationError::Path { track, path: path.clone() });
+                }
+                check_keys(track, target, keys)
             }
             Self::Clip { speed, offset, .. } => {
                 for (field, value) in [("speed", *speed), ("offset", *offset)] {
@@ -143,7 +157,7 @@ fn check_axis(track: usize, axis: Vec3) -> Result<(), AnimationError> {
     if axis.try_normalize().is_some() { Ok(()) } else { Err(AnimationError::Axis { track, axis }) }
 }
 
-fn check_keys(track: usize, target: Target, keys: &[(f64, KeyValue)]) -> Result<(), AnimationError> {
+fn check_keys(track: usize, target: &Target, keys: &[(f64, KeyValue)]) -> Result<(), AnimationError> {
     if keys.is_empty() {
         return Err(AnimationError::NoKeys { track });
     }
@@ -155,7 +169,13 @@ fn check_keys(track: usize, target: Target, keys: &[(f64, KeyValue)]) -> Result<
         if let Some((before, _)) = key.checked_sub(1).and_then(|k| keys.get(k)).filter(|(before, _)| *before >= time) {
             return Err(AnimationError::Unsorted { track, key, time, before: *before });
         }
-        target.check(*value).map_err(|expected| AnimationError::Value { track, key, target, expected })?;
+        let first = keys.first().map(|(_, first)| *first);
+        target.check(*value, first).map_err(|expected| AnimationError::Value {
+            track,
+            key,
+            target: target.clone(),
+            expected,
+        })?;
     }
     // Shorter than this a loop has no frames.
     let last = keys[keys.len() - 1].0;
@@ -172,7 +192,7 @@ fn check_keys(track: usize, target: Target, keys: &[(f64, KeyValue)]) -> Result<
 
 impl Target {
     /// Whether its values are single numbers.
-    pub fn is_number(self) -> bool {
+    fn is_number(&self) -> bool {
         match self {
             Self::LightIntensity
             | Self::LightRange
@@ -190,11 +210,30 @@ impl Target {
             | Self::Scale
             | Self::LightColor
             | Self::MaterialEmissive
-            | Self::MaterialColor => false,
+            | Self::MaterialColor
+            | Self::Field(_) => false,
         }
     }
 
-    fn check(self, value: KeyValue) -> Result<(), &'static str> {
+    /// Whether a value fits, of a track whose first value is given.
+    fn check(&self, value: KeyValue, first: Option<KeyValue>) -> Result<(), &'static str> {
+        let is_finite = value.numbers().iter().all(|v| v.is_finite());
+        let (valid, expected) = match self.meaning() {
+            Meaning::Named(target) => return target.check_named(value),
+            Meaning::Lane(..) => (is_finite && matches!(value, KeyValue::Scalar(_)), "a finite number"),
+            Meaning::Surface(field) if field.is_color() => (is_finite && value.count() == 3, "(r, g, b)"),
+            Meaning::Surface(_) => (is_finite && value.count() == 1, "one number, true or false"),
+            // What the field wants is known where the entity is.
+            Meaning::Text(_) if !is_finite => (false, "finite numbers"),
+            Meaning::Text(_) => {
+                let alike = first.is_none_or(|first| std::mem::discriminant(&first) == std::mem::discriminant(&value));
+                (alike, "values of one kind")
+            }
+        };
+        if valid { Ok(()) } else { Err(expected) }
+    }
+
+    fn check_named(&self, value: KeyValue) -> Result<(), &'static str> {
         let (valid, expected) = match (self, value) {
             (Self::Rotation, KeyValue::Quaternion(q)) => {
                 let length = q.length_squared();
@@ -202,7 +241,8 @@ impl Target {
             }
             (Self::Rotation, KeyValue::Vector(v)) => (v.is_finite(), "finite numbers"),
             (Self::Rotation, _) => (false, "(x, y, z) in degrees or a quaternion (x, y, z, w)"),
-            (target, KeyValue::Scalar(v)) if target.is_number() || target == Self::Scale => {
+            (Self::Visible, KeyValue::Flag(_)) => (true, ""),
+            (target, KeyValue::Scalar(v)) if target.is_number() || *target == Self::Scale => {
                 (v.is_finite(), "a finite number")
             }
             (target, _) if target.is_number() => (false, "one number"),

@@ -1,6 +1,8 @@
 //! Clips, skins and morph targets in the world.
 
-use crate::assets::{Between, Clip, Curve, Deform, Influences, Material, Mesh, MorphTarget, NodeCurves, Shape};
+use crate::assets::{
+    AlphaMode, Between, Clip, Curve, Deform, Influences, Material, Mesh, MorphTarget, NodeCurves, Shape,
+};
 use crate::scene::{Extractor, Scene};
 use crate::world::animation::{Animation, Track, Wrap};
 use crate::world::*;
@@ -230,12 +232,18 @@ fn every_field_of_lights_and_materials_can_be_keyed() {
         key(Target::MaterialMetallic, number(0.25)),
         key(Target::MaterialRoughness, number(2.0)),
         key(Target::Visible, number(0.4)),
+        key(Target::Field("casts_shadow".into()), KeyValue::Flag(false)),
+        key(Target::Field("material.specular".into()), number(0.25)),
+        key(Target::Field("material.specular_color".into()), KeyValue::Vector(Vec3::X)),
+        key(Target::Field("material.normal_scale".into()), number(2.0)),
+        key(Target::Field("material.alpha_mode.0".into()), number(0.75)),
+        key(Target::Field("material.double_sided".into()), KeyValue::Flag(true)),
     ];
     let mut world = GameWorld::new();
     let entity = world.spawn("lamp", None);
     let light = Light { kind: LightKind::Spot { inner: 20.0, outer: 30.0 }, ..Default::default() };
     let mesh = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().unwrap());
-    let own = Arc::new(Material::new("own"));
+    let own = Arc::new(Material { alpha_mode: AlphaMode::Mask(0.5), ..Material::new("own") });
     let renderer = MeshRenderer { mesh, material: own.clone(), casts_shadow: true, visible: true };
     world.ecs.entity_mut(entity).insert((light.clone(), renderer, Animation { tracks, ..Default::default() }));
     world.update();
@@ -244,7 +252,10 @@ fn every_field_of_lights_and_materials_can_be_keyed() {
     let drawn = world.ecs.get::<MeshRenderer>(entity).unwrap().clone();
     let m = &drawn.material;
     assert_eq!((m.base_color.to_array(), m.metallic, m.roughness), ([0.1, 0.2, 0.3, 0.5], 0.25, 1.0));
+    assert_eq!((m.specular, m.specular_color, m.normal_scale), (0.25, Vec3::X, 2.0));
+    assert!(m.alpha_mode == AlphaMode::Mask(0.75) && m.double_sided);
     assert!(!drawn.visible && world.rest_visible(entity) == Some(true));
+    assert!(!drawn.casts_shadow && world.rest_casts_shadow(entity) == Some(true));
     assert_eq!(
         (world.rest_light(entity), world.rest_material(entity).map(|m| m.id)),
         (Some(light.clone()), Some(own.id))
@@ -252,6 +263,6 @@ fn every_field_of_lights_and_materials_can_be_keyed() {
     world.ecs.entity_mut(entity).remove::<Animation>();
     world.update();
     let drawn = world.ecs.get::<MeshRenderer>(entity).unwrap();
-    assert!(drawn.visible && Arc::ptr_eq(&drawn.material, &own));
+    assert!(drawn.visible && drawn.casts_shadow && Arc::ptr_eq(&drawn.material, &own));
     assert_eq!(world.ecs.get::<Light>(entity), Some(&light));
 }

@@ -5,6 +5,7 @@
 mod dialogs;
 mod edit;
 mod keyboard;
+mod keyed;
 mod own;
 mod panels;
 mod reload;

@@ -16,7 +16,7 @@ use numbers::{boolean, integer, number, numbers};
 use std::collections::HashMap;
 
 /// Starting values of what zeros would make invalid, or dull.
-const STARTERS: [(&str, &str); 8] = [
+const STARTERS: [(&str, &str); 9] = [
     ("Override.light", "(kind:Point,intensity:10.0)"),
     ("Override.mesh", "Box()"),
     ("Override.material", "()"),
@@ -24,6 +24,7 @@ const STARTERS: [(&str, &str); 8] = [
     ("Spin", "Spin(axis:(0.0,1.0,0.0),degrees_per_second:90.0)"),
     ("Orbit", "Orbit(radius:1.0,period:4.0)"),
     ("Keys", "Keys(target:Translation,keys:[(0.0,(0.0,0.0,0.0)),(1.0,(0.0,1.0,0.0))])"),
+    ("Field", "Field(\"transform.translation\")"),
     ("Transform.scale", "1.0"),
 ];
 
