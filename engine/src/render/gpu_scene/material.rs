@@ -103,6 +103,9 @@ impl GpuMaterial {
     }
 }
 
+/// Bytes of textures that are on their way to the device at a time.
+const MAX_PENDING: u64 = 16 << 20;
+
 /// Materials and textures on the device, by asset.
 #[derive(Debug)]
 pub(super) struct MaterialStore {
@@ -133,8 +136,19 @@ impl MaterialStore {
         let textures: HashMap<AssetId, &Arc<Texture>> =
             used.values().flat_map(|m| m.textures()).filter_map(|(t, _)| t).map(|t| (t.id, t)).collect();
         self.textures.retain(|id, _| textures.contains_key(id));
+        let mut pending = 0;
         for (&id, texture) in &textures {
-            self.textures.entry(id).or_insert_with(|| Arc::new(GpuTexture::new(gpu, texture)));
+            self.textures.entry(id).or_insert_with(|| {
+                let uploaded = Arc::new(GpuTexture::new(gpu, texture));
+                pending += uploaded.bytes;
+                uploaded
+            });
+            // Texels on their way to the device lie in memory of their own until they are sent.
+            if pending > MAX_PENDING {
+                gpu.queue.submit([]);
+                gpu.wait();
+                pending = 0;
+            }
         }
         for (&id, material) in &used {
             if !self.materials.contains_key(&id) {

@@ -2,6 +2,7 @@
 
 use crate::assets::{Levels, Sampling, Texture, Wrap};
 use crate::gpu::Gpu;
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// A texture on the device with its sampler.
@@ -80,15 +81,15 @@ fn sampler(gpu: &Gpu, sampling: &Sampling) -> wgpu::Sampler {
     })
 }
 
-struct Level {
+struct Level<'a> {
     width: u32,
     height: u32,
-    rgba: Vec<u8>,
+    rgba: Cow<'a, [u8]>,
 }
 
 /// The texture and its halved copies down to one texel.
-fn mip_levels(texture: &Texture) -> Vec<Level> {
-    let mut levels = vec![Level { width: texture.width, height: texture.height, rgba: texture.rgba.clone() }];
+fn mip_levels(texture: &Texture) -> Vec<Level<'_>> {
+    let mut levels = vec![Level { width: texture.width, height: texture.height, rgba: Cow::from(&texture.rgba) }];
     while let Some(last) = levels.last()
         && last.width.max(last.height) > 1
     {
@@ -99,7 +100,7 @@ fn mip_levels(texture: &Texture) -> Vec<Level> {
 }
 
 /// Mean of two by two texels, in linear light. At an odd edge the last texel counts alone.
-fn halved(level: &Level, srgb: bool) -> Level {
+fn halved(level: &Level<'_>, srgb: bool) -> Level<'static> {
     let (width, height) = ((level.width / 2).max(1), (level.height / 2).max(1));
     let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
     let at = |x: u32, y: u32, channel: usize| {
@@ -119,7 +120,7 @@ fn halved(level: &Level, srgb: bool) -> Level {
             }
         }
     }
-    Level { width, height, rgba }
+    Level { width, height, rgba: Cow::from(rgba) }
 }
 
 /// Linear value of each sRGB byte (IEC 61966-2-1).
@@ -164,7 +165,7 @@ mod tests {
         let levels = mip_levels(&texture);
         assert_eq!(levels.len(), 2);
         // Half the light is sRGB 188; half the alpha is 128.
-        assert_eq!(levels[1].rgba, [188, 188, 188, 128]);
+        assert_eq!(levels[1].rgba[..], [188, 188, 188, 128]);
     }
 
     #[test]
