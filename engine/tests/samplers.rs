@@ -104,6 +104,41 @@ fn mip_levels_are_taken_by_themselves_or_blended() {
     }
 }
 
+/// Seen at a slant and small, a white field in a black frame is white at every pixel: none is taken from elsewhere.
+#[test]
+fn slanted_fields_have_no_specks() {
+    let gpu = gpu();
+    let frame = |i: usize| !(64..448).contains(&i);
+    let rows: Vec<Vec<u8>> =
+        (0..512).map(|y| (0..512).map(|x| if frame(x) || frame(y) { 0 } else { 255 }).collect()).collect();
+    let rows: Vec<&[u8]> = rows.iter().map(Vec::as_slice).collect();
+    for (edge, turn) in [(96, 0.3), (120, 0.5), (160, 0.4), (200, 0.35), (240, 0.6)] {
+        let mut stage = Stage::new(Vec3::new(0.0, 1.6, 0.0), Vec3::ZERO, edge);
+        let mut material = Material::diffuse("screen", Vec3::ZERO);
+        let picture = Arc::new(texture(&rows, Sampling::default()));
+        (material.emissive, material.emissive_texture) = (Vec3::ONE, Some(picture));
+        let slant = Affine3A::from_rotation_x(turn) * Affine3A::from_rotation_z(0.7 * turn);
+        stage.add_material(Shape::Plane { size: [2.0; 2], subdivisions: [1; 2] }, material, slant);
+        let image = stage.render(&gpu, GiMethod::None, Layer::Total);
+        let inverse = slant.inverse();
+        let mut fields = 0;
+        for y in 0..edge {
+            for x in 0..edge {
+                // Where the ray through the pixel meets the plane, in the plane's own coordinates.
+                let (from, ray) = (Vec3::new(0.0, 1.6, 0.0), stage.ray(x, y));
+                let (from, ray) = (inverse.transform_point3(from), inverse.transform_vector3(ray));
+                let at = from - ray * (from.y / ray.y);
+                if at.x.abs().max(at.z.abs()) < 0.6 {
+                    fields += 1;
+                    let value = image.rgba[(x + y * edge) as usize][0];
+                    assert!(value > 0.99, "edge {edge}, turn {turn}, pixel {x}, {y}: {value}");
+                }
+            }
+        }
+        assert!(fields > edge * edge / 20, "{fields} pixels show the field");
+    }
+}
+
 #[test]
 fn borders_repeat_mirror_or_go_on_along_each_axis() {
     let gpu = gpu();

@@ -65,6 +65,10 @@ fn sampler(gpu: &Gpu, sampling: &Sampling) -> wgpu::Sampler {
     let filter = |nearest| if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
     let small = sampling.minified();
     let blends = small.levels == Levels::Blended;
+    // Devices allow anisotropy with filters that are linear throughout alone.
+    let is_smooth = blends && !sampling.nearest && !small.nearest;
+    // That of Mesa's llvmpipe (22.3) takes single pixels from elsewhere in the texture.
+    let is_sound = gpu.info.device_type != wgpu::DeviceType::Cpu;
     gpu.sampler(&wgpu::SamplerDescriptor {
         label: Some("material"),
         address_mode_u: address(sampling.wrap_u),
@@ -75,8 +79,7 @@ fn sampler(gpu: &Gpu, sampling: &Sampling) -> wgpu::Sampler {
         // Not 0: a level of detail above 0 tells what is minified from what is magnified (Vulkan specification,
         // VkSamplerCreateInfo, on the filters of OpenGL without mip levels).
         lod_max_clamp: if small.levels == Levels::Full { 0.25 } else { 32.0 },
-        // Devices allow it with filters that are linear throughout alone.
-        anisotropy_clamp: if blends && !sampling.nearest && !small.nearest { 8 } else { 1 },
+        anisotropy_clamp: if is_smooth && is_sound { 8 } else { 1 },
         ..Default::default()
     })
 }
