@@ -310,3 +310,34 @@ fn sheets_show_bad_files_too() {
     assert!(r > 2.0 * g, "{r} {g}");
     assert!(lightwell(&["sheet", "no_such_folder", "-o", &target]).status.code() == Some(1));
 }
+
+/// Peak of a process's resident memory so far [MB]; none where the system does not tell, or it has ended.
+fn peak_megabytes(process: u32) -> Option<f64> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? * 1024.0 / 1e6)
+}
+
+#[test]
+fn sponza_is_loaded_and_drawn_within_600_megabytes() {
+    if std::env::var_os("LIGHTWELL_MODELS").is_none() {
+        eprintln!("skipped: LIGHTWELL_MODELS is not set");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("sponza.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightwell"));
+    command.args(["render", "sponza", "--gi", "none", "--size", "256x256", "-o"]).arg(&picture);
+    let mut child = command.env_remove("RUST_LOG").spawn().unwrap();
+    let mut peak = 0.0_f64;
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        peak = peak.max(peak_megabytes(child.id()).unwrap_or(0.0));
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    };
+    assert!(status.success() && picture.is_file());
+    eprintln!("peak: {peak:.0} MB");
+    assert!(peak < 600.0, "{peak} MB");
+}

@@ -422,3 +422,16 @@ fn samplers_say_how_textures_are_minified() {
     assert_eq!(open(true).minified(), Minification { nearest: true, levels: Levels::Nearest });
     assert_eq!(open(false).minified(), Minification { nearest: false, levels: Levels::Blended });
 }
+
+#[test]
+fn unlit_materials_shine_by_themselves() {
+    let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
+    let rest = r#""extensionsUsed":["KHR_materials_unlit"],"nodes":[{"mesh":0}],"materials":[{
+        "extensions":{"KHR_materials_unlit":{}},"emissiveFactor":[1,1,1],
+        "pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]}}]"#;
+    let model = load(&document(&square_bytes(), &[VIEWS, ACCESSORS, &mesh, rest])).unwrap();
+    let m = &model.nodes[0].primitives[0].1;
+    // Nothing is reflected, and the base colour is seen whatever the light; its emission does not count.
+    assert!(m.unlit && model.warnings.is_empty(), "{:?}", model.warnings);
+    assert_eq!((m.emissive, m.base_color.truncate(), m.specular), (Vec3::new(0.25, 0.5, 0.75), Vec3::ZERO, 0.0));
+}

@@ -332,3 +332,31 @@ fn presets_are_kept_and_their_faults_placed() {
     let error = folder.load("b.scene.ron").err().unwrap();
     assert!(error.message.contains("`clpv.steps`") && error.place.map(|p| p.line) == Some(3), "{error}");
 }
+
+/// Where cameras, lights and meshes are at a time, and how strong the lights are.
+fn places(world: &mut GameWorld, seconds: f64) -> [Vec<String>; 3] {
+    world.set_seconds(seconds);
+    world.update();
+    let mut query = world.ecs.query::<(&GlobalTransform, Option<&Camera>, Option<&Light>, Option<&MeshRenderer>)>();
+    let mut found = <[Vec<String>; 3]>::default();
+    for (place, camera, light, mesh) in query.iter(&world.ecs) {
+        let place = format!("{place:?}");
+        found[0].extend(camera.map(|_| place.clone()));
+        found[1].extend(light.map(|light| format!("{place} {light:?}")));
+        found[2].extend(mesh.map(|_| place.clone()));
+    }
+    found
+}
+
+#[test]
+fn cameras_lights_and_objects_move_in_every_shipped_scene() {
+    for scene in ["cornell", "bleeding_gloss", "meeting_room", "night_court", "cathedral", "courtyard"] {
+        let path = shipped(&format!("scenes/{scene}.scene.ron"));
+        let mut world = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap();
+        let length = f64::from(world.rest_settings().duration.unwrap_or_else(|| panic!("{scene} has no loop")));
+        let [start, later] = [0.0, 0.4 * length].map(|time| places(&mut world, time));
+        for (i, what) in ["camera", "light", "object"].iter().enumerate() {
+            assert!(!start[i].is_empty() && start[i] != later[i], "no {what} of {scene} moves");
+        }
+    }
+}
