@@ -36,6 +36,7 @@ pub mod session;
 mod set;
 mod sheet;
 pub mod stress;
+mod writer;
 
 pub use app::{App, GameArgs, Hud, Outcome, Pictures, Sounds};
 

@@ -1,14 +1,14 @@
 //! The text of a scene file, and how it gets to disk.
 
-use super::document::{folder_of, ron_options};
+use super::document::ron_options;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::own::ComponentTypes;
+use super::replace::{self, beside, discard};
 use super::tree::Node;
 use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// The file's text, without the fields that say what is the default anyway.
@@ -92,32 +92,25 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
         FileError::new(path, Kind::Io, format!("{what}: {e}"))
             .with_help("check the folder's permissions and free space")
     };
-    let name = path.file_name().ok_or_else(|| FileError::new(path, Kind::Io, "the path names no file"))?;
-    let folder = folder_of(path);
-    let with_suffix = |suffix: &str| {
-        let mut name = name.to_owned();
-        name.push(suffix);
-        folder.join(name)
-    };
+    if path.file_name().is_none() {
+        return Err(FileError::new(path, Kind::Io, "the path names no file"));
+    }
     super::remove_leftovers(path);
-    let temporary = with_suffix(&format!(".{}.tmp", std::process::id()));
-    let write = || -> std::io::Result<()> {
-        let mut file = std::fs::File::create(&temporary)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()
-    };
-    let result = write().map_err(|e| failed("cannot write beside it", &e)).and_then(|()| {
-        if path.exists() {
+    let (temporary, copy) = (beside(path, ".tmp"), beside(path, ".bak.tmp"));
+    let mut backup = path.as_os_str().to_owned();
+    backup.push(".bak");
+    let result = replace::write(&temporary, text.as_bytes())
+        .map_err(|e| failed("cannot write beside it", &e))
+        .and_then(|()| match path.exists() {
             // In one step too: a backup that is cut off would be none.
-            let copy = with_suffix(&format!(".{}.bak.tmp", std::process::id()));
-            std::fs::copy(path, &copy)
-                .and_then(|_| std::fs::rename(&copy, with_suffix(".bak")))
-                .map_err(|e| failed("cannot keep the file before as backup", &e))?;
-        }
-        std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e))
-    });
+            true => std::fs::copy(path, &copy)
+                .and_then(|_| std::fs::rename(&copy, backup))
+                .map_err(|e| failed("cannot keep the file before as backup", &e)),
+            false => Ok(()),
+        })
+        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| failed("cannot replace it", &e)));
     if result.is_err() {
-        let _ = std::fs::remove_file(&temporary);
+        [&temporary, &copy].into_iter().for_each(|file| discard(file));
     }
     result
 }

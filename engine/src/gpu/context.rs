@@ -258,10 +258,11 @@ fn listen(device: &wgpu::Device, reported: &Arc<Mutex<Reported>>) {
     }));
     let sink = Arc::clone(reported);
     device.set_device_lost_callback(move |reason, message| {
+        // Whoever destroys it knows.
         if reason != wgpu::DeviceLostReason::Destroyed {
             log::error!("graphics device lost: {message}");
-            sink.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
         }
+        sink.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
     });
 }
 

@@ -85,7 +85,7 @@ pub fn write_png_rgb8(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), Ima
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageFileError> {
-    std::fs::write(path, bytes).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })
+    crate::files::replace_file(path, bytes).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })
 }
 
 fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {

@@ -73,6 +73,9 @@ pub enum RenderError {
     /// The reference cannot be traced.
     #[error("path tracing: {0}")]
     Trace(#[from] TraceError),
+    /// The device is gone: it was taken away, or its driver has failed.
+    #[error("the graphics device was lost: {0}; open the scene again to take up another one")]
+    Lost(String),
     /// The device reported errors while drawing.
     #[error("the graphics device reported: {0}")]
     Device(String),
@@ -272,10 +275,12 @@ fn execute(
     settings: &RenderSettings,
 ) -> Result<FrameReport, RenderError> {
     let plan = graph.compile(targets, &CompileOptions { no_cache: settings.no_cache })?;
-    let report = plan.execute(gpu, targets)?;
+    let executed = plan.execute(gpu, targets);
+    // A lost device refuses whatever it is given: that is not what is wrong.
     if let Some(lost) = gpu.device_lost() {
-        return Err(RenderError::Device(lost));
+        return Err(RenderError::Lost(lost));
     }
+    let report = executed?;
     match gpu.take_errors() {
         errors if errors.is_empty() => Ok(report),
         errors => Err(RenderError::Device(errors.join("\n"))),

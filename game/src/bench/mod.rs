@@ -8,6 +8,7 @@
 
 mod error;
 mod flicker;
+mod growth;
 mod lab;
 mod machine;
 mod paper;

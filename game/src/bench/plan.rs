@@ -105,6 +105,7 @@ impl Plan {
             true => vec![[512; 2], [1024; 2]],
         };
         let scenes = match args.scenes.is_empty() {
+            true if !args.growth.is_empty() => Vec::new(),
             true => SCENES.iter().filter(|scene| scene_path::find(scene).is_ok()).map(|s| (*s).to_owned()).collect(),
             false => args.scenes.clone(),
         };

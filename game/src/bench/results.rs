@@ -2,9 +2,9 @@
 
 use super::variant::SweepPoint;
 use anyhow::{Context, Result, bail};
+use lightwell::files::replace_file;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Everything that a run found. Every finished measurement is written at once, so that a run can be taken up again.
@@ -24,6 +24,12 @@ pub struct Results {
     pub flicker: Vec<Flicker>,
     /// Path tracing on the device against the host.
     pub throughput: Vec<ThroughputFigures>,
+    /// How cost grows with what a scene holds.
+    #[serde(default)]
+    pub growth: Vec<Growth>,
+    /// Pairs of scenes whose ratio is bounded.
+    #[serde(default)]
+    pub pairs: Vec<Pair>,
     /// What the reader should know.
     pub notes: Vec<String>,
 }
@@ -246,6 +252,72 @@ pub struct ThroughputFigures {
     pub host: f64,
 }
 
+/// Cost over the number of something.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Growth {
+    /// What grows.
+    pub axis: String,
+    /// How it is drawn.
+    pub series: String,
+    /// By their numbers, rising.
+    pub points: Vec<GrowthPoint>,
+}
+
+impl Growth {
+    /// Whether it is that curve.
+    pub fn is(&self, axis: &str, series: &str) -> bool {
+        self.axis == axis && self.series == series
+    }
+}
+
+/// A scene that holds so many of something.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GrowthPoint {
+    /// How many.
+    pub count: u64,
+    /// Why there is no figure.
+    pub refused: Option<String>,
+    /// Time to load the scene [ms].
+    pub load_ms: f64,
+    /// Time of a frame in which everything is computed, from start to end [ms].
+    pub frame: Spread,
+    /// Its time on the device [ms].
+    pub device: Spread,
+    /// Time to record its commands [ms].
+    pub record: Spread,
+    /// Time of a frame in which nothing has changed [ms].
+    pub still: Spread,
+    /// Time of a frame before which one object was moved, with the scene's update [ms].
+    pub moved: Spread,
+    /// Draw calls of the whole frame.
+    pub draws: u64,
+    /// Triangles drawn in it.
+    pub triangles: u64,
+    /// Memory of the frame's targets and buffers [bytes].
+    pub target_bytes: u64,
+    /// What the process takes more than before the curve began [bytes].
+    pub process_bytes: Option<u64>,
+}
+
+/// Two scenes, drawn in turns.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pair {
+    /// Name.
+    pub name: String,
+    /// What they are; the first is to cost at most `bound` times the second.
+    pub of: [String; 2],
+    /// The greatest ratio that is good.
+    pub bound: f64,
+    /// Time of a frame in which everything is computed, from start to end [ms].
+    pub frame: [Spread; 2],
+    /// Its time on the device [ms].
+    pub device: [Spread; 2],
+    /// Time to record its commands [ms].
+    pub record: [Spread; 2],
+    /// Draw calls.
+    pub draws: [u64; 2],
+}
+
 /// JSON knows no infinity: it becomes null.
 mod finite {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -329,14 +401,7 @@ fn read(path: &Path) -> Result<Option<Results>> {
 /// # Errors
 /// If it cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let part = path.with_extension("part");
-    let write = || {
-        let mut file = std::fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        std::fs::rename(&part, path)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    replace_file(path, bytes).with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::lab::{self, Lab};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
-use super::{error, flicker, machine, report, timing};
+use super::{error, flicker, growth, machine, report, timing};
 use crate::cli::{BenchArgs, Common};
 use crate::progress;
 use anyhow::{Context, Result, bail};
@@ -45,6 +45,11 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
             Err(error) => return Err(error),
         }
         report::write(&run.folder, &store.results)?;
+    }
+    if !args.growth.is_empty() {
+        let folder = run.folder.join("growth");
+        let course = growth::Course { gpu: &gpu, common, folder, frames: run.plan.frames, quick: args.quick };
+        growth::run(&args.growth, &course, &mut store, &run.bar)?;
     }
     run.bar.finish_and_clear();
     store.save()?;

@@ -169,3 +169,32 @@ fn pictures_hold_three_images() {
     assert!(picture.size()[0] > 3 * 256);
     assert!((found.errors[0].indirect.bias + 1.0).abs() < 1e-9, "no indirect light at all");
 }
+
+#[test]
+fn growth_is_measured_once_and_a_refusal_is_a_result() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = dir.path().join("out");
+    let line = ["lightwell", "bench", "-o", output.to_str().unwrap(), "--growth", "all", "--quick", "--frames", "1"];
+    let args = match Cli::try_parse_from(line).unwrap().command {
+        Command::Bench(args) => args,
+        _ => unreachable!("the command is bench"),
+    };
+    let report = std::fs::read_to_string(run(&args, &Common::default()).unwrap()).unwrap();
+    let first = results(dir.path());
+    assert!(first.scenes.is_empty() && first.growth.len() == 10 && first.pairs.len() == 2, "{first:?}");
+    for curve in &first.growth {
+        assert_eq!(curve.points.len(), 2);
+        for point in &curve.points {
+            assert!(point.refused.is_none() && point.frame.median > 0.0 && point.draws > 0, "{curve:?}");
+            assert!(point.still.median < point.frame.median, "{curve:?}");
+        }
+        assert!(output.join(format!("plots/growth_{}_{}.png", curve.axis, curve.series)).is_file());
+    }
+    let objects = &first.growth[0].points;
+    assert!(objects[1].triangles >= objects[0].triangles + 12 * 90, "{objects:?}");
+    let meshes = first.pairs.iter().find(|pair| pair.name == "meshes").unwrap();
+    assert!(meshes.draws[0] >= meshes.draws[1], "{meshes:?}");
+    assert!(report.contains("### objects, direct") && report.contains("1200 boxes"), "{report}");
+    run(&args, &Common::default()).unwrap();
+    assert_eq!(results(dir.path()).growth, first.growth);
+}

@@ -14,6 +14,7 @@ Examples:
   lightwell bench cornell -o out/steps --sweep steps
   lightwell bench cornell -o out/mine --variant 'fine: clpv.cells=(16, 16, 14), clpv.cell_size=Meters(0.15)'
   lightwell bench -o out/all --models ~/models             all scenes whose models are there
+  lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
 A variant is 'NAME: PATH=VALUE, ...' with the paths of --set; beside them there are gi, spp and bounces.
@@ -45,6 +46,9 @@ pub struct BenchArgs {
     /// Sweep a setting of the light volumes, as in the thesis's figures 7.9 and 7.10
     #[arg(long, value_enum)]
     pub sweep: Vec<Sweep>,
+    /// How cost grows with what a scene holds, in scenes made for it; without SCENE nothing else is measured
+    #[arg(long, value_enum, value_name = "WHAT", value_delimiter = ',')]
+    pub growth: Vec<Grows>,
     /// Sizes at which times are taken; plots use the first [default: 512x512,1024x1024; quick: 512x512]
     #[arg(long, value_name = "WxH", value_delimiter = ',', value_parser = parse_size)]
     pub time_size: Vec<[u32; 2]>,
@@ -96,6 +100,35 @@ pub enum Sweep {
     Steps,
     /// Cells of the grid, over the same room, with the scene's steps
     Grid,
+}
+
+/// What grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Grows {
+    /// All of these
+    All,
+    /// Entities, 10 to 100,000
+    Objects,
+    /// 10⁴ to 10⁷
+    Triangles,
+    /// Small lights, 1 to 10,000
+    Lights,
+    /// Cells of the light volume, 8³ to 128³
+    Cells,
+    /// Directions of the sweep
+    Directions,
+    /// Pixels, 128² to 2048²
+    Pixels,
+    /// Many lamps against few, and many meshes against one
+    Pairs,
+}
+
+impl Grows {
+    /// Whether it names that, or all.
+    pub fn takes(self, name: &str) -> bool {
+        let named = self.to_possible_value().is_some_and(|value| value.get_name() == name);
+        self == Self::All || named
+    }
 }
 
 /// Indirect bounces of a reference; none: unlimited.

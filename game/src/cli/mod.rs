@@ -9,7 +9,7 @@ mod sheet;
 mod stress;
 mod test;
 
-pub use bench::{BenchArgs, Bounces, Sweep};
+pub use bench::{BenchArgs, Bounces, Grows, Sweep};
 pub use compare::{CompareArgs, Metric};
 pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, TraceArgs};
 pub use parse::parse_assignment;

@@ -2,10 +2,10 @@
 
 use crate::cli::{Common, RenderArgs};
 use crate::session::Session;
+use crate::writer::{Picture, Writer};
 use crate::{capture, jitter, progress};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use indicatif::ProgressBar;
-use lightwell::measure;
 use lightwell::render::{GiMethod, Layer, ReferenceSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
@@ -34,15 +34,17 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
             bail!("--resume goes with `--gi reference`, whose images take long");
         }
         let bar = progress::bar(u64::from(args.aa), "rendering");
-        shot.write(&mut session, &args.output, &bar)?;
+        shot.take(&mut session, &bar)?.write(&args.output)?;
         bar.finish_and_clear();
         return Ok(());
     };
     let bar = progress::bar((frames.end - frames.start) * u64::from(args.aa), "rendering frames");
+    let mut writer = Writer::start()?;
     for frame in frames {
         session.set_ticks(frame);
-        shot.write(&mut session, &numbered(&args.output, frame), &bar)?;
+        writer.write(numbered(&args.output, frame), shot.take(&mut session, &bar)?)?;
     }
+    writer.finish()?;
     bar.finish_and_clear();
     Ok(())
 }
@@ -94,14 +96,11 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Draws the scene as it stands and writes the image, making its folder if need be.
+    /// Draws the scene as it stands.
     ///
     /// # Errors
-    /// If the scene cannot be drawn or the file not be written.
-    pub fn write(&self, session: &mut Session, path: &Path, bar: &ProgressBar) -> Result<()> {
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        }
+    /// If the scene cannot be drawn.
+    pub fn take(&self, session: &mut Session, bar: &ProgressBar) -> Result<Picture> {
         let settings = session.render_settings(!self.linear);
         // The tracer filters over the pixel by itself.
         let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
@@ -110,13 +109,10 @@ impl Shot {
             session.render(&view, &session.display_settings())?;
             let (size, rgb) = session.display_bytes()?;
             bar.inc(u64::from(self.aa));
-            return Ok(measure::write_png_rgb8(path, size, &rgb)?);
+            return Ok(Picture::Display { size, rgb });
         }
-        let image = capture::take_telling(session, self.size, aa, &settings, &mut || bar.inc(u64::from(self.aa / aa)))?;
-        if let Some([x, y]) = image.first_non_finite() {
-            log::warn!("{}: NaN or infinity in the image, first at column {x} of row {y}", path.display());
-        }
-        Ok(measure::write_image(path, &image)?)
+        let told = &mut || bar.inc(u64::from(self.aa / aa));
+        Ok(Picture::Linear(capture::take_telling(session, self.size, aa, &settings, told)?))
     }
 }
 

@@ -4,6 +4,7 @@ use crate::cli::{Common, PlayArgs};
 use crate::commands::render::{Shot, numbered};
 use crate::progress;
 use crate::session::Session;
+use crate::writer::Writer;
 use anyhow::Result;
 use std::path::Path;
 
@@ -26,10 +27,12 @@ pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
     let shot = Shot { size: args.size.unwrap_or([512, 512]), aa: 1, linear: false };
     say!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
     let bar = progress::bar(count, "rendering frames");
+    let mut writer = Writer::start()?;
     for index in 0..count {
         session.set_seconds(index as f64 / RATE);
-        shot.write(&mut session, &numbered(&folder.join("frame.png"), index + 1), &bar)?;
+        writer.write(numbered(&folder.join("frame.png"), index + 1), shot.take(&mut session, &bar)?)?;
     }
+    writer.finish()?;
     bar.finish_and_clear();
     let place = folder.canonicalize().unwrap_or(folder);
     say!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());

@@ -1,9 +1,9 @@
 //! What is remembered from run to run: layout, recent files, cameras. It lies in the user's configuration folder.
 
 use crate::editor::camera::Pose;
+use lightwell::files::replace_file;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Most scenes that are remembered.
@@ -72,11 +72,7 @@ impl Memory {
         let folder = file.parent().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;
         let text = ron::to_string(self).map_err(std::io::Error::other)?;
-        let temporary = file.with_extension(format!("{}.tmp", std::process::id()));
-        let mut out = std::fs::File::create(&temporary)?;
-        out.write_all(text.as_bytes())?;
-        out.sync_all()?;
-        std::fs::rename(&temporary, file)
+        replace_file(file, text.as_bytes())
     }
 
     /// Puts a scene first.

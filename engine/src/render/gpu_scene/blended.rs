@@ -1,6 +1,6 @@
 //! Blended surfaces, from the farthest to the nearest.
 
-use super::{Batch, DrawFilter, GpuScene, MaterialClass, Member, draw_run};
+use super::{Batch, Bound, DrawFilter, GpuScene, MaterialClass, Member, draw_run};
 use crate::gpu::{Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
 use glam::Vec3;
@@ -59,6 +59,7 @@ impl GpuScene {
     ) -> Result<(), PassError> {
         let gpu = cx.gpu;
         let mut current: Option<(MaterialClass, Side, Arc<Pipeline>, Vec<wgpu::BindGroup>)> = None;
+        let mut bound = Bound::default();
         for Instance { batch, index, .. } in self.sorted_blended(filter, eye, forward) {
             let Some(mesh) = self.meshes.get(&batch.mesh) else { continue };
             let sides: &[Side] = if batch.class.double_sided { &[Side::Back, Side::Front] } else { &[Side::Front] };
@@ -67,9 +68,10 @@ impl GpuScene {
                     let pipeline = self.set_pipeline(gpu, pass, view, &key(batch.class, side))?;
                     let groups = prepare(&pipeline, pass)?;
                     current = Some((batch.class, side, pipeline, groups));
+                    bound.material = None;
                 }
                 let Some((.., pipeline, groups)) = &current else { continue };
-                self.set_batch(gpu, pass, pipeline, batch, mesh)?;
+                self.set_batch(gpu, pass, pipeline, batch, mesh, &mut bound)?;
                 for group in groups {
                     pass.set_bind_group(2, group, &[]);
                     draw_run(cx, pass, mesh, index..index + 1);

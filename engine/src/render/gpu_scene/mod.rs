@@ -16,9 +16,10 @@ use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId, wall_extent};
 use bytemuck::{Pod, Zeroable};
-use material::MaterialStore;
 pub(super) use material::alpha_cutoff;
 use material::is_nowhere_opaque;
+use material::{GpuMaterial, MaterialStore};
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
@@ -198,6 +199,16 @@ impl<'a> DrawFilter<'a> {
     }
 }
 
+/// What a pass has bound so far.
+#[derive(Default)]
+struct Bound {
+    /// Materials by what their pipeline uses of them.
+    groups: HashMap<(MaterialClass, AssetId), Option<wgpu::BindGroup>>,
+    material: Option<AssetId>,
+    /// And whether without its extras.
+    mesh: Option<(AssetId, bool)>,
+}
+
 /// The scene on the device.
 pub struct GpuScene {
     meshes: HashMap<AssetId, GpuMesh>,
@@ -302,18 +313,20 @@ impl GpuScene {
         key: impl Fn(MaterialClass) -> RasterKey,
     ) -> Result<(), PassError> {
         let gpu = cx.gpu;
+        let mut bound = Bound::default();
         let mut current = None;
         for batch in &self.batches {
             if filter.opaque_only && batch.nowhere_opaque {
                 continue;
             }
-            let runs = batch.visible_runs(filter);
-            let Some(mesh) = self.meshes.get(&batch.mesh).filter(|_| !runs.is_empty()) else { continue };
+            let mut runs = batch.visible_runs(filter).peekable();
+            let Some(mesh) = self.meshes.get(&batch.mesh).filter(|_| runs.peek().is_some()) else { continue };
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
                 current = Some((batch.class, self.set_pipeline(gpu, pass, view, &key(batch.class))?));
+                bound.material = None;
             }
             let Some((_, pipeline)) = &current else { continue };
-            self.set_batch(gpu, pass, pipeline, batch, mesh)?;
+            self.set_batch(gpu, pass, pipeline, batch, mesh, &mut bound)?;
             for run in runs {
                 draw_run(cx, pass, mesh, run);
             }
@@ -337,7 +350,7 @@ impl GpuScene {
         Ok(pipeline)
     }
 
-    /// Material and mesh of a batch.
+    /// Material and mesh of a batch, unless they are bound already.
     fn set_batch(
         &self,
         gpu: &Gpu,
@@ -345,20 +358,43 @@ impl GpuScene {
         pipeline: &Pipeline,
         batch: &Batch,
         mesh: &GpuMesh,
+        bound: &mut Bound,
     ) -> Result<(), PassError> {
-        if let Some(material) = self.materials.get(batch.material) {
-            let bindings = material.bindings();
-            let used: Vec<_> = bindings.into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
-            if !used.is_empty() {
-                pass.set_bind_group(1, &pipeline.bind(gpu, 1, &used)?, &[]);
+        if bound.material != Some(batch.material) {
+            if let Some(group) = self.material_group(gpu, pipeline, batch, bound)? {
+                pass.set_bind_group(1, group, &[]);
             }
+            bound.material = Some(batch.material);
         }
-        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
-        if let Some(extras) = mesh.extras.as_ref().filter(|_| !batch.class.plain) {
-            pass.set_vertex_buffer(1, extras.slice(..));
+        if bound.mesh != Some((batch.mesh, batch.class.plain)) {
+            pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+            if let Some(extras) = mesh.extras.as_ref().filter(|_| !batch.class.plain) {
+                pass.set_vertex_buffer(1, extras.slice(..));
+            }
+            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            bound.mesh = Some((batch.mesh, batch.class.plain));
         }
-        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         Ok(())
+    }
+
+    /// What the pipeline uses of a batch's material, made once a pass; none if it uses nothing.
+    fn material_group<'b>(
+        &self,
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        batch: &Batch,
+        bound: &'b mut Bound,
+    ) -> Result<Option<&'b wgpu::BindGroup>, PassError> {
+        Ok(match bound.groups.entry((batch.class, batch.material)) {
+            Entry::Occupied(known) => known.into_mut().as_ref(),
+            Entry::Vacant(unknown) => {
+                let bindings = self.materials.get(batch.material).map(GpuMaterial::bindings);
+                let used: Vec<_> =
+                    bindings.into_iter().flatten().filter(|(name, _)| pipeline.declares(1, name)).collect();
+                let group = if used.is_empty() { None } else { Some(pipeline.bind(gpu, 1, &used)?) };
+                unknown.insert(group).as_ref()
+            }
+        })
     }
 
     /// The sky by direction; one black texel if it is the same everywhere.
@@ -393,15 +429,17 @@ impl Member {
 
 impl Batch {
     /// Ranges of instances that lie next to each other and pass the filter.
-    fn visible_runs(&self, filter: &DrawFilter) -> Vec<Range<u32>> {
-        let mut runs: Vec<Range<u32>> = Vec::new();
-        for (index, _) in (self.first_instance..).zip(&self.members).filter(|(_, m)| m.visible(filter)) {
-            match runs.last_mut() {
-                Some(run) if run.end == index => run.end += 1,
-                _ => runs.push(index..index + 1),
+    fn visible_runs(&self, filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
+        let visible = (self.first_instance..).zip(&self.members).filter(|(_, member)| member.visible(filter));
+        let mut visible = visible.map(|(index, _)| index).peekable();
+        std::iter::from_fn(move || {
+            let first = visible.next()?;
+            let mut end = first + 1;
+            while visible.next_if_eq(&end).is_some() {
+                end += 1;
             }
-        }
-        runs
+            Some(first..end)
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod charts;
 mod facts;
+mod growth;
 mod markdown;
 mod sections;
 mod sweeps;
@@ -29,6 +30,8 @@ const SECTIONS: &[Section] = &[
     sweeps::section,
     sections::flicker,
     sections::throughput,
+    growth::section,
+    growth::pairs,
     sections::pictures,
     sections::method,
 ];
@@ -40,6 +43,7 @@ const SECTIONS: &[Section] = &[
 pub fn write(folder: &Path, results: &Results) -> Result<PathBuf> {
     charts::draw(folder, results)?;
     sweeps::draw(folder, results)?;
+    growth::draw(folder, results)?;
     let path = folder.join("report.md");
     write_whole(&path, text(results).as_bytes())?;
     Ok(path)
