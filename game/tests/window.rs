@@ -23,8 +23,6 @@ fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
     let view = window.place("Picture");
     // The front of the taller block.
     window.click(view.at(0.42, 0.62));
-    // Its name is in the tree too, but not unfolded there before.
-    window.wait_for("the block in the inspector", |all| all.iter().any(|(_, name)| name == "Tall block"));
     window.wait_for("the size of the block", |all| all.iter().any(|(_, name)| name == "Size x"));
     // The sign of the light below the ceiling: 0.9 m above the middle, 4 m away, in a view of 40°.
     let height = 0.5 - 0.5 * (0.9 / 4.0) / 20_f32.to_radians().tan();

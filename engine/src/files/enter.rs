@@ -29,8 +29,7 @@ pub fn enter_scene(
     path: &Path,
     old: &[Entity],
 ) -> Result<SceneFile, FileError> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf"))
-    {
+    if is_model(path) {
         let error = FileError::new(path, Kind::BadValue, "a game's scene is a .scene.ron file, and this is a model");
         return Err(error.with_help("write a scene with an entity that says `model: \"…\"`"));
     }
@@ -54,7 +53,7 @@ pub fn enter_described(
     enter(world, library, options, Document::in_memory(path), file, old).map(drop)
 }
 
-/// Reads a world's scene file anew, with all that it names. Entities keep the identities of those that stood at the
+/// Reads a world's scene file anew, with all that it names, or the glTF file that was opened as one. Entities keep the identities of those that stood at the
 /// same paths before.
 ///
 /// # Errors
@@ -67,7 +66,10 @@ pub fn reenter_scene(
 ) -> Result<(), FileError> {
     let (old, identities) = (world.roots(), world.identities());
     let known = world.ecs.get_resource::<SceneInfo>().cloned().unwrap_or_default();
-    enter_scene(world, library, options, path, &old)?;
+    match is_model(path) {
+        true => super::model::enter_gltf(world, library, path, &old)?,
+        false => drop(enter_scene(world, library, options, path, &old)?),
+    }
     world.take_over(&identities);
     // What an undo brings back still comes from these files.
     let mut info = world.ecs.get_resource_or_init::<SceneInfo>();
@@ -77,7 +79,14 @@ pub fn reenter_scene(
     for (id, texture) in known.textures_by_id {
         info.textures_by_id.entry(id).or_insert(texture);
     }
+    for (mesh, shape) in known.shapes {
+        info.shapes.entry(mesh).or_insert(shape);
+    }
     Ok(())
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf"))
 }
 
 fn enter(
@@ -135,7 +144,7 @@ fn keep(world: &mut GameWorld, root: Entity) {
     }
 }
 
-fn despawn(world: &mut GameWorld, entities: &[Entity]) {
+pub(super) fn despawn(world: &mut GameWorld, entities: &[Entity]) {
     for entity in entities {
         // Gone already if it stood below another one.
         let _ = world.ecs.try_despawn(*entity);

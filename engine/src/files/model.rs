@@ -146,12 +146,27 @@ impl Names {
 
 /// Opens a glTF file as a scene: all of it, a camera that frames it if it has none, and a light if it has none.
 pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWorld, FileError> {
+    let mut world = GameWorld::new();
+    enter_gltf(&mut world, library, path, &[])?;
+    Ok(world)
+}
+
+/// The same into a world, in place of the entities `old`.
+///
+/// # Errors
+/// If the file cannot be read; the world keeps what it was then.
+pub(super) fn enter_gltf(
+    world: &mut GameWorld,
+    library: &mut AssetLibrary,
+    path: &Path,
+    old: &[Entity],
+) -> Result<(), FileError> {
     if !path.is_file() {
         return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
     }
     let whole = library.gltf(path).map_err(|e| FileError::new(path, Kind::Asset, e.to_string()))?;
     let gltf = imported_beside(library, &whole, path)?;
-    let mut world = GameWorld::new();
+    super::enter::despawn(world, old);
     let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
     let model = world.spawn(&name.replace('/', "_"), None);
     let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string();
@@ -160,7 +175,7 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
     let source = Source { components: components.clone(), origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(model).insert(source);
     let take = Take { lights: true, cameras: true, material: None, components: &components };
-    let mut nodes = Model::new(&mut world, &gltf, model, take);
+    let mut nodes = Model::new(world, &gltf, model, take);
     nodes.spawn(&gltf.roots, model);
     nodes.finish();
     let mut settings = SceneSettings::default();
@@ -171,10 +186,11 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
     }
     world.ecs.insert_resource(settings);
     world.ecs.insert_resource(SceneInfo { description: format!("{}", path.display()), ..SceneInfo::default() });
+    world.set_tick(0);
     world.update();
-    complete(&mut world, path);
+    complete(world, path);
     world.update();
-    Ok(world)
+    Ok(())
 }
 
 /// Adds what a scene needs and the model lacks.

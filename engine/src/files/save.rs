@@ -198,7 +198,7 @@ impl Writer<'_> {
             vpl: self.world.rest_component::<InstantRadiosity>(entity, "vpl"),
             slc: self.world.rest_component::<StochasticLightCulling>(entity, "slc"),
             animation: self.ecs().get::<Animation>(entity).cloned(),
-            model: described.model.clone(),
+            model: described.model.clone().map(|model| self.model(model)),
             ..Default::default()
         };
         let default_types = ComponentTypes::default();
@@ -213,6 +213,18 @@ impl Writer<'_> {
             (now.casts_shadow, now.visible) = (described.casts_shadow, described.visible);
         }
         Ok(now)
+    }
+
+    /// A glTF file that was opened as a scene is named by its whole path: relative where the scene lies above it, so
+    /// that both can be moved together.
+    fn model(&self, mut model: ModelFile) -> ModelFile {
+        let (ModelFile::Path(path) | ModelFile::Detailed(ModelDetails { path, .. })) = &mut model;
+        let folder = self.path.parent().and_then(|folder| std::path::absolute(folder).ok());
+        let below = folder.and_then(|folder| Some(Path::new(path.as_str()).strip_prefix(folder).ok()?.to_owned()));
+        if let Some(below) = below {
+            *path = below.to_string_lossy().into_owned();
+        }
+        model
     }
 
     fn transform(&self, entity: Entity, described: Option<TransformFile>) -> Option<TransformFile> {

@@ -3,10 +3,12 @@
 //! Its bookkeeping knows nothing of the device: `P` is whatever stands for a piece of memory.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::desc::ResourceDesc;
 use super::key::{Key, Recipe};
+use super::pace::Pace;
 use super::plan::{Layout, Place, PlannedResource};
 use crate::gpu::TimestampQueries;
 
@@ -72,6 +74,7 @@ pub struct TargetCache<P = Target> {
     created: usize,
     evicted: usize,
     pub(super) timing: bool,
+    pub(super) pace: Option<Arc<Pace>>,
     pub(super) queries: Option<TimestampQueries>,
 }
 
@@ -112,6 +115,11 @@ impl TargetCache {
     pub fn set_timing(&mut self, timing: bool) {
         self.timing = timing;
     }
+
+    /// Sets what frames are paced by; none: they are submitted as one.
+    pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
+        self.pace = pace;
+    }
 }
 
 impl Default for TargetCache {
@@ -132,6 +140,7 @@ impl<P: Clone> TargetCache<P> {
             created: 0,
             evicted: 0,
             timing: true,
+            pace: None,
             queries: None,
         }
     }

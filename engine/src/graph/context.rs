@@ -5,9 +5,11 @@ use std::cell::{OnceCell, RefCell};
 use super::cache::Target;
 use super::error::PassError;
 use super::handle::{Buffer, Handle, Texture, Version};
+use super::pace::{Pace, wait_gently};
 use super::plan::Layout;
 use super::report::Counts;
 use crate::gpu::{Binding, ComputeKey, Gpu, TimestampQueries};
+use std::sync::Arc;
 
 /// Records the passes of a frame into one encoder, or several where passes submit in between.
 pub(super) struct Recorder<'g> {
@@ -15,11 +17,12 @@ pub(super) struct Recorder<'g> {
     encoder: wgpu::CommandEncoder,
     pub queries: Option<TimestampQueries>,
     pub submits: u64,
+    pace: Option<Arc<Pace>>,
 }
 
 impl<'g> Recorder<'g> {
-    pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>) -> Self {
-        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0 }
+    pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>, pace: Option<Arc<Pace>>) -> Self {
+        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, pace }
     }
 
     /// Begins a pass; true if it is timed.
@@ -34,6 +37,17 @@ impl<'g> Recorder<'g> {
             queries.end(&mut self.encoder);
         }
         self.encoder.pop_debug_group();
+    }
+
+    /// Between passes: lets work of others have its turn, if that is wanted.
+    pub fn pause(&mut self) {
+        let Some(pace) = self.pace.clone() else { return };
+        if pace.is_gentle() {
+            let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
+            submit(self.gpu, recorded, Some(&pace));
+            self.submits += 1;
+        }
+        pace.step();
     }
 
     /// Submits what is left, between passes.
@@ -52,6 +66,14 @@ impl<'g> Recorder<'g> {
     }
 }
 
+/// Submits what was recorded, and waits for it where others are to have their turn.
+fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pace: Option<&Pace>) {
+    gpu.queue.submit([recorded.finish()]);
+    if pace.is_some_and(Pace::is_gentle) {
+        wait_gently(gpu);
+    }
+}
+
 fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") })
 }
@@ -62,6 +84,7 @@ pub struct PassContext<'c> {
     pub gpu: &'c Gpu,
     encoder: &'c mut wgpu::CommandEncoder,
     submits: &'c mut u64,
+    pace: Option<&'c Pace>,
     name: &'c str,
     counts: Counts,
     resources: Resources<'c>,
@@ -82,8 +105,8 @@ pub(super) struct Resources<'c> {
 
 impl<'c> PassContext<'c> {
     pub(super) fn new(recorder: &'c mut Recorder<'_>, name: &'c str, resources: Resources<'c>) -> Self {
-        let Recorder { gpu, encoder, submits, .. } = recorder;
-        Self { gpu, encoder, submits, name, counts: Counts::default(), resources }
+        let Recorder { gpu, encoder, submits, pace, .. } = recorder;
+        Self { gpu, encoder, submits, pace: pace.as_deref(), name, counts: Counts::default(), resources }
     }
 
     /// Its counts, and the first resource that it used without having declared it.
@@ -106,7 +129,7 @@ impl<'c> PassContext<'c> {
     pub fn submit(&mut self) {
         self.encoder.pop_debug_group();
         let recorded = std::mem::replace(self.encoder, new_encoder(self.gpu));
-        self.gpu.queue.submit([recorded.finish()]);
+        submit(self.gpu, recorded, self.pace);
         *self.submits += 1;
         self.encoder.push_debug_group(self.name);
     }

@@ -35,6 +35,9 @@ pub enum GraphError {
         /// What is wrong with it.
         fault: &'static str,
     },
+    /// The frame is not wanted any more: [`Pace::stop`](super::Pace::stop).
+    #[error("the frame was ended before it was finished")]
+    Stopped,
     /// A pass has no work.
     #[error("pass `{pass}` has nothing to execute: call `execute` on it")]
     NoWork {

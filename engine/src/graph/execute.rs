@@ -24,7 +24,8 @@ impl Plan<'_> {
             return Err(GraphError::StalePlan);
         }
         let written = self.written_slots();
-        let mut recorder = Recorder::new(gpu, take_queries(gpu, cache, self.steps.len()));
+        let pace = cache.pace.clone();
+        let mut recorder = Recorder::new(gpu, take_queries(gpu, cache, self.steps.len()), pace);
         let result = check(gpu, "a frame", || self.run(gpu, cache, &mut recorder)).and_then(|result| result);
         cache.end_frame();
         let times = recorder.times();
@@ -53,12 +54,19 @@ impl Plan<'_> {
         let targets = check(gpu, "the memory of a frame", || self.place(gpu, cache))?;
         let resources = self.layout.reports();
         let steps = std::mem::take(&mut self.steps);
+        let pace = cache.pace.clone();
+        pace.iter().for_each(|pace| pace.begin(steps.len()));
         for step in steps {
+            if pace.as_ref().is_some_and(|pace| pace.is_stopped()) {
+                recorder.submit_last();
+                return Err(GraphError::Stopped);
+            }
             if let Err(error) = self.run_step(step, &targets, cache, recorder) {
                 // What was recorded by the passes before it is in the cache: it must be submitted.
                 recorder.submit_last();
                 return Err(error);
             }
+            recorder.pause();
         }
         recorder.submit_last();
         Ok(FrameReport { passes: self.reports, resources, ..Default::default() })

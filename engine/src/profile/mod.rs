@@ -100,6 +100,15 @@ impl FrameRecorder {
         result
     }
 
+    /// Adds what another thread did, from `start` until now, outside of all spans. Spans of this thread may lie within.
+    pub fn beside(&mut self, name: &str, start: Instant) {
+        let duration = milliseconds(start);
+        let start = start.saturating_duration_since(self.begin).as_secs_f64() * 1e3;
+        let at = self.spans.iter().position(|span| span.start > start).unwrap_or(self.spans.len());
+        let index = if self.stack.is_empty() { at } else { self.spans.len() };
+        self.spans.insert(index, Span { path: name.to_owned(), depth: 0, start, duration });
+    }
+
     /// Adds a pass's time on the GPU \[ms\].
     pub fn gpu(&mut self, name: &str, duration: f64) {
         self.gpu.push(Span { path: format!("gpu/{name}"), depth: 1, start: 0.0, duration });

@@ -27,12 +27,13 @@ use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings
 use super::vpl::{self, VirtualLights, VplError};
 use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
 use crate::gpu::{Gpu, ReadbackError, read_buffer};
-use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, TargetCache, Texture};
+use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, Pace, TargetCache, Texture};
 use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
 use crate::world::Transport;
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
 
 /// Why a frame could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -122,6 +123,11 @@ impl Renderer {
     /// of shaders goes to [`ShaderLibrary::add`](crate::gpu::ShaderLibrary::add). `docs/frame.md` has an example.
     pub fn add_pass(&mut self, pass: impl Fn(&mut Graph<'_>, &Picture<'_>) -> Handle<Texture> + Send + Sync + 'static) {
         self.extra.push(Box::new(pass));
+    }
+
+    /// Sets what the frames are paced by, where an interface shares the device; none: nothing.
+    pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
+        self.targets.set_pace(pace);
     }
 
     /// Sets the points whose indirect light the next frames look up; see [`Renderer::probe_light`].

@@ -75,7 +75,7 @@ pub struct SceneClpv {
 }
 
 /// Everything that the renderer sees. Arrays are sorted by [`SceneId`].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Distinguishes scenes in cache keys; each extractor takes a fresh one.
     pub identity: u64,

@@ -203,9 +203,13 @@ impl Editor {
         let is_model = |id: &SceneId, now: &files::OverrideFile| {
             let entity = stage.world.entity(*id)?;
             let before = describe_entity(stage.world, entity, stage.files.path).ok()?;
-            (before.model.is_some() || now.model.is_some()).then_some(())
+            let surface = |c: &files::OverrideFile| {
+                (c.mesh.clone(), c.model.clone(), c.material.clone(), c.casts_shadow, c.visible)
+            };
+            let is_model = before.model.is_some() || now.model.is_some();
+            (is_model && surface(&before) != surface(now)).then_some(())
         };
-        // A model brings entities of its own: the whole subtree changes.
+        // A model brings entities of its own: with its surface the whole subtree changes.
         let rebuilds = edits.iter().any(|(id, now)| is_model(id, now).is_some());
         if rebuilds {
             return self.rebuild(stage, label, edits);
@@ -231,7 +235,10 @@ impl Editor {
             changes.push(Change::Went(before));
             changes.push(Change::Came(Existence::of(stage.world, *id)?));
         }
-        self.history.push(stage.world, label, changes);
+        match std::mem::replace(&mut self.rebuilding, true) && self.history.undo_label() == Some(label) {
+            true => self.history.go_on(stage.world, changes),
+            false => self.history.push(stage.world, label, changes),
+        }
         Ok(())
     }
 

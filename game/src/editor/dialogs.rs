@@ -189,23 +189,30 @@ fn export_ui(ui: &mut Ui, editor: &mut Editor, export: &mut Export, folder: &mut
     egui::Grid::new("export").show(ui, |ui| {
         ui.label("Width and height");
         ui.horizontal(|ui| {
-            for edge in &mut export.size {
-                ui.add(egui::DragValue::new(edge).range(16..=8192).suffix(" px"));
+            for (edge, name) in export.size.iter_mut().zip(["Width", "Height"]) {
+                let response = ui.add(egui::DragValue::new(edge).range(16..=8192).suffix(" px"));
+                super::widgets::named(&response, name);
             }
         });
         ui.end_row();
         ui.label("Frames a second");
-        ui.add(egui::DragValue::new(&mut export.rate).range(1..=240));
+        let response = ui.add(egui::DragValue::new(&mut export.rate).range(1..=240));
+        super::widgets::named(&response, "Frames a second");
         ui.end_row();
         ui.label("Frames");
-        ui.add(egui::DragValue::new(&mut export.frames).range(1..=100_000));
+        ui.horizontal(|ui| {
+            let response = ui.add(egui::DragValue::new(&mut export.frames).range(1..=100_000));
+            super::widgets::named(&response, "Frames");
+            ui.weak(format!("{:.2} s of the animation", export.frames as f64 / f64::from(export.rate.max(1))));
+        });
         ui.end_row();
         ui.label("Video");
-        let can = super::panels::has_ffmpeg();
-        let text = if can { "make one with ffmpeg" } else { "ffmpeg is not installed" };
+        let can = *editor.panels.ffmpeg.get_or_insert_with(super::panels::has_ffmpeg);
+        let text = if can { "make one with ffmpeg" } else { "ffmpeg is not installed: images alone" };
         ui.add_enabled(can, egui::Checkbox::new(&mut export.video, text));
         ui.end_row();
     });
+    ui.weak("Through the camera of the view, with its method of light, exposure and tone map.");
     export.folder = PathBuf::from(folder.trim());
     let wanted = export.clone();
     answer(ui, "Export", !folder.trim().is_empty(), entered, || editor.requests.push(Request::Export(wanted)))

@@ -279,6 +279,23 @@ impl History {
         }
     }
 
+    /// Goes on with the last step, as a drag does: entities that came by it come as they are now.
+    pub fn go_on(&mut self, world: &mut GameWorld, changes: Vec<Change>) {
+        self.version += 1;
+        let Some(step) = self.done.last_mut() else { return };
+        for change in changes {
+            let known = step.changes.iter_mut().find_map(|known| match (known, &change) {
+                (Change::Came(known), Change::Came(now)) if known.id == now.id => Some(known),
+                _ => None,
+            });
+            match (known, change) {
+                (Some(known), Change::Came(now)) => world.drop_stash(std::mem::replace(known, now).stash),
+                // What went by the step went at its begin.
+                (_, change) => change.drop(world),
+            }
+        }
+    }
+
     /// Takes the last step back; says which.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use super::own::{self, OwnComponent};
 use super::schema::Shape;
 use super::stage::Stage;
 use super::value::Value;
-use super::widgets::{edited_text, title};
+use super::widgets::{edited_text, endings, pick_file, title};
 use egui::Ui;
 use lightwell::files::{self, OverrideFile, SceneFile, describe_entity, describe_scene, ron_options};
 use lightwell::scene::SceneId;
@@ -53,6 +53,9 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
 fn origin(ui: &mut Ui, stage: &Stage, entity: bevy_ecs::prelude::Entity) {
     if let Some(prefab) = files::prefab_of(stage.world, entity) {
         ui.weak(format!("instance of {prefab}"));
+    }
+    if stage.world.rest_transform(entity) != stage.world.ecs.get(entity).copied().unwrap_or_default() {
+        ui.weak("animated: the transform is that without the animation; handles in the view move both");
     }
     if files::is_in_prefab(stage.world, entity) {
         ui.weak("part of a prefab; changes are kept as overrides of this instance");
@@ -118,10 +121,26 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
                 ui.close();
             }
         }
-        for (name, shape) in COMPONENTS.iter().filter(|(name, _)| value.field(name).is_none()).collect::<Vec<_>>() {
+        // An entity has a mesh or a model.
+        let excluded = |name: &str| match name {
+            "model" => value.field("mesh").is_some(),
+            "mesh" => value.field("model").is_some(),
+            _ => false,
+        };
+        let missing = COMPONENTS.iter().filter(|(name, _)| value.field(name).is_none() && !excluded(name));
+        for (name, shape) in missing.collect::<Vec<_>>() {
             let key = format!("Override.{name}");
-            if ui.button(title(name)).on_hover_text(editor.kit.note(&key).help).clicked() {
-                value.set(name, editor.kit.starter(&key, shape.inner()));
+            let endings = endings(name, &key);
+            let component = match endings.is_empty() {
+                true => {
+                    let button = ui.button(title(name)).on_hover_text(editor.kit.note(&key).help);
+                    button.clicked().then(|| editor.kit.starter(&key, shape.inner()))
+                }
+                // Without its file it would be none.
+                false => pick_file(ui, &title(name), &editor.kit.folders, endings).map(|file| Value::text(&file)),
+            };
+            if let Some(component) = component {
+                value.set(name, component);
                 changed = Some(format!("add {name}"));
                 ui.close();
             }

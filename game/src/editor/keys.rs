@@ -27,7 +27,7 @@ pub enum Action {
     Find,
     /// Flies to the selection.
     Focus,
-    /// Selects nothing; with nothing selected, asks to end.
+    /// Selects nothing.
     Escape,
     /// Hides or shows the panels.
     Panels,
@@ -80,7 +80,7 @@ pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
     (NONE, Key::Num5, Action::Recall(0), "go to bookmark 1"),
     (NONE, Key::Delete, Action::Delete, "delete the selection"),
     (NONE, Key::F, Action::Focus, "focus on the selection"),
-    (NONE, Key::Escape, Action::Escape, "select nothing; if nothing is selected, quit"),
+    (NONE, Key::Escape, Action::Escape, "select nothing"),
     (NONE, Key::H, Action::Panels, "hide or show the panels"),
     (NONE, Key::Space, Action::Pause, "play or pause"),
     (NONE, Key::Period, Action::Step, "one step of the clock"),
@@ -127,8 +127,10 @@ pub fn take(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         let always =
             modifiers == CTRL || modifiers == CTRL_SHIFT || matches!(action, Action::Help | Action::Screenshot);
         // Undo of text belongs to the text.
+        // Escape closes a menu that is open.
+        let closes = action == Action::Escape && egui::Popup::is_any_open(ui.ctx());
         let texts_own = typing && matches!(action, Action::Undo | Action::Redo);
-        if typing && !always || texts_own {
+        if typing && !always || texts_own || closes {
             continue;
         }
         if ui.input_mut(|i| i.consume_shortcut(&KeyboardShortcut::new(modifiers, key))) {
@@ -152,7 +154,6 @@ pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
             return editor.hierarchy.find = true;
         }
         Action::Focus => return super::view::focus(editor, stage),
-        Action::Escape if editor.selection.is_empty() => return editor.ask(Request::Quit),
         Action::Escape => return editor.selection.clear(),
         Action::Panels => return editor.hidden = !editor.hidden,
         Action::Pause => return stage.clock.playing = !stage.clock.playing,

@@ -4,10 +4,11 @@ use super::Editor;
 use super::gizmo::Mode;
 use super::keys::{Action, act, text_of};
 use super::layout::{ERROR, PANES};
-use super::stage::{Request, Stage};
+use super::stage::{Request, Stage, Working};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, DragValue, Panel, PopupCloseBehavior, RichText, Ui};
 use lightwell::render::debug::DebugView;
+use std::time::Duration;
 
 /// The bar on top.
 pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
@@ -197,6 +198,44 @@ fn handles(ui: &mut Ui, editor: &mut Editor) {
     ui.checkbox(&mut editor.view.snap, "snap").on_hover_text("in steps; Ctrl does so while it is held");
 }
 
+/// A message: its first line, and all of it on hover.
+fn notice(ui: &mut Ui, text: &str, is_error: bool) {
+    let line = text.lines().next().unwrap_or_default();
+    let line = RichText::new(line);
+    let line = if is_error { line.color(ERROR) } else { line };
+    ui.add(egui::Label::new(line).truncate()).on_hover_text(text);
+}
+
+/// Pictures that take longer say so.
+const LONG: Duration = Duration::from_millis(300);
+/// How often what goes on is looked at.
+const GLANCE: Duration = Duration::from_millis(400);
+
+/// What goes on behind the panels, so that nobody takes waiting for doing nothing.
+fn working(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
+    let Working { picture, export } = stage.facts.working;
+    let bar = |ui: &mut Ui, text: String, share: f32| {
+        let bar = egui::ProgressBar::new(share).desired_width(150.0).text(text.clone());
+        super::widgets::named(&ui.add(bar), &text);
+    };
+    if let Some((done, all)) = export {
+        ui.separator();
+        bar(ui, format!("exported {done} of {all}"), done as f32 / all.max(1) as f32);
+        if ui.button("Cancel the export").on_hover_text("the frames that are written stay").clicked() {
+            editor.requests.push(Request::CancelExport);
+        }
+        ui.ctx().request_repaint_after(GLANCE);
+    } else if let Some((since, (done, all))) = picture {
+        if since < LONG {
+            return ui.ctx().request_repaint_after(LONG.saturating_sub(since));
+        }
+        ui.separator();
+        let text = if all == 0 { "drawing…".to_owned() } else { format!("drawing {done} of {all}") };
+        bar(ui, text, done as f32 / all.max(1) as f32);
+        ui.ctx().request_repaint_after(GLANCE);
+    }
+}
+
 /// The line at the bottom.
 pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     Panel::bottom("status").show(ui, |ui| {
@@ -210,10 +249,10 @@ pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             if let Some(tracing) = stage.facts.tracing {
                 ui.monospace(format!("{}/{} samples", tracing.samples, tracing.target));
             }
+            working(ui, editor, stage);
             ui.separator();
             match &editor.notice {
-                Some((text, true, _)) => drop(ui.label(RichText::new(text).color(ERROR))),
-                Some((text, false, _)) => drop(ui.label(text)),
+                Some((text, is_error, _)) => notice(ui, text, *is_error),
                 None => drop(ui.weak("F1: help")),
             }
         });

@@ -28,7 +28,7 @@ mod widgets;
 
 pub use layout::Pane;
 pub use own::OwnComponent;
-pub use stage::{Export, Facts, Files, Request, Stage, Tracing};
+pub use stage::{Export, Facts, Files, Request, Stage, Tracing, Working};
 
 use anyhow::Result;
 use dialogs::Dialog;
@@ -73,6 +73,8 @@ pub struct Editor {
     notice: Option<(String, bool, Instant)>,
     /// Why the last change in the inspector was not made.
     problem: Option<String>,
+    /// A drag goes on that makes entities anew.
+    rebuilding: bool,
 }
 
 impl Default for Editor {
@@ -91,6 +93,7 @@ impl Default for Editor {
             requests: Vec::new(),
             notice: None,
             problem: None,
+            rebuilding: false,
         }
     }
 }
@@ -128,6 +131,7 @@ impl Editor {
 
     fn end_of_frame(&mut self, ui: &Ui, stage: &mut Stage) {
         let busy = ui.input(|i| i.pointer.any_down()) || ui.ctx().egui_wants_keyboard_input();
+        self.rebuilding &= busy;
         if self.history.is_open() && !busy {
             let result = self.history.close(stage.world);
             self.told(result);

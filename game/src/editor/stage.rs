@@ -13,6 +13,7 @@ use lightwell::render::DisplaySettings;
 use lightwell::scene::{Scene, SceneCamera};
 use lightwell::world::GameWorld;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The scene's file and where its assets come from.
 pub struct Files<'a> {
@@ -77,6 +78,17 @@ pub struct Facts<'a> {
     pub live_error: Option<LiveError>,
     /// Name of the adapter.
     pub adapter: &'a str,
+    /// What goes on behind the panels.
+    pub working: Working,
+}
+
+/// What goes on behind the panels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Working {
+    /// For how long the next picture has been drawn, and how many of its passes are done.
+    pub picture: Option<(Duration, (usize, usize))>,
+    /// Frames of the export that are written, and all of them.
+    pub export: Option<(u64, u64)>,
 }
 
 /// How far a path-traced image is.
@@ -116,6 +128,8 @@ pub enum Request {
     Target(super::panels::targets::Choice),
     /// Render the animation into files.
     Export(Export),
+    /// End that; what is written stays.
+    CancelExport,
 }
 
 /// An animation to be written as files.

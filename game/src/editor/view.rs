@@ -68,8 +68,13 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(image, rect, whole, Color32::WHITE);
         }
-        None => drop(painter.rect_filled(rect, CornerRadius::ZERO, Color32::BLACK)),
+        None => {
+            painter.rect_filled(rect, CornerRadius::ZERO, Color32::BLACK);
+            let (text, font) = ("The first picture is being drawn…", egui::FontId::proportional(16.0));
+            painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, Color32::GRAY);
+        }
     }
+    target(&painter, editor, rect);
     let Some(scene_camera) = stage.facts.scene_camera.clone() else {
         painter.text(
             rect.center(),
@@ -94,6 +99,16 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         look(ui, stage, &scene_camera, &response);
         click(ui, editor, stage, rect, &response, &signs);
     }
+}
+
+/// The target that was chosen, in the place of the picture: as large as it fits.
+fn target(painter: &egui::Painter, editor: &Editor, rect: Rect) {
+    let Some(texture) = editor.panels.targets.in_view() else { return };
+    let size = texture.size_vec2();
+    let scale = (rect.size() / size).min_elem();
+    painter.rect_filled(rect, CornerRadius::ZERO, Color32::BLACK);
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture.id(), Rect::from_center_size(rect.center(), size * scale), whole, Color32::WHITE);
 }
 
 /// The line between the drawn and the path-traced picture, which can be dragged; whether it is held.
@@ -310,8 +325,13 @@ pub fn focus(editor: &mut Editor, stage: &mut Stage) {
         let own = bounds_of(stage.world, entity, origin);
         let place = stage.world.ecs.get::<GlobalTransform>(entity);
         let place = place.map_or(Vec3::ZERO, |g| g.relative_to(origin).translation.into());
-        let around = Aabb { min: place - Vec3::splat(0.3), max: place + Vec3::splat(0.3) };
-        bounds = bounds.union(if own.is_empty() { &around } else { &own });
+        let around = Aabb { min: place - Vec3::splat(0.5), max: place + Vec3::splat(0.5) };
+        // The bulb of a lamp is small, and what it lights is around it.
+        let is_light = stage.world.ecs.get::<Light>(entity).is_some();
+        bounds = bounds.union(&own);
+        if own.is_empty() || is_light {
+            bounds = bounds.union(&around);
+        }
     }
     if bounds.is_empty() {
         bounds = stage.facts.scene.bounds();

@@ -1,13 +1,12 @@
 //! What the panels ask of the player: saving, loading, pictures.
 
-use super::export::Job;
 use super::player::Player;
 use super::watch::SceneWatcher;
 use crate::editor::Request;
 use crate::editor::clock::PlayClock;
-use crate::session::Reloaded;
 use anyhow::{Context, Result};
-use lightwell::measure;
+use lightwell::scene::SceneId;
+use lightwell::{gpu, measure};
 use std::path::{Path, PathBuf};
 
 impl Player {
@@ -24,7 +23,11 @@ impl Player {
                 Ok(path) => self.editor.tell(format!("saved {}", path.display()), false),
                 Err(error) => self.editor.tell(format!("no screenshot: {error:#}"), true),
             },
-            Request::Pick { pixel, add } => match self.session.seen_at(pixel) {
+            // Before the first picture there is nothing to click on yet.
+            Request::Pick { .. } if self.picture.objects.is_none() && !self.artist.is_idle() => {
+                self.waiting.push(request);
+            }
+            Request::Pick { pixel, add } => match self.seen_at(pixel) {
                 Ok(id) => {
                     let exact = self.ui.context.input(|i| i.modifiers.alt);
                     self.editor.picked(self.session.world(), id, add, exact);
@@ -35,11 +38,17 @@ impl Player {
                 let count = self.session.gpu.shaders.reload_all().len();
                 self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
             }
+            // What is drawn lies with the thread that draws.
+            Request::Target(_) if !self.artist.is_idle() => {
+                self.waiting.retain(|other| !matches!(other, Request::Target(_)));
+                self.waiting.push(request);
+            }
             Request::Target(choice) => {
                 let result = self.session.target(&choice.name, choice.mip, choice.layer);
                 self.editor.set_target(result.map_err(|error| format!("{}: {error:#}", choice.name)));
             }
-            Request::Export(export) => self.job = Some(Job::new(export)),
+            Request::Export(export) => self.begin_export(export),
+            Request::CancelExport => self.cancel_export(),
         }
     }
 
@@ -95,11 +104,7 @@ impl Player {
         let result = self.session.reload();
         let world = self.session.parts().world;
         match result {
-            Ok(Reloaded::InPlace) => self.editor.reloaded(world, before),
-            Ok(Reloaded::Anew) => {
-                self.editor.loaded();
-                Ok(())
-            }
+            Ok(()) => self.editor.reloaded(world, before),
             Err(error) => {
                 self.editor.not_reloaded(world, before);
                 Err(error)
@@ -126,14 +131,23 @@ impl Player {
         self.window.set_title(&format!("{} - Lightwell", self.session.name()));
     }
 
+    /// What is seen at a pixel of the picture.
+    fn seen_at(&self, pixel: [u32; 2]) -> Result<Option<SceneId>> {
+        let objects = self.picture.objects.as_ref();
+        let objects = objects.context("nothing is drawn here that tells what it shows; pick in a drawn picture")?;
+        objects.seen_at(&self.session.gpu, self.session.scene(), pixel)
+    }
+
     fn save_screenshot(&self) -> Result<PathBuf> {
         let folder = Path::new("out");
         std::fs::create_dir_all(folder).context("cannot make the folder out")?;
         let name = self.session.name();
         let files = (1..10_000).map(|number| folder.join(format!("{name}_screenshot_{number:04}.png")));
         let path = files.into_iter().find(|path| !path.exists()).context("the folder out is full of screenshots")?;
-        let (size, rgb) = self.session.display_bytes()?;
-        measure::write_png_rgb8(&path, size, &rgb)?;
+        let shown = self.picture.shown.as_ref().context("nothing is drawn yet")?;
+        let bytes = gpu::read_texture(&self.session.gpu, shown, 0, 0)?;
+        let rgb: Vec<u8> = bytes.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        measure::write_png_rgb8(&path, [shown.width(), shown.height()], &rgb)?;
         say!("saved {}", path.display());
         Ok(path)
     }

@@ -1,11 +1,13 @@
 //! `lightwell play`: a scene in a window, or, without a display, its animation in files.
 
 mod answers;
-mod export;
+mod artist;
+pub(crate) mod export;
 mod headless;
 mod memory;
 mod meter;
 pub(crate) mod paint;
+mod picture;
 mod player;
 mod remembered;
 pub(crate) mod screen;

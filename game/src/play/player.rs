@@ -1,29 +1,34 @@
 //! A scene that is playing in a window.
 
 use super::Own;
+use super::artist::Artist;
 use super::export::Job;
 use super::memory::Memory;
 use super::meter::Meter;
 use super::paint::Painted;
+use super::picture::Picture;
 use super::screen::Screen;
 use super::ui::UiSurface;
 use super::watch::{Change, SceneWatcher};
 use crate::cli::{Common, PlayArgs};
 use crate::editor::camera::FlyCamera;
 use crate::editor::clock::PlayClock;
-use crate::editor::{Editor, Facts, Request, Stage, Tracing, console};
+use crate::editor::{Editor, Facts, Request, Stage, Tracing, Working, console};
 use crate::session::{self, Session};
 use anyhow::{Result, bail};
 use lightwell::graph::FrameReport;
 use lightwell::profile::{FrameRecorder, Profiler};
-use lightwell::render::GiMethod;
-use lightwell::scene::{SceneCamera, SceneView};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
+
+/// How often files are looked at while nothing moves.
+const IDLE: Duration = Duration::from_millis(100);
+/// How often is looked whether a picture is finished.
+const GLANCE: Duration = Duration::from_millis(5);
 
 /// A scene that is playing in a window.
 pub struct Player {
@@ -50,6 +55,11 @@ pub struct Player {
     pub(super) repaint_at: Option<Instant>,
     pub(super) ended: bool,
     pub(super) job: Option<Job>,
+    pub(super) artist: Artist,
+    pub(super) picture: Picture,
+    /// What can be answered once no picture is being drawn.
+    pub(super) waiting: Vec<Request>,
+    recorder: Option<FrameRecorder>,
     pub(super) meter: Meter,
     /// Version of the history up to which parts are watched.
     pub(super) followed: u64,
@@ -73,6 +83,7 @@ impl Player {
         let ui = UiSurface::new(&gpu, &window, screen.format());
         let session = Session::open_with(gpu, &args.scene, &args.look, common, own.types.clone())?;
         lightwell::files::remove_leftovers(session.path());
+        let artist = Artist::new(&session.gpu);
         let mut player = Self {
             watcher: SceneWatcher::new(session.path(), &session.files()),
             clock: PlayClock::new(&session.settings()),
@@ -93,6 +104,10 @@ impl Player {
             repaint_at: None,
             ended: false,
             job: None,
+            artist,
+            picture: Picture::default(),
+            waiting: Vec::new(),
+            recorder: None,
             meter: Meter::default(),
             followed: 0,
         };
@@ -121,8 +136,8 @@ impl Player {
         Ok(!self.ended)
     }
 
-    /// Takes up changed files, and asks for a frame if there is something new to show; says whether there is.
-    pub fn poll(&mut self) -> bool {
+    /// Takes up changed files, and asks for a frame if there is something new to show; says how long it may sleep.
+    pub fn poll(&mut self) -> Duration {
         // The library logs what it reloads and what is broken; the panels show the latter.
         self.stale |= !self.session.gpu.shaders.poll().is_empty();
         // Edits may have brought models and prefabs.
@@ -139,24 +154,33 @@ impl Player {
             self.repaint_at = None;
             self.stale = true;
         }
-        let busy = self.stale || self.clock.playing || self.job.is_some();
+        let goes_on = self.artist.is_idle() && (self.clock.playing || self.job.is_some());
+        let busy = self.stale || goes_on || self.artist.is_finished();
         let visible = self.screen.size().is_some();
         if busy && visible {
             self.window.request_redraw();
         }
-        busy && visible
+        match (busy && visible, self.artist.is_idle()) {
+            (true, _) => Duration::ZERO,
+            (false, false) => GLANCE,
+            (false, true) => IDLE,
+        }
     }
 
-    /// Draws and presents a frame.
+    /// Shows a frame of the interface, with the picture as far as it is finished.
     fn draw(&mut self) -> Result<()> {
-        let elapsed = self.last_frame.elapsed().as_secs_f64();
-        self.last_frame = Instant::now();
         if self.screen.size().is_none() {
             return Ok(());
         }
         self.stale = false;
-        self.clock.advance(elapsed);
-        let mut frame = FrameRecorder::begin();
+        // A picture that the interface outruns is one frame of the profile all the same.
+        let mut frame = self.recorder.take().unwrap_or_else(FrameRecorder::begin);
+        let mut is_new = self.take_picture(&mut frame, Duration::ZERO)?;
+        if self.artist.is_idle() {
+            // Where pictures take long, time waits for them.
+            self.clock.advance(self.last_frame.elapsed().as_secs_f64());
+            self.last_frame = Instant::now();
+        }
         let (painted, requests) = frame.span("interface", |_| self.interface());
         for request in requests {
             let is_save = request == Request::Save;
@@ -166,25 +190,30 @@ impl Player {
                 break;
             }
         }
-        self.continue_export();
-        let origin = self.session.scene().origin;
-        frame.span("update", |_| self.session.set_ticks(self.clock.ticks()));
-        self.camera.rebase((self.session.scene().origin - origin).as_vec3());
-        let wanted = if self.editor.view.is_shown { self.editor.view.size } else { [0; 2] };
-        if wanted[0] > 0 {
-            frame.span("render", |_| self.render(wanted));
+        if self.job.is_none() {
+            frame.span("update", |_| self.update());
         }
-        for pass in &self.report.passes {
-            if let Some(time) = pass.gpu_ms {
-                frame.gpu(&pass.name, time);
-            }
-        }
+        is_new |= self.next_picture(&mut frame)?;
         if let Some(reason) = self.session.gpu.device_lost() {
             bail!("the graphics device was lost: {reason}");
         }
         frame.span("present", |_| self.present(painted))?;
-        self.profiler.push(frame.finish());
+        match (is_new, self.artist.is_idle()) {
+            (true, is_idle) => {
+                self.profiler.push(frame.finish());
+                self.recorder = (!is_idle).then(FrameRecorder::begin);
+            }
+            (false, false) => self.recorder = Some(frame),
+            (false, true) => {}
+        }
         Ok(())
+    }
+
+    /// Brings the world to the time that is shown.
+    fn update(&mut self) {
+        let origin = self.session.scene().origin;
+        self.session.set_ticks(self.clock.ticks());
+        self.camera.rebase((self.session.scene().origin - origin).as_vec3());
     }
 
     /// Runs the panels.
@@ -192,8 +221,9 @@ impl Player {
         let (errors, log, name) = (self.errors(), console::records(), self.session.name());
         let adapter = self.session.gpu.info.name.clone();
         let scene_camera = self.session.camera().ok();
-        let image_size = self.session.display_texture().map_or([1; 2], |t| [t.width(), t.height()]);
-        let tracing = self.session.tracing().map(|(samples, target)| Tracing { samples, target });
+        let tracing = self.picture.tracing.map(|(samples, target)| Tracing { samples, target });
+        let working =
+            Working { picture: self.artist.progress(), export: self.job.as_ref().map(super::export::Job::progress) };
         let image = self.ui.image();
         let parts = self.session.parts();
         let mut stage = Stage {
@@ -213,10 +243,11 @@ impl Player {
                 log: &log,
                 scene_camera,
                 image,
-                image_size,
+                image_size: self.picture.size().unwrap_or(self.editor.view.size.map(|edge| edge.max(1))),
                 tracing,
                 live_error: self.meter.error,
                 adapter: &adapter,
+                working,
             },
         };
         let mut requests = Vec::new();
@@ -230,46 +261,6 @@ impl Player {
         // The picture of the new size comes with the next frame.
         self.stale |= self.editor.view.size != size_before;
         (painted, requests)
-    }
-
-    /// The camera that is drawn with.
-    pub(super) fn eye(&self) -> Result<SceneCamera> {
-        Ok(self.camera.apply(&self.session.camera()?))
-    }
-
-    fn render(&mut self, size: [u32; 2]) {
-        let result = self.eye().and_then(|camera| {
-            let limit = self.session.gpu.limits.max_texture_dimension_2d;
-            let view = SceneView { camera, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
-            let mut settings = self.session.display_settings();
-            settings.debug.outlined = self.editor.outlined(self.session.world());
-            if let GiMethod::Reference(reference) = &mut settings.gi {
-                // One sample a frame: the image gets better while it is looked at.
-                reference.samples_a_frame = 1;
-            }
-            let report = self.session.render(&view, &settings)?;
-            self.meter.read(&mut self.session, &view)?;
-            Ok(report)
-        });
-        if let Some(later) = self.meter.due() {
-            self.repaint_at = Some(self.repaint_at.map_or(later, |at| at.min(later)));
-        }
-        self.stale |= self.session.is_tracing();
-        match result {
-            Ok(report) => {
-                self.report = report;
-                self.frame_error = None;
-            }
-            Err(error) => {
-                let text = format!("{error:#}");
-                if self.frame_error.as_ref() != Some(&text) {
-                    log::error!("{text}");
-                }
-                self.frame_error = Some(text);
-            }
-        }
-        self.stale |= self.ui.image().is_none();
-        self.ui.set_image(&self.session.gpu, self.session.display_texture());
     }
 
     fn present(&mut self, painted: Painted) -> Result<()> {

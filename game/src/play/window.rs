@@ -11,9 +11,6 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-/// How often files are looked at while nothing moves.
-const IDLE: Duration = Duration::from_millis(100);
-
 /// Plays in a window until it is closed.
 ///
 /// # Errors
@@ -71,11 +68,11 @@ impl ApplicationHandler for App<'_> {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        let busy = self.player.as_mut().is_some_and(Player::poll);
+        let wait = self.player.as_mut().map_or(Duration::from_millis(100), Player::poll);
         // A busy frame asks for a redraw, which wakes the loop by itself.
-        event_loop.set_control_flow(match busy {
-            true => ControlFlow::Poll,
-            false => ControlFlow::WaitUntil(Instant::now() + IDLE),
+        event_loop.set_control_flow(match wait {
+            Duration::ZERO => ControlFlow::Poll,
+            wait => ControlFlow::WaitUntil(Instant::now() + wait),
         });
     }
 

@@ -5,6 +5,7 @@ mod reading;
 mod tracing;
 
 pub use painter::Painter;
+pub use reading::Objects;
 pub use tracing::Tracing;
 
 use crate::beside::Comparison;
@@ -20,7 +21,7 @@ use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::reference::TraceSettings;
 use lightwell::render::{DisplaySettings, RenderSettings};
-use lightwell::scene::{Scene, SceneCamera, SceneId, SceneView};
+use lightwell::scene::{Scene, SceneCamera, SceneView};
 use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -52,15 +53,6 @@ pub struct Session {
     world: GameWorld,
     pub(crate) painter: Painter,
     pub(crate) comparison: Comparison,
-}
-
-/// How a scene was loaded anew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reloaded {
-    /// Into the same world, where entities have the identities of those that stood at the same paths.
-    InPlace,
-    /// As another world, which is so for models.
-    Anew,
 }
 
 /// What an editor works on.
@@ -134,23 +126,20 @@ impl Session {
         Ok(Self { gpu, path, options, library, world, painter, comparison: Comparison::default() })
     }
 
-    /// Loads the scene anew from its file. If that fails, the running one stays as it is.
+    /// Loads the scene anew from its file, into the same world, where entities have the identities of those that stood
+    /// at the same paths. If that fails, the running one stays as it is.
     ///
     /// # Errors
     /// As [`Session::open`].
-    pub fn reload(&mut self) -> Result<Reloaded> {
+    pub fn reload(&mut self) -> Result<()> {
         let (path, look) = (self.path.clone(), self.painter.look.clone());
-        if !path.to_string_lossy().ends_with(".scene.ron") {
-            self.replace(path, look)?;
-            return Ok(Reloaded::Anew);
-        }
         // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
         let mut library = AssetLibrary::new();
         load(&path, &mut library, &self.options, &mut Painter::new(self.gpu.clone(), look))?;
         files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
         self.library = library;
         complete(&mut self.world, &mut self.painter)?;
-        Ok(Reloaded::InPlace)
+        Ok(())
     }
 
     /// Loads another scene on the same device. If that fails, the running one stays as it is.
@@ -217,14 +206,6 @@ impl Session {
     /// The world.
     pub fn world(&self) -> &GameWorld {
         &self.world
-    }
-
-    /// What is seen at a pixel of the last drawn frame.
-    ///
-    /// # Errors
-    /// If the last frame was traced and not drawn, or the device fails.
-    pub fn seen_at(&self, pixel: [u32; 2]) -> Result<Option<SceneId>> {
-        self.painter.seen_at(pixel)
     }
 
     /// A layer of a kept target as the last frame left it.

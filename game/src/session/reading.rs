@@ -2,35 +2,48 @@
 
 use super::painter::Painter;
 use anyhow::{Context, Result};
-use lightwell::gpu;
+use lightwell::gpu::{self, Gpu};
 use lightwell::measure::Image;
 use lightwell::render::GiMethod;
 use lightwell::render::slc::{ACCEPTED, TESTED};
-use lightwell::scene::SceneId;
+use lightwell::scene::{Scene, SceneId};
 
-impl Painter {
-    /// What is seen at a pixel of the last drawn frame.
+/// Identities of what is seen at each pixel of a drawn frame.
+pub struct Objects {
+    drawn: wgpu::Texture,
+    blended: Option<wgpu::Texture>,
+}
+
+impl Objects {
+    /// What is seen at a pixel.
     ///
     /// # Errors
-    /// If the last frame was traced and not drawn, or the device fails.
-    pub fn seen_at(&self, [x, y]: [u32; 2]) -> Result<Option<SceneId>> {
-        let texture = self.renderer.target("gbuffer object");
-        let texture = texture.context("a path-traced image does not tell what it shows; pick in the drawn one")?;
+    /// If the device fails.
+    pub fn seen_at(&self, gpu: &Gpu, scene: &Scene, [x, y]: [u32; 2]) -> Result<Option<SceneId>> {
+        let texture = &self.drawn;
         if x >= texture.width() || y >= texture.height() {
             return Ok(None);
         }
         // The first word of a texel is the identity, zero where there is nothing.
         let word_at = |texture: &wgpu::Texture, bytes_a_texel: usize| -> Result<u32> {
-            let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
+            let bytes = gpu::read_texture(gpu, texture, 0, 0)?;
             let at = bytes_a_texel * (y as usize * texture.width() as usize + x as usize);
             Ok(bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes))
         };
-        let blended = self.renderer.blended_objects().map(|objects| word_at(objects, 4)).transpose()?;
+        let blended = self.blended.as_ref().map(|objects| word_at(objects, 4)).transpose()?;
         let word = match blended {
             Some(word) if word != 0 => word,
             _ => word_at(texture, 8)?,
         };
-        Ok(self.scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
+        Ok(scene.primitives.iter().map(|p| p.id).find(|id| word != 0 && id.0 as u32 == word))
+    }
+}
+
+impl Painter {
+    /// What is seen where in the last frame; none if it was traced and not drawn.
+    pub fn objects(&self) -> Option<Objects> {
+        let drawn = self.renderer.target("gbuffer object")?.clone();
+        Some(Objects { drawn, blended: self.renderer.blended_objects().cloned() })
     }
 
     /// A layer of a kept target as the last frame left it.

@@ -249,7 +249,9 @@ impl<'a> Window<'a> {
         while (still < 4 || !is_wanted(&last)) && start.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(800));
             let now = self.shot();
-            still = if now == last { still + 1 } else { 0 };
+            // A picture that is being drawn is not that of the last change.
+            let is_busy = self.widgets().iter().any(|(_, name)| name.starts_with("drawing"));
+            still = if now == last && !is_busy { still + 1 } else { 0 };
             last = now;
         }
         last

@@ -1,5 +1,6 @@
 //! Handles in the view that move, rotate and scale the selection.
 
+mod animated;
 mod lens;
 mod motion;
 
@@ -7,10 +8,11 @@ pub use lens::Lens;
 
 use super::Editor;
 use super::stage::Stage;
+use animated::Pose;
 use egui::{Color32, Painter, Pos2, Rect, Response, Stroke, Ui};
 use glam::{Affine3A, Mat3, Vec3};
 use lightwell::scene::SceneId;
-use lightwell::world::{GlobalTransform, Transform};
+use lightwell::world::GlobalTransform;
 use motion::{Motion, motion, moved};
 use std::f32::consts::TAU;
 
@@ -51,8 +53,8 @@ pub struct Drag {
     origin: Vec3,
     axes: Mat3,
     start: Pos2,
-    /// What is dragged: its own transform before, and where its parent stands.
-    parts: Vec<(SceneId, Transform, Affine3A)>,
+    /// What is dragged: its own pose before, and where its parent stands.
+    parts: Vec<(SceneId, Pose, Affine3A)>,
 }
 
 /// Shows the handles and follows a drag; true if the mouse is theirs.
@@ -133,7 +135,7 @@ impl Axes for Affine3A {
     }
 }
 
-fn parts(editor: &Editor, stage: &Stage) -> Vec<(SceneId, Transform, Affine3A)> {
+fn parts(editor: &Editor, stage: &Stage) -> Vec<(SceneId, Pose, Affine3A)> {
     let world = &*stage.world;
     let selected = editor.selected(world);
     let stands_below = |entity| {
@@ -142,7 +144,7 @@ fn parts(editor: &Editor, stage: &Stage) -> Vec<(SceneId, Transform, Affine3A)> 
     let tops = selected.iter().filter(|(_, e)| !stands_below(*e) && !lightwell::files::is_from_model(world, *e));
     tops.map(|(id, entity)| {
         let parent = world.parent(*entity).and_then(|p| world.ecs.get::<GlobalTransform>(p)).copied();
-        (*id, world.rest_transform(*entity), parent.unwrap_or_default().relative_to(stage.facts.scene.origin))
+        (*id, Pose::of(world, *entity), parent.unwrap_or_default().relative_to(stage.facts.scene.origin))
     })
     .collect()
 }
@@ -219,10 +221,16 @@ fn apply(editor: &mut Editor, stage: &mut Stage, drag: &Drag, motion: Motion) ->
     let ids: Vec<SceneId> = drag.parts.iter().map(|(id, ..)| *id).collect();
     editor.history.open(stage, label, &ids)?;
     for (id, before, parent) in &drag.parts {
-        let now = moved(before, parent, drag.origin, motion);
+        let now = moved(&before.shown, parent, drag.origin, motion);
         let sound = now.translation.is_finite() && now.rotation.is_finite() && now.scale.is_finite();
-        if let Some(entity) = stage.world.entity(*id).filter(|_| sound) {
-            stage.world.set_rest_transform(entity, now);
+        let Some(entity) = stage.world.entity(*id).filter(|_| sound) else { continue };
+        let (now, refused) = before.shown_at(&now);
+        stage.world.set_rest_transform(entity, now.rest);
+        if let Some(animation) = now.animation.filter(|now| before.animation.as_ref() != Some(now)) {
+            stage.world.ecs.entity_mut(entity).insert(animation);
+        }
+        if let Some(why) = refused {
+            editor.tell(format!("`{}`: {why}", stage.world.name(entity)), true);
         }
     }
     Ok(())

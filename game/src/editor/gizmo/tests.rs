@@ -4,6 +4,7 @@ use egui::pos2;
 use glam::Quat;
 use lightwell::scene::SceneCamera;
 use lightwell::scene::ViewProjection;
+use lightwell::world::Transform;
 
 const PERSPECTIVE: ViewProjection = ViewProjection::Perspective { vertical_fov: 1.0 };
 const BOTH: [ViewProjection; 2] = [PERSPECTIVE, ViewProjection::Orthographic { height: 6.0 }];
@@ -99,4 +100,37 @@ fn lines_are_cut_at_the_camera() {
     assert!(lens.segment(Vec3::new(0.0, 0.0, 20.0), Vec3::new(0.0, 0.0, 30.0)).is_none());
     let (a, b) = lens.segment(Vec3::new(0.5, 0.0, 20.0), Vec3::new(0.5, 0.0, 0.0)).unwrap();
     assert!(a.x.is_finite() && b.x.is_finite());
+}
+
+#[test]
+fn tracks_move_along_with_what_they_place() {
+    use super::animated::Pose;
+    use lightwell::world::Animation;
+    use lightwell::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
+    let keys = |target, values: [KeyValue; 2]| Track::Keys {
+        node: String::new(),
+        target,
+        keys: vec![(0.0, values[0]), (1.0, values[1])],
+        interpolation: Interpolation::Linear,
+        wrap: Wrap::Once,
+    };
+    let tracks = vec![
+        keys(Target::Translation, [KeyValue::Vector(Vec3::ZERO), KeyValue::Vector(Vec3::X * 4.0)]),
+        keys(Target::Scale, [KeyValue::Scalar(1.0), KeyValue::Scalar(3.0)]),
+        keys(Target::Rotation, [KeyValue::Vector(Vec3::ZERO), KeyValue::Vector(Vec3::Y * 720.0)]),
+    ];
+    let shown = Transform { translation: Vec3::X * 2.0, scale: Vec3::splat(2.0), ..Transform::default() };
+    let animation = Some(Animation { tracks, ..Animation::default() });
+    let before = Pose { shown, rest: Transform::default(), animation };
+    let now = Transform { translation: Vec3::new(2.0, 1.0, 0.0), scale: Vec3::splat(4.0), ..shown };
+    let (moved, refused) = before.shown_at(&now);
+    assert_eq!((moved.rest.translation, moved.rest.scale, refused), (Vec3::Y, Vec3::splat(2.0), None));
+    let tracks = moved.animation.unwrap().tracks;
+    let wanted = [KeyValue::Vector(Vec3::Y), KeyValue::Vector(Vec3::new(4.0, 1.0, 0.0))];
+    assert_eq!(tracks[0], keys(Target::Translation, wanted));
+    assert_eq!(tracks[1], keys(Target::Scale, [KeyValue::Scalar(2.0), KeyValue::Scalar(6.0)]));
+    let turned = Transform { rotation: Quat::from_rotation_y(0.5), ..shown };
+    let (moved, refused) = before.shown_at(&turned);
+    assert!(refused.is_some_and(|why| why.contains("Animation")));
+    assert_eq!(moved.animation, before.animation, "angles stay");
 }

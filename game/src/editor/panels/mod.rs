@@ -11,15 +11,16 @@ use super::Editor;
 use super::layout::Pane;
 use super::stage::Stage;
 use egui::Ui;
-use std::sync::LazyLock;
 
 /// What the panels remember.
 #[derive(Default)]
 pub struct State {
-    profiler: profiler::State,
-    targets: targets::State,
+    pub(super) profiler: profiler::State,
+    pub(super) targets: targets::State,
     filter: String,
     hide: messages::Hide,
+    /// Whether videos can be made, once that was asked.
+    pub(super) ffmpeg: Option<bool>,
 }
 
 /// Shows one panel.
@@ -41,9 +42,6 @@ pub fn show(ui: &mut Ui, pane: Pane, editor: &mut Editor, stage: &mut Stage) {
 
 /// Whether videos can be made.
 pub fn has_ffmpeg() -> bool {
-    static FOUND: LazyLock<bool> = LazyLock::new(|| {
-        let asked = std::process::Command::new("ffmpeg").arg("-version").output();
-        asked.is_ok_and(|output| output.status.success())
-    });
-    *FOUND
+    let asked = std::process::Command::new("ffmpeg").arg("-version").output();
+    asked.is_ok_and(|output| output.status.success())
 }

@@ -4,15 +4,23 @@ use crate::editor::Editor;
 use crate::editor::stage::Stage;
 use egui::{Color32, Rect, Sense, Stroke, Ui, pos2, vec2};
 use lightwell::profile::{Frame, Profiler, chrome_trace};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the panel remembers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct State {
     /// Frames that are shown while they are frozen.
     frozen: Option<Vec<Frame>>,
     /// The frame that is shown, counted from the newest.
     chosen: usize,
+    /// Where traces are written.
+    pub folder: PathBuf,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self { frozen: None, chosen: 0, folder: "out".into() }
+    }
 }
 
 /// Shows the panel.
@@ -28,7 +36,7 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
         }
         if ui.button("Export").on_hover_text("as a Chrome trace, for chrome://tracing or ui.perfetto.dev").clicked() {
             let frames = state.frozen.clone().unwrap_or_else(|| live.frames().cloned().collect());
-            notice = Some(export(&frames));
+            notice = Some(export(&state.folder, &frames));
         }
         if let Some(s) = live.frame_statistics() {
             ui.monospace(format!("median {:.2} ms, {:.2} to {:.2}, {} frames", s.median, s.min, s.max, s.frames));
@@ -66,6 +74,7 @@ fn history(ui: &mut Ui, frames: &[&Frame], chosen: &mut usize) {
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
         *chosen = (((rect.right() - at.x) / width) as usize).min(frames.len().saturating_sub(1));
     }
+    crate::editor::widgets::named(&response, "Frames");
     response.on_hover_text(format!("longest: {longest:.2} ms; click on a frame to see it below"));
 }
 
@@ -133,8 +142,7 @@ fn table(ui: &mut Ui, frame: &Frame, profiler: &Profiler) {
     });
 }
 
-fn export(frames: &[Frame]) -> std::io::Result<String> {
-    let folder = Path::new("out");
+fn export(folder: &Path, frames: &[Frame]) -> std::io::Result<String> {
     std::fs::create_dir_all(folder)?;
     let path = folder.join("profile.json");
     std::fs::write(&path, chrome_trace(frames))?;

@@ -39,6 +39,7 @@ pub struct State {
     error: Option<String>,
     texture: Option<TextureHandle>,
     live: bool,
+    in_view: bool,
 }
 
 impl Editor {
@@ -50,6 +51,13 @@ impl Editor {
             Ok(image) => (state.image, state.error) = (Some(image), None),
             Err(error) => (state.image, state.error) = (None, Some(error)),
         }
+    }
+}
+
+impl State {
+    /// What is to be shown in the place of the picture.
+    pub fn in_view(&self) -> Option<&TextureHandle> {
+        self.texture.as_ref().filter(|_| self.in_view)
     }
 }
 
@@ -106,8 +114,10 @@ fn controls(ui: &mut Ui, state: &mut State, stage: &Stage) -> bool {
         }
     });
     if let Some((_, desc, _)) = textures.iter().find(|(name, ..)| **name == state.choice.name) {
-        ui.add(DragValue::new(&mut state.choice.mip).range(0..=desc.mips.saturating_sub(1)).prefix("mip "));
-        ui.add(DragValue::new(&mut state.choice.layer).range(0..=desc.size[2].saturating_sub(1)).prefix("slice "));
+        let mips = DragValue::new(&mut state.choice.mip).range(0..=desc.mips.saturating_sub(1));
+        crate::editor::widgets::named(&ui.add(mips.prefix("mip ")), "Mip level");
+        let slices = DragValue::new(&mut state.choice.layer).range(0..=desc.size[2].saturating_sub(1));
+        crate::editor::widgets::named(&ui.add(slices.prefix("slice ")), "Slice");
     }
     let before = (state.channel, state.range);
     ui.selectable_value(&mut state.channel, Channel::Color, "rgb");
@@ -126,6 +136,7 @@ fn controls(ui: &mut Ui, state: &mut State, stage: &Stage) -> bool {
         state.texture = None;
     }
     ui.checkbox(&mut state.live, "live").on_hover_text("reads it back with every frame");
+    ui.checkbox(&mut state.in_view, "in the view").on_hover_text("shows it in the place of the picture");
     ui.button("Read again").clicked()
 }
 

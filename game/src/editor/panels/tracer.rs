@@ -3,6 +3,7 @@
 use crate::beside::{LayerError, Mode};
 use crate::cli::Gi;
 use crate::editor::stage::Stage;
+use crate::editor::widgets::named;
 use egui::{DragValue, Grid, Slider, Ui};
 
 /// Shows its state and settings.
@@ -87,7 +88,7 @@ fn settings(ui: &mut Ui, stage: &mut Stage) {
     let trace = &mut stage.look.trace;
     Grid::new("tracer").show(ui, |ui| {
         ui.label("Samples a pixel");
-        ui.add(DragValue::new(&mut trace.spp).range(1..=1 << 24));
+        named(&ui.add(DragValue::new(&mut trace.spp).range(1..=1 << 24)), "Samples a pixel");
         ui.end_row();
         ui.label("Indirect bounces");
         ui.horizontal(|ui| {
@@ -96,13 +97,13 @@ fn settings(ui: &mut Ui, stage: &mut Stage) {
                 trace.bounces = bounded.then_some(3);
             }
             match &mut trace.bounces {
-                Some(bounces) => drop(ui.add(DragValue::new(bounces).range(0..=64))),
+                Some(bounces) => named(&ui.add(DragValue::new(bounces).range(0..=64)), "Bounces"),
                 None => drop(ui.weak("unbounded")),
             }
         });
         ui.end_row();
         ui.label("Seed");
-        ui.add(DragValue::new(&mut trace.seed));
+        named(&ui.add(DragValue::new(&mut trace.seed)), "Seed");
         ui.end_row();
     });
 }

@@ -4,7 +4,7 @@ use super::*;
 use egui::{Key, Modifiers};
 
 /// Writes a path where a question asks for one.
-fn enter_path(bench: &mut Bench, path: &Path) {
+pub(super) fn enter_path(bench: &mut Bench, path: &Path) {
     find(bench, "Path").focus();
     bench.run_steps(2);
     press(bench, Modifiers::COMMAND, Key::A);

@@ -142,6 +142,34 @@ fn a_handle_moves_what_is_selected() {
     assert_eq!(place(bench.state()), before, "to the bit");
 }
 
+#[test]
+fn a_handle_moves_what_is_animated_with_its_track() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().clock.seek(2.0);
+    bench.state_mut().select("Mover");
+    bench.run_steps(3);
+    assert!(bench.query_by_label_contains("animated: the transform is that without the animation").is_some());
+    let before = bench.state().text();
+    let rect = bench.get_by_label("Picture").rect();
+    let desk = bench.state();
+    let lens = super::super::gizmo::Lens::new(&desk.scene.cameras[0], rect);
+    let mover = desk.world.find("Mover").unwrap();
+    let place = |desk: &Desk| desk.world.ecs.get::<lightwell::world::GlobalTransform>(mover).unwrap().position();
+    let was = place(desk);
+    assert_eq!(was.x, 2.0);
+    let point = |height: f32| lens.point(was + glam::Vec3::Y * height).unwrap();
+    let (grip, to) = (point(0.3), point(0.8));
+    drag(&mut bench, grip, to);
+    let by = place(bench.state()) - was;
+    assert!((by.y - 0.5).abs() < 0.05 && by.x.abs() < 1e-4, "what is shown follows the pointer: {by}");
+    bench.state_mut().clock.seek(3.0);
+    bench.run_steps(2);
+    let later = place(bench.state());
+    assert!((later.x - 3.0).abs() < 1e-4 && (later.y - was.y - by.y).abs() < 1e-4, "and its path with it: {later}");
+    press(&mut bench, Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.state().text(), before);
+}
+
 /// Where frames take long, the end of the way and the release come together.
 #[test]
 fn the_last_part_of_a_drag_counts() {

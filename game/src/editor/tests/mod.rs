@@ -2,10 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod details;
 mod dialogs;
 mod edit;
+mod export;
+mod handles;
 mod keyboard;
 mod keyed;
+mod model;
 mod own;
 mod panels;
 mod reload;
@@ -14,7 +18,7 @@ mod tree;
 use super::camera::FlyCamera;
 use super::clock::PlayClock;
 use super::console::Record;
-use super::stage::{Facts, Files, Request, Stage};
+use super::stage::{Facts, Files, Request, Stage, Working};
 use super::{Editor, Pane};
 use crate::beside::{Comparison, LiveError};
 use crate::cli::LookArgs;
@@ -49,6 +53,7 @@ struct Desk {
     errors: Vec<String>,
     log: Vec<Record>,
     requests: Vec<Request>,
+    working: Working,
 }
 
 const SCENE: &str = r#"Scene(
@@ -104,6 +109,7 @@ impl Desk {
             errors: Vec::new(),
             log: Vec::new(),
             requests: Vec::new(),
+            working: Working::default(),
         };
         desk.clock.playing = false;
         desk.update();
@@ -145,6 +151,7 @@ impl Desk {
                 tracing: None,
                 live_error: self.live_error,
                 adapter: "none",
+                working: self.working,
             },
         };
         work(&mut self.editor, &mut stage)

@@ -127,7 +127,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn drop_file(bench: &mut Bench, path: &Path) {
+pub(super) fn drop_file(bench: &mut Bench, path: &Path) {
     bench.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path.to_owned())));
     bench.run_steps(3);
 }

@@ -4,7 +4,7 @@ mod groups;
 mod numbers;
 mod text;
 
-pub use text::edited_text;
+pub use text::{edited_text, endings, pick_file};
 
 use super::docs::{Docs, Note};
 use super::own::OwnComponent;

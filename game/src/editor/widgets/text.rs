@@ -6,6 +6,7 @@ use crate::editor::docs::Note;
 use crate::editor::schema::Shape;
 use crate::editor::value::Value;
 use egui::Ui;
+use std::path::PathBuf;
 
 impl Kit {
     pub(super) fn custom(&self, ui: &mut Ui, name: &str, key: &str, ty: &str, value: &mut Value, note: &Note) -> bool {
@@ -77,20 +78,11 @@ impl Kit {
         let before = value.unquoted().unwrap_or_default();
         let mut text = before.clone();
         let mut changed = edited_text(ui, name, &mut text);
-        if !endings.is_empty() {
-            ui.menu_button("…", |ui| {
-                egui::ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
-                    for file in crate::editor::assets::find(&self.folders, endings) {
-                        if ui.button(&file).clicked() {
-                            text = file;
-                            changed = true;
-                            ui.close();
-                        }
-                    }
-                });
-            })
-            .response
-            .on_hover_text("pick a file");
+        if !endings.is_empty()
+            && let Some(file) = pick_file(ui, "…", &self.folders, endings)
+        {
+            text = file;
+            changed = true;
         }
         if changed && text != before {
             *value = Value::text(&text);
@@ -100,8 +92,29 @@ impl Kit {
     }
 }
 
+/// A button with a list of the files of some endings; gives what was picked.
+pub fn pick_file(ui: &mut Ui, text: &str, folders: &[PathBuf], endings: &[&str]) -> Option<String> {
+    let mut picked = None;
+    let button = ui.menu_button(text, |ui| {
+        egui::ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
+            let files = crate::editor::assets::find(folders, endings);
+            if files.is_empty() {
+                ui.weak(format!("no file ending in .{} is near", endings.join(", .")));
+            }
+            for file in files {
+                if ui.button(&file).clicked() {
+                    picked = Some(file);
+                    ui.close();
+                }
+            }
+        });
+    });
+    button.response.on_hover_text("pick a file");
+    picked
+}
+
 /// Endings of the files that a field names.
-fn endings(name: &str, key: &str) -> &'static [&'static str] {
+pub fn endings(name: &str, key: &str) -> &'static [&'static str] {
     if key.contains("texture") || key.starts_with("Texture") || key.contains("image") {
         &["png", "jpg", "jpeg", "exr", "hdr"]
     } else if name == "model" || key.starts_with("Model") {
