@@ -85,6 +85,6 @@ fn stretch(value: &mut KeyValue, factor: Vec3) {
         // One number for all three.
         KeyValue::Scalar(n) if factor.min_element() == factor.max_element() => *n *= factor.x,
         KeyValue::Scalar(n) => *value = KeyValue::Vector(Vec3::splat(*n) * factor),
-        KeyValue::Quaternion(_) => {}
+        _ => {}
     }
 }
