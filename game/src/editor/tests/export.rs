@@ -7,6 +7,7 @@ use crate::commands::render::Shot;
 use crate::editor::Export;
 use crate::play::export::{Job, Next};
 use crate::session::Session;
+use crate::writer::Picture;
 use egui::{Key, Modifiers};
 use lightwell::render::ToneMap;
 
@@ -84,7 +85,9 @@ fn an_export_has_all_frames_as_they_are_rendered_without_a_window() {
     for number in 0..3 {
         other.set_seconds(f64::from(number) * 0.5);
         let file = folder.path().join("one.png");
-        shot.write(&mut other, &file, &indicatif::ProgressBar::hidden()).unwrap();
+        let drawn = shot.take(&mut other, &indicatif::ProgressBar::hidden()).unwrap();
+        let Picture::Display { size, rgb } = drawn else { panic!("no picture for a screen") };
+        lightwell::measure::write_png_rgb8(&file, size, &rgb).unwrap();
         let exported = std::fs::read(out.join(format!("frame_{:04}.png", number + 1))).unwrap();
         assert!(exported == std::fs::read(file).unwrap(), "frame {number} differs");
     }
