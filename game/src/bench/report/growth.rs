@@ -108,7 +108,8 @@ pub fn section(results: &Results) -> Option<String> {
     let mut text = String::from(
         "## Growth\n\nScenes made for it: a floor and a wall under a sun in a space of 20 m, at 256×256 pixels; one bounce \
          of indirect light. A frame in which everything is computed, one before which one object was moved, and one in \
-         which nothing has changed.\n",
+         which nothing has changed. The process takes up what smaller scenes have left before it grows: its least figures \
+         say nothing.\n",
     );
     for curve in &results.growth {
         text += &format!("\n### {}\n\n{}\n", title(curve), table(&head, &rows(curve)));
