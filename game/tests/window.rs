@@ -176,3 +176,80 @@ fn a_light_is_changed_without_a_mouse() {
     }
     window.kill();
 }
+
+/// Pictures of the animation as a user makes them: from the menu, with fields that are typed into, and one export that is
+/// cancelled.
+#[test]
+fn an_animation_is_exported_and_another_export_cancelled() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let window = Window::open(&display, &scene);
+    let ask_for = |into: &Path, frames: &str| {
+        window.click(window.place("File").at(0.5, 0.5));
+        window.click(window.place("Export the animation…").at(0.5, 0.5));
+        window.click(window.place("Path").at(0.5, 0.5));
+        window.key("ctrl+a");
+        window.xdotool(&["type", into.to_str().unwrap()]);
+        for (field, value) in [("Width", "64"), ("Height", "48"), ("Frames", frames)] {
+            window.click(window.place(field).at(0.5, 0.5));
+            window.key("ctrl+a");
+            window.xdotool(&["type", value]);
+            window.key("Tab");
+        }
+        window.keep("export");
+        window.click(window.place("Export").at(0.5, 0.5));
+    };
+    let (whole, cut) = (folder.path().join("whole"), folder.path().join("cut"));
+    ask_for(&whole, "3");
+    window.wait_for("the end of the export", |all| all.iter().any(|(_, text)| text.starts_with("exported into")));
+    let frames = |folder: &Path| std::fs::read_dir(folder).map_or(0, Iterator::count);
+    assert_eq!(frames(&whole), 3, "{}", window.said());
+    let frame = |number: u32| lightwell::measure::read_image(&whole.join(format!("frame_000{number}.png"))).unwrap();
+    assert_eq!(frame(1).size(), [64, 48]);
+    assert!(difference(&frame(1), &frame(3)) > 0.0, "nothing moves");
+
+    ask_for(&cut, "500");
+    window.wait_for("a first frame", |_| frames(&cut) > 0);
+    window.click(window.place("Cancel the export").at(0.5, 0.5));
+    window.wait_for("the end", |all| all.iter().any(|(_, text)| text.starts_with("export cancelled")));
+    window.keep("export_cancelled");
+    let done = frames(&cut);
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(done < 500 && frames(&cut) == done, "{done} frames, then {}", frames(&cut));
+    window.kill();
+}
+
+/// A shader is broken and mended in another program while the window is open.
+#[test]
+fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    let shaders = folder.path().join("shaders");
+    // The program takes those of the folder that it runs in.
+    assert!(std::process::Command::new("cp").arg("-r").args([&source, &shaders]).status().unwrap().success());
+    let window = Window::open(&display, &scene);
+    let before = window.picture(|_| true);
+    let compose = shaders.join("compose.wgsl");
+    let text = std::fs::read_to_string(&compose).unwrap();
+    let says = |words: &'static str| move |all: &[(_, String)]| all.iter().any(|(_, text)| text.contains(words));
+    std::fs::write(&compose, text.replace("over.rgb;", "over.rgb + nonsense;")).unwrap();
+    window.wait_for("the error", says("`nonsense`"));
+    window.keep("broken_shader");
+    let kept = difference(&before, &window.picture(|_| true));
+    assert!(kept < 0.005, "the last good shader goes on: {kept}");
+    // No red light any more.
+    let mended =
+        text.replace("vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0)", "vec4f(0.0, min(all.gb, vec2f(MAX_RADIANCE)), 1.0)");
+    assert_ne!(mended, text);
+    std::fs::write(&compose, mended).unwrap();
+    window.wait_for("the mended one", says("reloaded shader compose.wgsl"));
+    let red = |image: &lightwell::measure::Image| image.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
+    let after = window.picture(|now| red(now) < 0.5 * red(&before));
+    assert!(red(&after) < 0.5 * red(&before), "{} of {}", red(&after), red(&before));
+    window.kill();
+}
