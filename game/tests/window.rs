@@ -253,3 +253,29 @@ fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
     assert!(red(&after) < 0.5 * red(&before), "{} of {}", red(&after), red(&before));
     window.kill();
 }
+
+/// A window that is made as small as can be, taken off the screen and brought back shows the same picture again.
+#[test]
+fn a_window_comes_back_from_nothing() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let mut window = Window::open(&display, &scene);
+    let before = window.picture(|_| true);
+    let to_window = |words: &[&str]| window.xdotool(&[&["search", "--name", "Lightwell"], words].concat());
+    to_window(&["windowsize", "1", "1"]);
+    std::thread::sleep(Duration::from_secs(2));
+    to_window(&["windowunmap"]);
+    std::thread::sleep(Duration::from_secs(2));
+    to_window(&["windowmap"]);
+    let [width, height] = screen::SIZE.map(|edge| edge.to_string());
+    to_window(&["windowsize", &width, &height]);
+    let after =
+        difference(&before, &window.picture(|now| now.size() == before.size() && difference(&before, now) < 0.005));
+    assert!(after < 0.005, "another picture came back: {after}; it said {}", window.said());
+    assert!(!window.said().contains("error"), "{}", window.said());
+    window.focus("Lightwell");
+    window.key("ctrl+q");
+    assert!(window.wait_for_end(), "{}", window.said());
+}
