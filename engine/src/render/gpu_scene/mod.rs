@@ -4,17 +4,22 @@
 //! each run of visible instances is one draw. Batches are ordered by the least [`SceneId`] in them, never by the
 //! identity of an asset: where two surfaces coincide, the same one wins after every reload.
 
+mod batch;
 mod blended;
+mod class;
 mod material;
 mod texture;
 
+pub use batch::DrawFilter;
 pub use blended::Side;
+pub use class::{MaterialClass, vertex_layout};
 
 use super::sky::{GpuSky, SkyReflections};
-use crate::assets::{AlphaMode, AssetId, Mesh, Vertex, VertexExtra};
-use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
+use crate::assets::{AssetId, Mesh, VertexExtra};
+use crate::gpu::{Binding, Gpu, Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
-use crate::scene::{Aabb, Frustum, Primitive, Scene, SceneId, wall_extent};
+use crate::scene::{Primitive, Scene, SceneId};
+use batch::{Batch, Member};
 use bytemuck::{Pod, Zeroable};
 pub(super) use material::alpha_cutoff;
 use material::is_nowhere_opaque;
@@ -26,52 +31,6 @@ use std::sync::Arc;
 
 #[cfg(test)]
 pub(crate) use material::MaterialUniform;
-
-/// What decides the pipeline that a primitive is drawn with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MaterialClass {
-    /// Back faces are drawn.
-    pub double_sided: bool,
-    /// Alpha is tested.
-    pub masked: bool,
-    /// Blended over what lies behind.
-    pub blended: bool,
-    /// The transform mirrors: triangles wind the other way.
-    pub mirrored: bool,
-    /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular`.
-    pub plain: bool,
-}
-
-impl MaterialClass {
-    fn of(primitive: &Primitive) -> Self {
-        Self {
-            double_sided: primitive.material.double_sided,
-            masked: alpha_cutoff(&primitive.material) >= 0.0,
-            blended: primitive.material.alpha_mode == AlphaMode::Blend,
-            mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
-            plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
-        }
-    }
-
-    /// What the shader of a pass may leave out.
-    pub fn defs(self) -> Vec<(&'static str, ShaderDef)> {
-        if self.plain { vec![("PLAIN", ShaderDef::Flag(true))] } else { Vec::new() }
-    }
-
-    /// Layouts of [`Vertex`] and, where there is more than the plain, [`VertexExtra`].
-    pub fn vertex_buffers(self) -> Vec<wgpu::VertexBufferLayout<'static>> {
-        if self.plain { vec![vertex_layout()] } else { vec![vertex_layout(), extra_layout()] }
-    }
-
-    /// Winding and culling for what the camera sees: back faces of single-sided surfaces are left out.
-    pub fn primitive_state(self) -> wgpu::PrimitiveState {
-        wgpu::PrimitiveState {
-            front_face: if self.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-            cull_mode: (!self.double_sided).then_some(wgpu::Face::Back),
-            ..Default::default()
-        }
-    }
-}
 
 /// `Instance` of `lib/mesh.wgsl`.
 #[repr(C)]
@@ -132,70 +91,6 @@ impl GpuMesh {
             };
             gpu.storage(&mesh.name, extras, wgpu::BufferUsages::VERTEX)
         });
-    }
-}
-
-struct Batch {
-    class: MaterialClass,
-    /// Nothing of it hides what lies behind.
-    nowhere_opaque: bool,
-    material: AssetId,
-    mesh: AssetId,
-    first_instance: u32,
-    members: Vec<Member>,
-}
-
-struct Member {
-    id: SceneId,
-    bounds: Aabb,
-    casts_shadow: bool,
-    /// See [`wall_extent`].
-    wall: f32,
-}
-
-impl Member {
-    fn new(primitive: &Primitive) -> Self {
-        Self {
-            id: primitive.id,
-            bounds: primitive.bounds,
-            casts_shadow: primitive.casts_shadow,
-            wall: wall_extent(primitive, &primitive.world_from_object.matrix3),
-        }
-    }
-}
-
-/// Which primitives a pass draws.
-pub struct DrawFilter<'a> {
-    /// Primitives outside are left out.
-    pub frustum: &'a Frustum,
-    /// Only those that cast shadows.
-    pub casters_only: bool,
-    /// Only those of which a part hides what lies behind.
-    pub opaque_only: bool,
-    /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
-    pub least_wall: f32,
-}
-
-impl<'a> DrawFilter<'a> {
-    /// What a camera may see.
-    pub fn seen(frustum: &'a Frustum) -> Self {
-        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0 }
-    }
-
-    /// Of that, what hides what lies behind.
-    pub fn opaque(frustum: &'a Frustum) -> Self {
-        Self { opaque_only: true, ..Self::seen(frustum) }
-    }
-
-    /// What stops light.
-    pub fn casters(frustum: &'a Frustum) -> Self {
-        Self { casters_only: true, ..Self::seen(frustum) }
-    }
-
-    /// Of that, the walls in cells of so many metres.
-    pub fn walls(frustum: &'a Frustum, cell: f32) -> Self {
-        // A little less: surfels know the extent of their object but for a rounding.
-        Self { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
     }
 }
 
@@ -418,55 +313,10 @@ impl GpuScene {
     }
 }
 
-impl Member {
-    fn visible(&self, filter: &DrawFilter) -> bool {
-        (self.casts_shadow || !filter.casters_only)
-            // An extent that is no number counts as a wall, and hides the primitive from no other pass.
-            && !(self.wall < filter.least_wall)
-            && filter.frustum.intersects(&self.bounds)
-    }
-}
-
-impl Batch {
-    /// Ranges of instances that lie next to each other and pass the filter.
-    fn visible_runs(&self, filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
-        let visible = (self.first_instance..).zip(&self.members).filter(|(_, member)| member.visible(filter));
-        let mut visible = visible.map(|(index, _)| index).peekable();
-        std::iter::from_fn(move || {
-            let first = visible.next()?;
-            let mut end = first + 1;
-            while visible.next_if_eq(&end).is_some() {
-                end += 1;
-            }
-            Some(first..end)
-        })
-    }
-}
-
 fn draw_run(cx: &mut PassContext, pass: &mut wgpu::RenderPass<'_>, mesh: &GpuMesh, run: Range<u32>) {
     let instances = run.len() as u64;
     pass.draw_indexed(0..mesh.index_count, 0, run);
     let counts = cx.counts();
     counts.draws += 1;
     counts.triangles += instances * u64::from(mesh.index_count / 3);
-}
-
-fn extra_layout() -> wgpu::VertexBufferLayout<'static> {
-    const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![4 => Float32x2, 5 => Unorm16x4];
-    wgpu::VertexBufferLayout {
-        array_stride: size_of::<VertexExtra>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &ATTRIBUTES,
-    }
-}
-
-/// [`Vertex`] at locations 0 to 3.
-pub fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
-    const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];
-    wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &ATTRIBUTES,
-    }
 }

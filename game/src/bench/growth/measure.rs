@@ -1,8 +1,9 @@
 //! One point of a curve: a scene is loaded and drawn.
 
 use super::axis::{Axis, Series};
+use super::figures::GrowthPoint;
 use super::scene;
-use crate::bench::results::{GrowthPoint, Spread};
+use crate::bench::results::Spread;
 use crate::cli::{Common, LookArgs};
 use crate::session::Session;
 use anyhow::{Context, Result};

@@ -6,15 +6,17 @@
 //! ```
 
 mod axis;
+mod figures;
 mod glb;
 mod measure;
 mod pairs;
 mod scene;
 
 pub use axis::{Axis, Series};
+pub use figures::{Growth, GrowthPoint, Pair};
 pub use measure::Course;
 
-use super::results::{Growth, GrowthPoint, Store};
+use super::results::Store;
 use crate::cli::Grows;
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;

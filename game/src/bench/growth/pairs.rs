@@ -1,8 +1,9 @@
 //! Pairs of scenes that should cost about the same, drawn in turns.
 
+use super::figures::Pair;
 use super::glb;
 use super::measure::{Course, Frame, frame, spread};
-use crate::bench::results::{Pair, Store};
+use crate::bench::results::Store;
 use crate::cli::{Gi, LookArgs};
 use crate::session::Session;
 use anyhow::{Context, Result};

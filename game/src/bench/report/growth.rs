@@ -1,8 +1,9 @@
 //! Cost over the number of something, and pairs.
 
 use super::markdown::{mib, ms, table, times, whole};
+use crate::bench::growth::{Growth, GrowthPoint, Pair};
 use crate::bench::plot::{self, Curve};
-use crate::bench::results::{Growth, GrowthPoint, Pair, Results};
+use crate::bench::results::{Results, Spread};
 use anyhow::Result;
 use std::path::Path;
 
@@ -121,9 +122,8 @@ pub fn section(results: &Results) -> Option<String> {
 /// Pairs of scenes whose ratio is bounded.
 pub fn pairs(results: &Results) -> Option<String> {
     let row = |pair: &Pair| {
-        let ratio = |[a, b]: &[crate::bench::results::Spread; 2]| {
-            format!("{} / {} = {}", ms(a.median), ms(b.median), times(a.median / b.median))
-        };
+        let ratio =
+            |[a, b]: &[Spread; 2]| format!("{} / {} = {}", ms(a.median), ms(b.median), times(a.median / b.median));
         vec![
             format!("{}, against {}", pair.of[0], pair.of[1]),
             ratio(&pair.frame),
@@ -148,7 +148,6 @@ pub fn pairs(results: &Results) -> Option<String> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::bench::results::Spread;
 
     fn point(count: u64, time: f64, bytes: u64) -> GrowthPoint {
         let frame = Spread { median: time, min: time, max: time };

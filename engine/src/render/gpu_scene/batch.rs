@@ -1,0 +1,97 @@
+//! Primitives that are drawn together, and which of them a pass draws.
+
+use super::MaterialClass;
+use crate::assets::AssetId;
+use crate::scene::{Aabb, Frustum, Primitive, SceneId, wall_extent};
+use std::ops::Range;
+
+/// Instances of one mesh with one material that lie together.
+pub(super) struct Batch {
+    pub class: MaterialClass,
+    /// Nothing of it hides what lies behind.
+    pub nowhere_opaque: bool,
+    pub material: AssetId,
+    pub mesh: AssetId,
+    pub first_instance: u32,
+    pub members: Vec<Member>,
+}
+
+/// One instance of a batch.
+pub(super) struct Member {
+    pub id: SceneId,
+    pub bounds: Aabb,
+    casts_shadow: bool,
+    /// See [`wall_extent`].
+    wall: f32,
+}
+
+impl Member {
+    pub fn new(primitive: &Primitive) -> Self {
+        Self {
+            id: primitive.id,
+            bounds: primitive.bounds,
+            casts_shadow: primitive.casts_shadow,
+            wall: wall_extent(primitive, &primitive.world_from_object.matrix3),
+        }
+    }
+}
+
+/// Which primitives a pass draws.
+pub struct DrawFilter<'a> {
+    /// Primitives outside are left out.
+    pub frustum: &'a Frustum,
+    /// Only those that cast shadows.
+    pub casters_only: bool,
+    /// Only those of which a part hides what lies behind.
+    pub opaque_only: bool,
+    /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
+    pub least_wall: f32,
+}
+
+impl<'a> DrawFilter<'a> {
+    /// What a camera may see.
+    pub fn seen(frustum: &'a Frustum) -> Self {
+        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0 }
+    }
+
+    /// Of that, what hides what lies behind.
+    pub fn opaque(frustum: &'a Frustum) -> Self {
+        Self { opaque_only: true, ..Self::seen(frustum) }
+    }
+
+    /// What stops light.
+    pub fn casters(frustum: &'a Frustum) -> Self {
+        Self { casters_only: true, ..Self::seen(frustum) }
+    }
+
+    /// Of that, the walls in cells of so many metres.
+    pub fn walls(frustum: &'a Frustum, cell: f32) -> Self {
+        // A little less: surfels know the extent of their object but for a rounding.
+        Self { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
+    }
+}
+
+impl Member {
+    pub fn visible(&self, filter: &DrawFilter) -> bool {
+        (self.casts_shadow || !filter.casters_only)
+            // An extent that is no number counts as a wall, and hides the primitive from no other pass.
+            && !(self.wall < filter.least_wall)
+            && filter.frustum.intersects(&self.bounds)
+    }
+}
+
+impl Batch {
+    /// Ranges of instances that lie next to each other and pass the filter.
+    pub fn visible_runs(&self, filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
+        let visible = (self.first_instance..).zip(&self.members).filter(|(_, member)| member.visible(filter));
+        let mut visible = visible.map(|(index, _)| index).peekable();
+        std::iter::from_fn(move || {
+            let first = visible.next()?;
+            let mut end = first + 1;
+            while visible.next_if_eq(&end).is_some() {
+                end += 1;
+            }
+            Some(first..end)
+        })
+    }
+}
