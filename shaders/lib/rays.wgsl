@@ -2,11 +2,13 @@
 
 // The scene as rays see it: group 1 of all passes that cast rays (engine/src/render/ray_scene/).
 //
-// Nodes and triangles lie in textures of integers: four words come with one fetch, which on some adapters costs a
-// quarter of the same words from a buffer. What a scene does not have is left out of the shader, since adapters that
-// run both sides of a branch would pay for it at every step:
+// Boxes, triangles and lights lie in storage textures of integers: four words come with one fetch, which on some
+// adapters costs a quarter of the same words from a buffer, and half of a fetch from a sampled texture, which has levels.
+// What a scene does not have is left out of the shader, since adapters that run both sides of a branch would pay for it
+// at every step:
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
+//   DARK        no material emits light
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
 
 #import lightwell::gbuffer::decode_octahedral
@@ -54,19 +56,22 @@ struct RayLight {
 // link names. There is a list for each of the eight signs of a direction, near children before far ones. Words:
 // corners in 16 bits each, in units of the frame (x, y, z of the lower, then of the upper corner), and the link: the texel of
 // the next box that does not lie in this one; or for a leaf its first triangle, below LEAF and their number less one.
+// One box more lies behind all lists, so that there is always one behind the box that a ray is at.
 // Two texels come first: the frame's origin and the boxes of a list; the frame's unit.
 //   EXACT_BOXES  instead: lower corner and link, upper corner and an unused word; links count boxes
-@group(1) @binding(0) var nodes: texture_2d<u32>;
+@group(1) @binding(0) var nodes: texture_storage_2d<rgba32uint, read>;
 // Three texels a triangle: a corner in world space [m], and a word: material and flags; emitter or NONE; primitive.
-@group(1) @binding(1) var triangles: texture_2d<u32>;
+@group(1) @binding(1) var triangles: texture_storage_2d<rgba32uint, read>;
 // Three texels a triangle, one a corner: normal (octahedral), u, v, tangent (octahedral, sign of the bitangent).
-@group(1) @binding(2) var attributes: texture_2d<u32>;
+@group(1) @binding(2) var attributes: texture_storage_2d<rgba32uint, read>;
 @group(1) @binding(3) var<storage, read> materials: array<Material>;
 @group(1) @binding(4) var<storage, read> emitters: array<Emitter>;
-@group(1) @binding(5) var<storage, read> lights: array<RayLight>;
+// Four texels a light.
+@group(1) @binding(5) var lights: texture_storage_2d<rgba32uint, read>;
 @group(1) @binding(6) var atlas: texture_2d_array<f32>;
 #ifndef PLAIN
-// Three texels a triangle, one a corner: second u, v, colour and alpha of 16 bits each.
+// Three texels a triangle, one a corner: second u, v, colour and alpha of 16 bits each. Sampled, since four storage
+// textures are what every adapter has for a shader.
 @group(1) @binding(7) var extras: texture_2d<u32>;
 #endif
 
@@ -95,10 +100,29 @@ fn triangle_texel(index: u32) -> vec2u {
 
 fn load_triangle(index: u32) -> Triangle {
     let at = triangle_texel(index);
-    let a = textureLoad(triangles, at, 0);
-    let b = textureLoad(triangles, at + vec2u(0u, 1u), 0);
-    let c = textureLoad(triangles, at + vec2u(0u, 2u), 0);
+    let a = textureLoad(triangles, at);
+    let b = textureLoad(triangles, at + vec2u(0u, 1u));
+    let c = textureLoad(triangles, at + vec2u(0u, 2u));
     return Triangle(bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz), a.w & MATERIAL_MASK, a.w, b.w);
+}
+
+// As ray_scene/lights.rs writes it.
+fn load_light(index: u32) -> RayLight {
+    let at = box_texel(4u * index);
+    let a = textureLoad(lights, at);
+    let b = textureLoad(lights, at + vec2u(1u, 0u));
+    let c = textureLoad(lights, at + vec2u(2u, 0u));
+    let d = textureLoad(lights, at + vec2u(3u, 0u));
+    var light: Light;
+    light.position = bitcast<vec3f>(a.xyz);
+    light.shape = a.w;
+    light.direction = bitcast<vec3f>(b.xyz);
+    light.range = bitcast<f32>(b.w);
+    light.intensity = bitcast<vec3f>(c.xyz);
+    light.cone_scale = bitcast<f32>(c.w);
+    light.cone_offset = bitcast<f32>(d.x);
+    light.index = d.y;
+    return RayLight(light, d.z, d.w);
 }
 
 // ---- Textures ----
@@ -174,12 +198,33 @@ fn inverse_direction(d: vec3f) -> vec3f {
     return select(select(vec3f(1e20), vec3f(-1e20), d < vec3f(0.0)), 1.0 / d, abs(d) > vec3f(1e-20));
 }
 
-// A ray as boxes see it: they lie at box·scale + offset along it.
-struct Slabs {
+// Where the boxes lie.
+struct Frame {
+    origin: vec3f,
+    unit: vec3f,
+    boxes: u32,            // of a list
+}
+
+// `boxes` is the number of boxes of a list, which the host knows.
+fn load_frame(boxes: u32) -> Frame {
+#ifdef EXACT_BOXES
+    return Frame(vec3f(0.0), vec3f(1.0), boxes);
+#else
+    let origin = bitcast<vec3f>(textureLoad(nodes, vec2u(0u, 0u)).xyz);
+    let unit = bitcast<vec3f>(textureLoad(nodes, vec2u(1u, 0u)).xyz);
+    return Frame(origin, unit, boxes);
+#endif
+}
+
+// A ray on its way along its list of boxes, which lie at box·scale + offset along it.
+struct Walk {
+    ray: Ray,
     scale: vec3f,
     offset: vec3f,
-    first: u32,            // box of this ray's list
-    end: u32,
+    next: u32,             // box to be looked at
+    end: u32,              // of the list
+    kind: u32,
+    hit: Hit,              // so far
 }
 
 struct Box {
@@ -192,16 +237,18 @@ fn box_texel(index: u32) -> vec2u {
     return vec2u(index & 4095u, index >> 12u);
 }
 
-fn slabs(ray: Ray, boxes: u32) -> Slabs {
+// A ray at its start; one without reach is over already.
+fn begin_walk(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
     let inverse = inverse_direction(ray.direction);
     let negative = vec3u(ray.direction < vec3f(0.0));
-    let first = HEADER + (negative.x + 2u * negative.y + 4u * negative.z) * boxes;
+    let first = HEADER + (negative.x + 2u * negative.y + 4u * negative.z) * frame.boxes;
+    let end = first + frame.boxes;
+    let next = select(end, first, reach > 0.0);
+    let hit = Hit(reach, NONE, vec2f(0.0));
 #ifdef EXACT_BOXES
-    return Slabs(inverse, ray.origin, first, first + boxes);
+    return Walk(ray, inverse, ray.origin, next, end, kind, hit);
 #else
-    let origin = bitcast<vec3f>(textureLoad(nodes, vec2u(0u, 0u), 0).xyz);
-    let unit = bitcast<vec3f>(textureLoad(nodes, vec2u(1u, 0u), 0).xyz);
-    return Slabs(unit * inverse, (origin - ray.origin) * inverse, first, first + boxes);
+    return Walk(ray, frame.unit * inverse, (frame.origin - ray.origin) * inverse, next, end, kind, hit);
 #endif
 }
 
@@ -213,11 +260,11 @@ const HEADER: u32 = 2u;
 
 fn load_box(index: u32) -> Box {
 #ifdef EXACT_BOXES
-    let low = textureLoad(nodes, box_texel(2u * index), 0);
-    let high = textureLoad(nodes, box_texel(2u * index + 1u), 0);
+    let low = textureLoad(nodes, box_texel(2u * index));
+    let high = textureLoad(nodes, box_texel(2u * index + 1u));
     return Box(bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz), low.w);
 #else
-    let words = textureLoad(nodes, box_texel(index), 0);
+    let words = textureLoad(nodes, box_texel(index));
     // Signed, since that is one instruction on adapters that convert unsigned numbers in six.
     let low = vec3i(vec3u(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu));
     let high = vec3i(vec3u(words.y >> 16u, words.z & 0xffffu, words.z >> 16u));
@@ -229,27 +276,27 @@ fn load_box(index: u32) -> Box {
 //
 // Floats that are not negative are ordered as their bits are, and what is negative stays so: whole numbers will do,
 // whose minimum is one instruction where that of floats has to look out for NaN.
-fn meets_box(box: Box, slabs: Slabs, t_max: f32) -> bool {
+fn meets_box(box: Box, walk: Walk) -> bool {
 #ifdef EXACT_BOXES
-    let a = bitcast<vec3i>((box.low - slabs.offset) * slabs.scale);
-    let b = bitcast<vec3i>((box.high - slabs.offset) * slabs.scale);
+    let a = bitcast<vec3i>((box.low - walk.offset) * walk.scale);
+    let b = bitcast<vec3i>((box.high - walk.offset) * walk.scale);
 #else
-    let a = bitcast<vec3i>(box.low * slabs.scale + slabs.offset);
-    let b = bitcast<vec3i>(box.high * slabs.scale + slabs.offset);
+    let a = bitcast<vec3i>(box.low * walk.scale + walk.offset);
+    let b = bitcast<vec3i>(box.high * walk.scale + walk.offset);
 #endif
     let near = min(a, b);
     let far = max(a, b);
     let enter = max(max(near.x, near.y), max(near.z, 0));
-    let leave = min(min(far.x, far.y), min(far.z, bitcast<i32>(t_max)));
+    let leave = min(min(far.x, far.y), min(far.z, bitcast<i32>(walk.hit.t)));
     // Four roundings further, so that no box is missed that holds a hit (Ize 2013).
     return enter <= leave + 4;
 }
 
 fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
     let at = triangle_texel(triangle);
-    let a = bitcast<vec2f>(textureLoad(attributes, at, 0).yz);
-    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 1u), 0).yz);
-    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 2u), 0).yz);
+    let a = bitcast<vec2f>(textureLoad(attributes, at).yz);
+    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 1u)).yz);
+    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 2u)).yz);
     return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
 }
 
@@ -370,81 +417,60 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
     return hit;
 }
 
-struct Pair {
-    is_blocked: bool,
-    hit: Hit,
+fn is_over(walk: Walk) -> bool {
+    return walk.next >= walk.end;
 }
 
-// A shadow ray, and after it another ray: adapters that run lanes in lockstep let no lane wait between the two for the
-// others. A reach of zero leaves a ray out. `boxes` is the number of boxes of a list, which the host knows.
-//
-// The inner loop goes on until each lane has two leaves or nothing left, before any lane looks into one (Aila and Laine
-// 2009, "Understanding the efficiency of ray traversal on GPUs").
-fn trace_pair(boxes: u32, shadow: Ray, shadow_reach: f32, after: Ray, reach: f32, kind: u32) -> Pair {
-    let shadow_slabs = slabs(shadow, boxes);
-    let after_slabs = slabs(after, boxes);
-    var in_shadow = shadow_reach > 0.0;
-    var is_blocked = false;
-    var ray = after;
-    var slabs = after_slabs;
-    var hit = Hit(reach, NONE, vec2f(0.0));
-    if in_shadow {
-        ray = shadow;
-        slabs = shadow_slabs;
-        hit.t = shadow_reach;
-    }
-    var next = select(slabs.end, slabs.first, hit.t > 0.0);
-    while next < slabs.end {
-        var leaf = 0u;
-        var earlier_leaf = 0u;
-        loop {
-            let box = load_box(next);
-            let met = meets_box(box, slabs, hit.t);
-            let is_leaf = box.link >= LEAF;
-            earlier_leaf = select(earlier_leaf, leaf, met && is_leaf);
-            leaf = select(leaf, box.link, met && is_leaf);
-            next = select(box.link, next + 1u, met || is_leaf);
-            continuing {
-                break if earlier_leaf != 0u || next >= slabs.end;
-            }
-        }
-        if leaf != 0u {
-            var i = leaf & FIRST_MASK;
-            let end = i + ((leaf >> COUNT_BITS) & 3u) + 1u;
-            // Of the earlier leaf, if there is one; or where the loop ends anyway.
-            var turn = end;
-            let after_turn = i;
-            if earlier_leaf != 0u {
-                i = earlier_leaf & FIRST_MASK;
-                turn = i + ((earlier_leaf >> COUNT_BITS) & 3u) + 1u;
-            }
-            loop {
-                hit = meet_triangle(i, ray, hit, kind == CAMERA && !in_shadow);
-                continuing {
-                    i += 1u;
-                    i = select(i, after_turn, i == turn && turn != end);
-                    break if i == end;
-                }
-            }
-        }
-        is_blocked |= in_shadow && hit.triangle != NONE;
-        if in_shadow && (is_blocked || next >= slabs.end) {
-            in_shadow = false;
-            ray = after;
-            slabs = after_slabs;
-            hit = Hit(reach, NONE, vec2f(0.0));
-            next = select(slabs.end, slabs.first, reach > 0.0);
+// Looks at boxes until there are two leaves or more, or nothing is left, and then into the leaves: adapters that run
+// lanes in lockstep let no lane look into one while others search (Aila and Laine 2009, "Understanding the efficiency
+// of ray traversal on GPUs"). The walk must not be over.
+fn go_on(walk: ptr<function, Walk>) {
+    // Leaves whose boxes are met: one of earlier boxes, and those of the last two boxes.
+    var leaf = 0u;
+    var box_leaf = 0u;
+    var after_leaf = 0u;
+    loop {
+        // The box behind is the next one of most rays, and both at once take not much longer than one: most of the
+        // time goes into waiting, for memory and for one result after another. What lies behind the list's end leads
+        // nowhere or is met in vain.
+        let box = load_box((*walk).next);
+        let after = load_box((*walk).next + 1u);
+        let is_leaf = box.link >= LEAF;
+        let is_after_leaf = after.link >= LEAF;
+        let is_met = meets_box(box, *walk);
+        let is_after_met = meets_box(after, *walk);
+        let reaches_after = is_met || is_leaf;
+        leaf |= box_leaf | after_leaf;
+        box_leaf = select(0u, box.link, is_met && is_leaf);
+        after_leaf = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
+        let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
+        (*walk).next = select(box.link, after_next, reaches_after);
+        continuing {
+            let leaves = u32(leaf != 0u) + u32(box_leaf != 0u) + u32(after_leaf != 0u);
+            break if leaves >= 2u || (*walk).next >= (*walk).end;
         }
     }
-    return Pair(is_blocked, hit);
+    while (leaf | box_leaf | after_leaf) != 0u {
+        if leaf == 0u {
+            leaf = select(after_leaf, box_leaf, box_leaf != 0u);
+            after_leaf = select(0u, after_leaf, box_leaf != 0u);
+            box_leaf = 0u;
+        }
+        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind == CAMERA);
+        // The leaf without this triangle.
+        leaf = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
+    }
+    if (*walk).kind == SHADOW && (*walk).hit.triangle != NONE {
+        (*walk).next = (*walk).end;
+    }
 }
 
 fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
-    if kind == SHADOW {
-        let is_blocked = trace_pair(boxes, ray, t_max, ray, 0.0, LIGHT).is_blocked;
-        return Hit(t_max, select(NONE, 0u, is_blocked), vec2f(0.0));
+    var walk = begin_walk(load_frame(boxes), ray, t_max, kind);
+    while !is_over(walk) {
+        go_on(&walk);
     }
-    return trace_pair(boxes, ray, 0.0, ray, t_max, kind).hit;
+    return walk.hit;
 }
 
 // ---- Surfaces ----
@@ -485,9 +511,9 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.emitter = triangle.emitter;
 
     let at = triangle_texel(hit.triangle);
-    let a = textureLoad(attributes, at, 0);
-    let b = textureLoad(attributes, at + vec2u(0u, 1u), 0);
-    let c = textureLoad(attributes, at + vec2u(0u, 2u), 0);
+    let a = textureLoad(attributes, at);
+    let b = textureLoad(attributes, at + vec2u(0u, 1u));
+    let c = textureLoad(attributes, at + vec2u(0u, 2u));
     let material = triangle.material;
 #ifdef PLAIN
 #ifndef UNTEXTURED
@@ -521,11 +547,15 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     let roughness = saturate(materials[material].roughness * metallic_roughness.g);
     surface.alpha = max(roughness * roughness, 1e-3);
 #endif
+#ifdef DARK
+    surface.emissive = vec3f(0.0);
+#else
     surface.emissive = materials[material].emissive * emission_color(materials[material].uv_rows[7], place.color);
 #ifndef UNTEXTURED
     if any(surface.emissive > vec3f(0.0)) {
         surface.emissive *= sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, place), vec4f(1.0)).rgb;
     }
+#endif
 #endif
 
     let interpolated = w * decode_direction(a.x) + hit.barycentric.x * decode_direction(b.x)

@@ -10,7 +10,7 @@
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, trace, trace_pair, surface_at, leave_surface, load_triangle, emitted_at, coverage, materials, emitters, lights}
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace, surface_at, leave_surface, load_triangle, emitted_at, coverage, materials, emitters, load_light}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 #import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
 
@@ -178,10 +178,11 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
         pick = next_pair(random).x;
     }
     for (var i = 0u; i < params.light_count; i++) {
-        if !is_direct && lights[i].indirect == 0u {
+        let candidate = load_light(i);
+        if !is_direct && candidate.indirect == 0u {
             continue;
         }
-        let incidence = light_incidence(lights[i].light, surface.position);
+        let incidence = light_incidence(candidate.light, surface.position);
         if all(incidence.irradiance <= vec3f(0.0)) {
             continue;
         }
@@ -196,7 +197,7 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random:
         if pick < chance {
             pick /= chance;
             chosen = incidence;
-            casts_shadow = lights[i].casts_shadow != 0u;
+            casts_shadow = candidate.casts_shadow != 0u;
             chosen_weight = weight;
             chosen_light = light;
         } else {
@@ -344,20 +345,32 @@ fn survives(path: ptr<function, Path>, random: f32) -> bool {
     return random < chance;
 }
 
-// Traces the path's rays and adds the light that waited for it.
-fn advance(path: ptr<function, Path>) -> Hit {
-    let shadow = (*path).shadow;
-    let kind = select(LIGHT, CAMERA, (*path).vertices == 0u);
-    let pair = trace_pair(params.root, shadow.ray, shadow.reach, (*path).ray, (*path).reach, kind);
-    if shadow.reach > 0.0 && !pair.is_blocked {
-        if shadow.is_direct {
-            (*path).direct += shadow.light;
-        } else {
-            (*path).indirect += shadow.light;
+// The ray to the light, or the one that goes on.
+fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
+    if in_shadow {
+        return begin_walk(frame, path.shadow.ray, path.shadow.reach, SHADOW);
+    }
+    return begin_walk(frame, path.ray, path.reach, select(LIGHT, CAMERA, path.vertices == 0u));
+}
+
+// Traces the path's rays and adds the light that waited for it. One ray follows the other in the same loop: adapters
+// that run lanes in lockstep let no lane wait between the two for the others.
+fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
+    var walk = walk_of(frame, *path, (*path).shadow.reach > 0.0);
+    while !is_over(walk) {
+        go_on(&walk);
+        if walk.kind == SHADOW && is_over(walk) {
+            if walk.hit.triangle == NONE && (*path).shadow.is_direct {
+                (*path).direct += (*path).shadow.light;
+            }
+            if walk.hit.triangle == NONE && !(*path).shadow.is_direct {
+                (*path).indirect += (*path).shadow.light;
+            }
+            walk = walk_of(frame, *path, false);
         }
     }
     (*path).shadow.reach = 0.0;
-    return pair.hit;
+    return walk.hit;
 }
 
 // Goes on from the surface that the path has met; false where it ends.
@@ -416,6 +429,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var random: Sampler;
     var path: Path;
     var alive = false;
+    let frame = load_frame(params.root);
     // A thread whose path has ended starts the next one at once, so that its neighbours do not wait for it.
     loop {
         let is_new = !alive;
@@ -425,7 +439,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             // After the last one only what is left of it is traced.
             path.reach = select(0.0, path.reach, sample < end);
         }
-        let hit = advance(&path);
+        let hit = advance(frame, &path);
         if is_new {
             // Of the sample before, which is of the other half.
             let odd = (sample & 1u) == 0u;

@@ -12,7 +12,7 @@ use super::light_uniform::LightUniform;
 use super::lpv::sweep::{BalanceUniform, EmitUniform, LookupUniform, SliceUniform, SumUniform};
 use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
-use super::ray_scene::{Emitter, RayLight, RayMaterial};
+use super::ray_scene::{Emitter, RayMaterial};
 use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
@@ -59,7 +59,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     let rays = "reference/path_trace.wgsl";
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");
-    check(&gpu, RayLight::min_size().get(), rays, "RayLight");
     check(&gpu, EmitUniform::min_size().get(), "lpv/sweep/emit.wgsl", "Emit");
     check(&gpu, BalanceUniform::min_size().get(), "lpv/sweep/balance.wgsl", "Balance");
     check(&gpu, LookupUniform::min_size().get(), "lpv/sweep/irradiance.wgsl", "Lookup");

@@ -3,6 +3,7 @@
 use super::RayError;
 use super::boxes::BoxLists;
 use super::materials::GpuMaterials;
+use super::words::{ROW, Texel, Words};
 use crate::assets::VertexExtra;
 use crate::bvh::{SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
@@ -16,55 +17,6 @@ const MASKED: u32 = 1 << 31;
 
 /// Stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Texels of a row of all these textures.
-const ROW: u32 = 4096;
-
-/// Four words.
-pub(super) type Texel = [u32; 4];
-
-/// A texture of four words a texel.
-struct Words {
-    texture: wgpu::Texture,
-    view: wgpu::TextureView,
-}
-
-impl Words {
-    fn new(gpu: &Gpu, label: &str, rows: u32) -> Self {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        Self { view: texture.create_view(&Default::default()), texture }
-    }
-
-    /// Writes all of it; makes it anew if it is of another size.
-    fn upload(&mut self, gpu: &Gpu, label: &str, what: &'static str, texels: &mut Vec<Texel>) -> Result<(), RayError> {
-        texels.resize(texels.len().next_multiple_of(ROW as usize).max(ROW as usize), Texel::default());
-        let rows = texels.len() as u32 / ROW;
-        let limit = gpu.limits.max_texture_dimension_2d;
-        if rows > limit {
-            let mebibytes = |rows: u32| (16 * u64::from(ROW) * u64::from(rows)).div_ceil(1 << 20);
-            return Err(RayError::TooLarge { what, needed: mebibytes(rows), limit: mebibytes(limit) });
-        }
-        if self.texture.height() != rows {
-            *self = Self::new(gpu, label, rows);
-        }
-        gpu.queue.write_texture(
-            self.texture.as_image_copy(),
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW), rows_per_image: Some(rows) },
-            wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
-        );
-        Ok(())
-    }
-}
 
 /// Geometry on the device.
 pub(super) struct GpuGeometry {
@@ -91,19 +43,19 @@ impl GpuGeometry {
     }
 
     pub(super) fn nodes(&self) -> &wgpu::TextureView {
-        &self.nodes.view
+        self.nodes.view()
     }
 
     pub(super) fn triangles(&self) -> &wgpu::TextureView {
-        &self.triangles.view
+        self.triangles.view()
     }
 
     pub(super) fn attributes(&self) -> &wgpu::TextureView {
-        &self.attributes.view
+        self.attributes.view()
     }
 
     pub(super) fn extras(&self) -> &wgpu::TextureView {
-        &self.extras.view
+        self.extras.view()
     }
 
     /// Uploads all triangles in the order of the leaves. `emitters` gives each its emitter, or [`NONE`].

@@ -56,13 +56,14 @@ pub(super) struct GpuMaterials {
     indices: HashMap<AssetId, u32>,
     masked: Vec<bool>,
     specular: bool,
+    emissive: bool,
     plain: bool,
 }
 
 impl GpuMaterials {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
-        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, plain: true }
+        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, emissive: false, plain: true }
     }
 
     /// Uploads all materials of the scene.
@@ -70,6 +71,7 @@ impl GpuMaterials {
         self.indices.clear();
         self.masked.clear();
         self.specular = scene.primitives.iter().any(|p| p.material.specular != 0.0 || p.material.metallic != 0.0);
+        self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         let mut list = Vec::new();
         for primitive in &scene.primitives {
@@ -97,6 +99,11 @@ impl GpuMaterials {
     /// Whether any material is not purely diffuse.
     pub(super) fn any_specular(&self) -> bool {
         self.specular
+    }
+
+    /// Whether any material emits light.
+    pub(super) fn any_emissive(&self) -> bool {
+        self.emissive
     }
 
     /// Whether all textures lie by one set of coordinates as it is, and no mesh has colours.

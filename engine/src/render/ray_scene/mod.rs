@@ -6,19 +6,20 @@ mod atlas;
 mod boxes;
 mod emitters;
 mod geometry;
+mod lights;
 mod materials;
+mod words;
 
 use crate::assets::AssetId;
 use crate::bvh::SceneBvh;
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
-use crate::render::light_uniform::LightUniform;
-use crate::scene::{Scene, SceneLight};
+use crate::scene::Scene;
 use atlas::Atlas;
-use encase::ShaderType;
 use geometry::GpuGeometry;
 use glam::Vec3;
 use materials::GpuMaterials;
 use std::collections::HashMap;
+use words::Words;
 
 #[cfg(test)]
 pub(crate) use {emitters::Emitter, materials::RayMaterial};
@@ -50,24 +51,6 @@ pub enum RayError {
     },
 }
 
-/// `RayLight` of `lib/rays.wgsl`.
-#[derive(ShaderType)]
-pub(crate) struct RayLight {
-    light: LightUniform,
-    casts_shadow: u32,
-    indirect: u32,
-}
-
-impl RayLight {
-    fn new((light, index): (&SceneLight, u32)) -> Self {
-        Self {
-            light: LightUniform::new(light, index),
-            casts_shadow: u32::from(light.casts_shadow),
-            indirect: u32::from(light.indirect),
-        }
-    }
-}
-
 /// A scene on the device, ready for rays.
 pub struct RayScene {
     /// The same hierarchies on the CPU.
@@ -75,7 +58,7 @@ pub struct RayScene {
     geometry: GpuGeometry,
     materials: GpuMaterials,
     atlas: Atlas,
-    lights: wgpu::Buffer,
+    lights: Words,
     emitters: wgpu::Buffer,
     /// Mean colour of emissive textures, which takes its time to find.
     mean_colors: HashMap<AssetId, Vec3>,
@@ -94,7 +77,7 @@ impl RayScene {
             geometry: GpuGeometry::new(gpu),
             materials: GpuMaterials::new(gpu),
             atlas: Atlas::new(gpu),
-            lights: no_lights(gpu),
+            lights: Words::new(gpu, "ray lights", 1),
             emitters: gpu.storage("emitters", &[0.0_f32; 4], wgpu::BufferUsages::empty()),
             mean_colors: HashMap::new(),
             synced: None,
@@ -125,8 +108,7 @@ impl RayScene {
             self.emitters = gpu.storage("emitters", &emitters.list, wgpu::BufferUsages::empty());
         }
         self.light_count = scene.lights.len() as u32;
-        let lights: Vec<RayLight> = scene.lights.iter().zip(0..).map(RayLight::new).collect();
-        self.lights = if lights.is_empty() { no_lights(gpu) } else { gpu.storage_of("ray lights", &lights) };
+        self.lights.upload(gpu, "ray lights", "lights", &mut lights::texels(&scene.lights))?;
         self.synced = Some(state);
         Ok(())
     }
@@ -144,6 +126,7 @@ impl RayScene {
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
             ("UNLIT", self.emitter_count == 0),
+            ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
@@ -158,17 +141,11 @@ impl RayScene {
             ("attributes", Binding::Texture(self.geometry.attributes())),
             ("materials", Binding::Buffer(&self.materials.buffer)),
             ("emitters", Binding::Buffer(&self.emitters)),
-            ("lights", Binding::Buffer(&self.lights)),
+            ("lights", Binding::Texture(self.lights.view())),
             ("atlas", Binding::Texture(self.atlas.view())),
             ("extras", Binding::Texture(self.geometry.extras())),
         ]
     }
-}
-
-/// Room for one light: a binding holds one element at least.
-fn no_lights(gpu: &Gpu) -> wgpu::Buffer {
-    let room = vec![0_u8; RayLight::min_size().get() as usize];
-    gpu.storage("ray lights", &room, wgpu::BufferUsages::empty())
 }
 
 /// Whether a buffer of so many bytes can be bound.
