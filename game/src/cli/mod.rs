@@ -21,6 +21,7 @@ pub use test::TestArgs;
 
 use clap::{Args, Parser, Subcommand};
 use parse::parse_time;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -64,6 +65,21 @@ pub struct Common {
     /// Say more: -v what is done, -vv details
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+}
+
+impl Common {
+    /// The arguments that say the same to another process of this program.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let mut arguments = Vec::new();
+        if let Some(models) = &self.models {
+            arguments.extend(["--models".into(), models.into()]);
+        }
+        if let Some(adapter) = &self.adapter {
+            arguments.extend(["--adapter".into(), adapter.into()]);
+        }
+        arguments.extend((0..self.verbose).map(|_| "-v".into()));
+        arguments
+    }
 }
 
 /// The commands.

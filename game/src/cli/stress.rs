@@ -1,6 +1,7 @@
 //! Arguments of `lightwell stress`.
 
 use clap::Args;
+use clap::builder::ArgPredicate;
 use std::path::PathBuf;
 
 const STRESS_HELP: &str = "\
@@ -22,7 +23,13 @@ Exit codes: 0 all within bounds; 1 something is not, or the work could not be do
 #[command(after_help = STRESS_HELP)]
 pub struct StressArgs {
     /// Folder to write into
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(
+        short,
+        long,
+        value_name = "DIR",
+        required_unless_present = "endure",
+        default_value_if("endure", ArgPredicate::IsPresent, ".")
+    )]
     pub output: PathBuf,
     /// The whole matrix
     #[arg(long)]
@@ -34,6 +41,9 @@ pub struct StressArgs {
     #[arg(long = "method", value_name = "NAME,...", value_delimiter = ',',
         value_parser = ["direct", "diffusion", "sweep", "vpl", "slc", "reference"])]
     pub methods: Vec<String>,
+    /// The long run of one scene alone, told in lines: what `--full` calls for each
+    #[arg(long, value_name = "SCENE", hide = true)]
+    pub endure: Option<String>,
 }
 
 impl StressArgs {

@@ -7,6 +7,7 @@ use bevy_ecs::entity::Entity;
 use lightwell::gpu::Gpu;
 use lightwell::measure::Image;
 use lightwell::scene::SceneView;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,7 +18,7 @@ const SIZE: [u32; 2] = [48, 48];
 const SLACK: u64 = 64;
 
 /// What a run came to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Endured {
     scene: String,
     frames: u32,

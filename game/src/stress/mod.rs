@@ -6,8 +6,10 @@
 //! ```text
 //! cover (which rows) ─ setup (the room as text) ─ rig (draws it) ─┬─ checks (invariants of a row) ─┬─ table
 //!                      degenerate, room ──────────────────────────┘                                └─ scenes of the worst
+//! endurance (a long run) ─ aside (each in a process of its own) ─ table
 //! ```
 
+mod aside;
 mod checks;
 mod cover;
 mod degenerate;
@@ -46,6 +48,9 @@ const POSITIONS: [[f32; 3]; 3] = [[0.0; 3], [600.0, -64.0, 800.0], [-6e4, 1e3, 8
 /// # Errors
 /// If there is no device, or a file cannot be written.
 pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
+    if let Some(scene) = &args.endure {
+        return aside::run_here(scene, args, common);
+    }
     let start = Instant::now();
     let mut rig = Rig::new(&args.output, common)?;
     let methods: Vec<Method> = Method::ALL.into_iter().filter(|m| args.takes(m.name())).collect();
@@ -58,7 +63,13 @@ pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
     );
     let runs = long_runs(&rig, args, common)?;
     let faults: Vec<String> = runs.iter().flat_map(Endured::faults).collect();
-    let text = format!("{summary}\n\n{}\n{}{}", table.text(), endurance::table(&runs), faults.join("\n"));
+    let text = format!(
+        "{summary}; all in {:.0} min\n\n{}\n{}{}",
+        start.elapsed().as_secs_f64() / 60.0,
+        table.text(),
+        endurance::table(&runs),
+        faults.join("\n")
+    );
     let path = args.output.join("stress.txt");
     std::fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     table.write_picture(&args.output.join("stress.png"))?;
@@ -71,14 +82,14 @@ pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
 fn long_runs(rig: &Rig, args: &StressArgs, common: &Common) -> Result<Vec<Endured>> {
     let scenes = if args.full { &endurance::SCENES[..] } else { &endurance::SCENES[..1] };
     let frames = |share: u32| (if args.full { args.frames } else { SHORT } / share).max(2);
-    let bar = progress::bar(scenes.iter().map(|(_, share)| u64::from(frames(*share))).sum(), "long runs");
-    let run = |&(scene, share): &(&str, u32)| {
-        let run = endurance::endure(rig.gpu(), scene, frames(share), common, &|| bar.inc(1));
-        run.with_context(|| format!("the long run of {scene}"))
+    let runs: Vec<(&str, u32)> = scenes.iter().map(|&(scene, share)| (scene, frames(share))).collect();
+    let bar = progress::bar(runs.iter().map(|(_, frames)| u64::from(*frames)).sum(), "long runs");
+    let ended = match runs[..] {
+        [(scene, frames)] => endurance::endure(rig.gpu(), scene, frames, common, &|| bar.inc(1)).map(|run| vec![run]),
+        _ => aside::run_all(&runs, common, &bar),
     };
-    let runs = scenes.iter().map(run).collect();
     bar.finish_and_clear();
-    runs
+    ended
 }
 
 /// All rows, or one for each method.
