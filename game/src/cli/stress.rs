@@ -1,7 +1,6 @@
 //! Arguments of `lightwell stress`.
 
 use clap::Args;
-use clap::builder::ArgPredicate;
 use std::path::PathBuf;
 
 const STRESS_HELP: &str = "\
@@ -23,13 +22,7 @@ Exit codes: 0 all within bounds; 1 something is not, or the work could not be do
 #[command(after_help = STRESS_HELP)]
 pub struct StressArgs {
     /// Folder to write into
-    #[arg(
-        short,
-        long,
-        value_name = "DIR",
-        required_unless_present = "endure",
-        default_value_if("endure", ArgPredicate::IsPresent, ".")
-    )]
+    #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// The whole matrix
     #[arg(long)]

@@ -58,7 +58,8 @@ pub fn run_all(runs: &[(&str, u32)], common: &Common, bar: &ProgressBar) -> Resu
 /// One run in a process of its own.
 fn call(program: &Path, scene: &str, frames: u32, common: &Common, bar: &ProgressBar) -> Result<Endured> {
     let mut command = Command::new(program);
-    command.args(["stress", "--endure", scene, "--frames", &frames.to_string()]).args(common.arguments());
+    // It writes no file: any folder will do.
+    command.args(["stress", "--endure", scene, "--frames", &frames.to_string(), "-o", "."]).args(common.arguments());
     let mut process = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn()?;
     let mut outcome = None;
     if let Some(out) = process.stdout.take() {
