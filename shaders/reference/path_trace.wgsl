@@ -8,11 +8,16 @@
 // ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to the surface that the camera sees, with that
 // surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
 
-#import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
-#import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, DOUBLE_SIDED, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace, surface_at, leave_surface, load_triangle, emitted_at, coverage, materials, emitters, load_light}
-#import lightwell::sky::{sky_radiance, sky_density, sample_sky}
-#import lightwell::sampling::{Sampler, INVERSE_PI, hash_pair, next_pair, cosine_direction, visible_ggx_normal}
+#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
+#ifndef UNLIT
+#import lightwell::next_event::sample_emitter
+#endif
+#ifndef EVEN_SKY
+#import lightwell::next_event::{sample_sky_light, sky_weight}
+#endif
+#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace, surface_at, leave_surface}
+#import lightwell::sky::sky_radiance
+#import lightwell::sampling::{Sampler, hash_pair, next_pair}
 
 struct Trace {
     eye: vec3f,
@@ -40,8 +45,6 @@ struct Trace {
 @group(0) @binding(1) var<storage, read_write> sums: array<vec4f>;
 @group(0) @binding(2) var sky: texture_2d<f32>;
 
-// Nothing brighter is counted, so that no sum over samples leaves the range of floats.
-const MAX_RADIANCE: f32 = 1e30;
 // Rays that go on in "unlimited" paths: the chance to get here is below 1e-9, see `survives`.
 const MAX_BOUNCES: u32 = 1024u;
 // Rays that always go on; later ones by Russian roulette.
@@ -66,10 +69,6 @@ struct Shadow {
     reach: f32,            // 0: there is none
     light: vec3f,          // that the path brings to the eye if nothing is in the way
     is_direct: bool,
-}
-
-fn bounded(value: vec3f) -> vec3f {
-    return clamp(value, vec3f(0.0), vec3f(MAX_RADIANCE));
 }
 
 fn add(path: ptr<function, Path>, radiance: vec3f, is_direct: bool) {
@@ -98,184 +97,30 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
     (*path).vertices = 0u;
 }
 
-// ---- Reflection ----
-
-// Chance to sample the specular lobe.
-fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
-#ifdef DIFFUSE
-    return 0.0;
-#else
-    let n_dot_v = dot(surface.normal, to_eye);
-    if n_dot_v <= 0.0 {
-        return 0.0;
-    }
-    let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, n_dot_v);
-    let specular = max(f.r, max(f.g, f.b));
-    let diffuse = max(surface.albedo.r, max(surface.albedo.g, surface.albedo.b)) * (1.0 - specular);
-    if specular <= 0.0 {
-        return 0.0;
-    }
-    return select(clamp(specular / (specular + diffuse), 0.1, 0.9), 1.0, diffuse <= 0.0);
-#endif
-}
-
-// Density with which `sample_direction` gives a direction [1/sr].
-fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
-    let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
-#ifdef DIFFUSE
-    return diffuse;
-#else
-    if share <= 0.0 {
-        return diffuse;
-    }
-    // Density of visible normals over 4·v·h: G₁(v)·D/(4·n·v) (Heitz 2018, eq. 17).
-    let h = normalize(to_eye + direction);
-    let n_dot_v = dot(surface.normal, to_eye);
-    let a2 = surface.alpha * surface.alpha;
-    let d = distribution_ggx(surface.normal, h, surface.alpha);
-    let specular = d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
-    return mix(diffuse, specular, share);
-#endif
-}
-
-fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
-#ifndef DIFFUSE
-    if choice < share {
-        let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
-        return reflect(-to_eye, h);
-    }
-#endif
-    return cosine_direction(surface.normal, random);
-}
-
-fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
-    // What shines through from below the surface itself is none of its light.
-    if dot(surface.geometric_normal, direction) <= 0.0 {
-        return vec3f(0.0);
-    }
-#ifdef DIFFUSE
-    return surface.albedo * (max(0.0, dot(surface.normal, direction)) * INVERSE_PI);
-#else
-    return eval_brdf_cosine(
-        surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
-    );
-#endif
-}
-
 // ---- Next-event estimation ----
 
-// One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
-// Chao 1982): a single light is sampled without noise.
 fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) {
     let is_direct = (*path).vertices == 1u;
-    var total = 0.0;
-    var chosen: Incidence;
-    var chosen_weight = 0.0;
-    var chosen_light = vec3f(0.0);
-    var casts_shadow = false;
     var pick = 0.0;
     if params.light_count > 1u {
         pick = next_pair(random).x;
     }
-    for (var i = 0u; i < params.light_count; i++) {
-        let candidate = load_light(i);
-        if !is_direct && candidate.indirect == 0u {
-            continue;
-        }
-        let incidence = light_incidence(candidate.light, surface.position);
-        if all(incidence.irradiance <= vec3f(0.0)) {
-            continue;
-        }
-        let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
-        let weight = light.r + light.g + light.b;
-        if weight <= 0.0 {
-            continue;
-        }
-        total += weight;
-        // The random number is used up and stretched again at each choice.
-        let chance = weight / total;
-        if pick < chance {
-            pick /= chance;
-            chosen = incidence;
-            casts_shadow = candidate.casts_shadow != 0u;
-            chosen_weight = weight;
-            chosen_light = light;
-        } else {
-            pick = (pick - chance) / (1.0 - chance);
-        }
-    }
-    if chosen_weight <= 0.0 {
+    let sample = sample_light(surface, to_eye, params.light_count, is_direct, pick);
+    if sample.reach <= 0.0 {
+        add(path, sample.light, is_direct);
         return;
     }
-    let light = chosen_light * (total / chosen_weight);
-    if !casts_shadow {
-        add(path, light, is_direct);
-        return;
-    }
-    let origin = leave_surface(surface, chosen.to_light);
-    // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
-    let is_far = chosen.distance == 0.0;
-    let offset = surface.position + chosen.to_light * chosen.distance - origin;
-    let ray = Ray(origin, select(offset, chosen.to_light, is_far));
-    (*path).shadow = Shadow(ray, select(1.0, 3e38, is_far), bounded((*path).throughput * bounded(light)), is_direct);
+    (*path).shadow = Shadow(sample.ray, sample.reach, bounded((*path).throughput * bounded(sample.light)), is_direct);
 }
 
-#ifndef UNLIT
-fn choose_emitter(random: f32) -> u32 {
-    var low = 0u;
-    var high = params.emitter_count - 1u;
-    while low < high {
-        let middle = (low + high) / 2u;
-        if emitters[middle].cumulative > random {
-            high = middle;
-        } else {
-            low = middle + 1u;
-        }
+// What is left of the light of a sample, if nothing is in the way.
+fn add_unless_blocked(path: ptr<function, Path>, sample: LightSample) {
+    if sample.reach > 0.0 && trace(params.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
+        add(path, sample.light, false);
     }
-    return low;
 }
 
-fn add_emitter(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
-    let choice = next_pair(random);
-    let on_triangle = next_pair(random);
-    let emitter = emitters[choose_emitter(choice.x)];
-    let triangle = load_triangle(emitter.triangle);
-    // Uniform over the triangle (Turk 1990).
-    let root = sqrt(on_triangle.x);
-    let barycentric = vec2f(root * (1.0 - on_triangle.y), root * on_triangle.y);
-    let a = triangle.corner_a;
-    let b = triangle.corner_b;
-    let c = triangle.corner_c;
-    let place_on = a + barycentric.x * (b - a) + barycentric.y * (c - a);
-    let offset = place_on - surface.position;
-    let distance_squared = dot(offset, offset);
-    if distance_squared <= 0.0 {
-        return;
-    }
-    let direction = offset * inverseSqrt(distance_squared);
-    let response = reflected(surface, to_eye, direction);
-    let outward = cross(b - a, c - a);
-    let facing = -dot(outward, direction) / length(outward);
-    let both_sides = (triangle.flags & DOUBLE_SIDED) != 0u;
-    let cosine = select(facing, abs(facing), both_sides);
-    if cosine <= 0.0 || all(response <= vec3f(0.0)) {
-        return;
-    }
-    // Solid angle of the triangle's area as seen from here.
-    let density = emitter.density * distance_squared / cosine;
-    let origin = leave_surface(surface, direction);
-    if trace(params.root, Ray(origin, place_on - origin), 0.9999, SHADOW).triangle != NONE {
-        return;
-    }
-    let weight = density / (density + direction_density(surface, to_eye, direction, share));
-    let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
-        * coverage(emitter.triangle, triangle.material, barycentric);
-    add(path, response * emitted * (weight / density), false);
-}
-
-#endif
-
-// Emission of a surface that a path met, weighted against `add_emitter` of the vertex before.
+// Emission of a surface that a path met, weighted against `sample_emitter` at the vertex before.
 fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
     if all(surface.emissive <= vec3f(0.0)) {
         return;
@@ -284,53 +129,22 @@ fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
         add(path, surface.emissive, true);
         return;
     }
-    var weight = 1.0;
-#ifndef UNLIT
-    if surface.emitter != NONE {
-        let per_area = emitters[surface.emitter].density;
-        // The ray's direction is of unit length here.
-        let density = per_area * hit.t * hit.t / max(1e-20, abs(dot(surface.geometric_normal, (*path).ray.direction)));
-        weight = (*path).density / ((*path).density + density);
-    }
-#endif
-    add(path, surface.emissive * weight, false);
+    add(path, surface.emissive * emission_weight(surface, hit, (*path).ray.direction, (*path).density), false);
 }
 
 // ---- The sky ----
 
-// What a path finds that leaves the scene, weighted against `choose_sky` of the vertex before.
+// What a path finds that leaves the scene.
 fn add_sky(path: ptr<function, Path>) {
     let is_direct = (*path).vertices == 0u;
 #ifdef EVEN_SKY
     add(path, params.sky, is_direct);
 #else
     let d = normalize((*path).ray.direction);
-    var weight = 1.0;
-    if !is_direct {
-        weight = (*path).density / ((*path).density + sky_density(sky, d, params.sky_turn));
-    }
+    let weight = select(sky_weight(sky, params.sky_turn, d, (*path).density), 1.0, is_direct);
     add(path, sky_radiance(sky, d, params.sky_turn) * weight, is_direct);
 #endif
 }
-
-#ifndef EVEN_SKY
-// Next-event estimation towards a direction that is chosen by the flux of the sky's texels.
-fn choose_sky(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
-    let choice = next_pair(random);
-    let chosen = sample_sky(sky, params.sky_turn, choice, next_pair(random));
-    let response = reflected(surface, to_eye, chosen.direction);
-    if !(chosen.density > 0.0) || all(response <= vec3f(0.0)) {
-        return;
-    }
-    let ray = Ray(leave_surface(surface, chosen.direction), chosen.direction);
-    if trace(params.root, ray, 3e38, SHADOW).triangle != NONE {
-        return;
-    }
-    let weight = chosen.density / (chosen.density + direction_density(surface, to_eye, chosen.direction, share));
-    let radiance = sky_radiance(sky, chosen.direction, params.sky_turn);
-    add(path, response * radiance * (weight / chosen.density), false);
-}
-#endif
 
 // ---- The path ----
 
@@ -393,10 +207,12 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
     }
     let share = specular_share(surface, to_eye);
 #ifndef UNLIT
-    add_emitter(path, surface, to_eye, share, random);
+    let choice_of_emitter = next_pair(random);
+    add_unless_blocked(path, sample_emitter(surface, to_eye, share, params.emitter_count, choice_of_emitter, next_pair(random)));
 #endif
 #ifndef EVEN_SKY
-    choose_sky(path, surface, to_eye, share, random);
+    let choice_of_texel = next_pair(random);
+    add_unless_blocked(path, sample_sky_light(sky, params.sky_turn, surface, to_eye, share, choice_of_texel, next_pair(random)));
 #endif
     let choice = next_pair(random);
     let direction = sample_direction(surface, to_eye, share, choice.x, next_pair(random));

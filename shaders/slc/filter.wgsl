@@ -3,6 +3,7 @@
 // radius is a multiple of the interleaving, all subsets count alike, and no pattern is left. What is filtered is
 // irradiance, so that textures stay sharp.
 
+#import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::slc::Culling
 #import lightwell::view::View
@@ -31,21 +32,6 @@ struct Filtered {
     specular: vec3f,
 }
 
-// How far a neighbour lies off the surface, and how far that turns. Where a surface curves, chords are perpendicular to
-// the mean of the normals at their ends, exactly so on spheres and cylinders: an elevation against that tells a step
-// from a curve. Normals may turn by 20° within the radius before neighbours count for less, or what is round shows the
-// pattern of the subsets.
-fn likeness(position: vec3f, n: vec3f, other: vec2u, other_z: f32) -> f32 {
-    let offset = world_position(other, view.size, other_z, view.world_from_clip) - position;
-    let across = dot(offset, offset);
-    let other_n = decode_normal(textureLoad(normal, other, 0));
-    let both = n + other_n;
-    let off_surface = dot(both, offset);
-    let elevation = off_surface * off_surface / max(across * dot(both, both), 1e-30);
-    let turned = (1.0 - dot(n, other_n)) / 0.15;
-    return exp(-elevation * 50.0 - turned * turned);
-}
-
 fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let n = decode_normal(textureLoad(normal, pixel, 0));
@@ -62,7 +48,9 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {
         if other_z <= 0.0 {
             continue;
         }
-        let weight = (1.0 - f32(abs(d)) / f32(radius)) * likeness(position, n, other, other_z);
+        let other_position = world_position(other, view.size, other_z, view.world_from_clip);
+        let other_n = decode_normal(textureLoad(normal, other, 0));
+        let weight = (1.0 - f32(abs(d)) / f32(radius)) * likeness(position, n, other_position, other_n);
         sum.diffuse += weight * textureLoad(diffuse, other, 0).rgb;
         sum.specular += weight * textureLoad(specular, other, 0).rgb;
         weights += weight;

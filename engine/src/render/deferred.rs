@@ -28,7 +28,7 @@ use super::vpl::{self, VirtualLights, VplError};
 use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
 use crate::gpu::{Gpu, ReadbackError, read_buffer};
 use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, Pace, TargetCache, Texture};
-use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
+use crate::scene::{Aabb, ProbePoint, Scene, SceneClpv, SceneView, ViewProjection};
 use crate::world::Transport;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -93,6 +93,8 @@ pub struct Renderer {
     tracer: Option<PathTracer>,
     /// The scene for shadow rays, made when they are first asked for.
     rays: Option<RayScene>,
+    /// Why the scene of that identity and geometry cannot be gathered from.
+    refused_rays: Option<([u64; 3], String)>,
     /// Whether the last frame drew blended surfaces.
     has_blended: bool,
     probes: Vec<ProbePoint>,
@@ -111,6 +113,7 @@ impl Renderer {
             targets: TargetCache::new(),
             tracer: None,
             rays: None,
+            refused_rays: None,
             has_blended: false,
             probes: Vec::new(),
             has_probe_light: false,
@@ -177,9 +180,10 @@ impl Renderer {
         if settings.gi == GiMethod::Vpl && settings.only.is_light() {
             self.virtual_lights.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?;
         }
-        let virtual_lights = self.virtual_lights.as_ref();
         if casts_rays(scene, settings) {
             self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?;
+        } else if gathers(scene, settings) {
+            self.update_gathered(gpu, scene);
         }
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
         let tracer = match &beside {
@@ -190,9 +194,12 @@ impl Renderer {
             }
             None => None,
         };
-        let (gpu_scene, surfels, rays) = (&self.gpu_scene, &self.surfels, self.rays.as_ref());
+        let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| gathers(scene, settings));
+        let rays = self.rays.as_ref().filter(|_| refused_rays.is_none());
+        let virtual_lights = self.virtual_lights.as_ref();
+        let (gpu_scene, surfels, probes) = (&self.gpu_scene, &self.surfels, self.probes.as_slice());
         let frame =
-            Frame { scene, gpu_scene, surfels, rays, virtual_lights, view, settings, bounds, probes: &self.probes };
+            Frame { scene, gpu_scene, surfels, rays, refused_rays, virtual_lights, view, settings, bounds, probes };
         let mut graph = Graph::new(seed(gpu));
         let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
         let shown = match (beside, tracer) {
@@ -206,6 +213,21 @@ impl Renderer {
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(lpv::sweep::PROBE_LIGHT).is_some();
         execute(gpu, graph, &mut self.targets, settings)
+    }
+
+    /// Brings the scene for the rays of the final gather up to date. What does not fit the device is looked up in the
+    /// volumes alone, and not tried again before it changes.
+    fn update_gathered(&mut self, gpu: &Gpu, scene: &Scene) {
+        let subject = [scene.identity, scene.revisions.geometry, scene.revisions.materials];
+        if self.refused_rays.as_ref().is_some_and(|(refused, _)| *refused == subject) {
+            return;
+        }
+        let rays = self.rays.get_or_insert_with(|| RayScene::new(gpu));
+        self.refused_rays = rays.update(gpu, scene).err().map(|error| (subject, error.to_string()));
+        if let Some((_, why)) = &self.refused_rays {
+            self.rays = None;
+            log::warn!("light is not gathered: {why}");
+        }
     }
 
     /// Traces the view instead of drawing it.
@@ -403,6 +425,14 @@ fn finish<'a>(
     } else {
         graph.skip("tone map", "no display image is wanted");
     }
+}
+
+/// Whether indirect light is gathered by rays, where that can be done.
+fn gathers(scene: &Scene, settings: &RenderSettings) -> bool {
+    let is_wanted = |clpv: &SceneClpv| {
+        clpv.settings.transport == Transport::Sweep && lpv::sweep::gather::is_wanted(&clpv.settings)
+    };
+    shows_indirect(settings) && settings.gi == GiMethod::Clpv && scene.clpv.as_ref().is_some_and(is_wanted)
 }
 
 /// Whether indirect light casts shadow rays, or the ray hierarchy is shown.

@@ -33,6 +33,8 @@ pub struct Frame<'a> {
     pub virtual_lights: Option<&'a VirtualLights>,
     /// The scene as rays see it, where a method casts any.
     pub rays: Option<&'a RayScene>,
+    /// Why there are none for the final gather, if there should be.
+    pub refused_rays: Option<&'a str>,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.
@@ -61,15 +63,17 @@ impl Frame<'_> {
 
     /// A buffer with the view's matrices for the shaders.
     pub fn view_uniform(&self, gpu: &Gpu) -> wgpu::Buffer {
-        gpu.uniform(
-            "view",
-            &ViewUniform {
-                clip_from_world: self.view.clip_from_world(),
-                world_from_clip: self.view.world_from_clip(),
-                eye: self.view.eye_point(),
-                axis: self.view.axis(),
-                size: self.view.size.into(),
-            },
-        )
+        gpu.uniform("view", &self.view_values())
+    }
+
+    /// What stands in that buffer.
+    pub(super) fn view_values(&self) -> ViewUniform {
+        ViewUniform {
+            clip_from_world: self.view.clip_from_world(),
+            world_from_clip: self.view.world_from_clip(),
+            eye: self.view.eye_point(),
+            axis: self.view.axis(),
+            size: self.view.size.into(),
+        }
     }
 }

@@ -37,6 +37,10 @@ pub(super) fn declare<'a>(
     names: Names,
 ) -> Handle<Texture> {
     let (diffuse, field) = (light.radiance, &light.field);
+    if light.is_glossy {
+        graph.skip(names.pass, "the light was gathered for all of a surface's reflection");
+        return diffuse;
+    }
     let Field::Swept { volume, .. } = field else {
         graph.skip(names.pass, "propagated light is reflected diffusely alone");
         return diffuse;

@@ -235,6 +235,12 @@ pub struct Clpv {
     pub quality: Quality,
     /// Where the volumes lie.
     pub placement: ClpvPlacement,
+    /// Rays of a pixel that gather light at the visible surfaces, 0 to 16; 0: the volumes are looked up there themselves.
+    /// The rays find what is smaller than a cell, glossy reflection included, and cost more the larger the image is. With
+    /// `transport: Sweep` alone.
+    pub gather_rays: u32,
+    /// Radius of the filter over gathered light [pixels], 0 to 32; 0: none.
+    pub gather_filter: u32,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
     /// sweep's coarsest covers the scene and the finer ones lie before the camera. Each costs about as much as the first.
     pub cascades: u32,
@@ -268,6 +274,8 @@ impl Default for Clpv {
             bounces: Bounces::Converged,
             quality: Quality::High,
             placement: ClpvPlacement::Fixed,
+            gather_rays: 0,
+            gather_filter: 16,
             cascades: 1,
             cells: [16, 16, 16],
             cell_size: CellSize::Auto,

@@ -150,6 +150,10 @@ impl Validator {
                 "use Count(1) to Count(32), or Converged",
             )?;
         }
+        let rays = format!("`gather_rays` is {}", c.gather_rays);
+        self.require(c.gather_rays <= 16, "gather_rays", rays, "use 0 to 16")?;
+        let filter = format!("`gather_filter` is {}", c.gather_filter);
+        self.require(c.gather_filter <= 32, "gather_filter", filter, "use 0 to 32 pixels")?;
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;
         self.number("blocker_scale", c.blocker_scale, 0.0, 1e6)?;
         self.number("gain", c.gain, 0.0, 1e6)?;

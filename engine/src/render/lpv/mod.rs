@@ -38,6 +38,8 @@ const LIGHT_BYTES: u64 = 48;
 pub(crate) struct Indirect {
     /// What the visible surfaces reflect of it, rgba32float.
     pub radiance: Handle<Texture>,
+    /// Whether that holds what glossy surfaces reflect.
+    pub is_glossy: bool,
     /// Where it can be looked up at any point.
     pub field: Field,
     /// The same of the sky's light alone, if that is wanted.
@@ -136,7 +138,7 @@ pub(crate) fn declare<'a>(
     }
     let uniform = relight::uniform(settings, &volumes);
     let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
-    Ok(Some(Indirect { radiance, field: Field::Propagated { uniform, lit }, sky: None }))
+    Ok(Some(Indirect { radiance, is_glossy: false, field: Field::Propagated { uniform, lit }, sky: None }))
 }
 
 /// Runs an entry point for each texel of some layers of an RSM, into a buffer of fixed-point sums.

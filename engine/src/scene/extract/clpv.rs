@@ -67,6 +67,8 @@ fn sanitized(clpv: &Clpv) -> Clpv {
             ClpvPlacement::Camera { ahead } => ClpvPlacement::Camera { ahead: positive(ahead, 0.0).min(1.0) },
         },
         cascades: clpv.cascades.clamp(1, 4),
+        gather_rays: clpv.gather_rays.min(16),
+        gather_filter: clpv.gather_filter.min(32),
         cells: clpv.cells.map(|n| n.clamp(1, 128)),
         cell_size: match clpv.cell_size {
             CellSize::Meters(size) if size.is_finite() && size > 0.0 => clpv.cell_size,

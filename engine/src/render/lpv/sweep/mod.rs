@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! surfels ── opacity (a cascade) ──────────────┐
-//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── reflect ── emit ── sweep ── … ── relight
+//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── reflect ── emit ── sweep ── … ── relight, or gather
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`), and from the second bounce on
 //! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
@@ -11,6 +11,8 @@
 mod balance;
 mod directions;
 mod emit;
+pub(in crate::render) mod gather;
+mod gather_filter;
 mod grid;
 mod irradiance;
 mod opacity;
@@ -24,7 +26,7 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
-    balance::BalanceUniform, emit::EmitUniform, irradiance::LookupUniform, transport::SliceUniform,
+    balance::BalanceUniform, emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform, transport::SliceUniform,
     transport::SumUniform,
 };
 
@@ -89,14 +91,15 @@ pub(super) fn declare<'a>(
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let rsms = rsms(graph, frame, &volumes, &reach);
     let cloud = frame.surfels;
+    let settings = &clpv.settings;
     if rsms.is_empty() && !cloud.is_emissive() && frame.scene.sky == Vec3::ZERO {
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);
     }
-    let settings = &clpv.settings;
     let directions = [Directions::of(settings.quality), Directions::of_further_bounces(settings.quality)];
     let surfels = surfels::declare(graph, frame);
-    let bounces = bounces(settings, cloud.mean_albedo());
+    let is_gathered = gather::is_possible(graph, frame, settings);
+    let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
     let mut totals = emit::totals(graph, bounces.swept);
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
@@ -122,15 +125,20 @@ pub(super) fn declare<'a>(
             );
         }
     }
-    let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
-    let radiance = irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels);
+    let radiance = if is_gathered {
+        let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
+        gather::declare(graph, frame, gbuffer, settings, swept)
+    } else {
+        let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
+        irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
+    };
     if !frame.probes.is_empty() {
         let light = probes::declare(graph, frame, &levels);
         graph.output(light);
     }
-    let sky = levels.last().filter(|_| sky_light::is_mirrored(frame.scene)).map(|level| (level.opacity, level.volume));
+    let sky = levels.last().filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene)).map(|level| (level.opacity, level.volume));
     let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
-    Ok(levels.last().map(|level| Indirect { radiance, field: sky::field_of(level), sky }))
+    Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
 }
 
 /// What the surfels have of a bounce.
@@ -169,9 +177,12 @@ struct BounceCount {
 }
 
 /// The scene's mean reflectance bounds what is left after each bounce.
-fn bounces(settings: &Clpv, mean_albedo: Vec3) -> BounceCount {
+fn bounces(settings: &Clpv, mean_albedo: Vec3, is_gathered: bool) -> BounceCount {
     match settings.bounces {
-        Bounces::Count(count) => BounceCount { swept: count.clamp(1, MAX_BOUNCES), has_tail: false },
+        Bounces::Count(count) => {
+            // The gather is a bounce itself. What is swept lights blended surfaces even where it is all there is.
+            BounceCount { swept: count.saturating_sub(u32::from(is_gathered)).clamp(1, MAX_BOUNCES), has_tail: false }
+        }
         Bounces::Converged => {
             let albedo = mean_albedo.max_element().clamp(0.01, 0.99);
             let swept = (TAIL.ln() / albedo.ln()).ceil() as u32;

@@ -1,0 +1,190 @@
+//! The final gather: rays from the visible surfaces, into the swept light. See `lpv/sweep/gather.wgsl`.
+
+use super::Level;
+use super::gather_filter::{self, Gathered};
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::render::frame::{Frame, ViewUniform};
+use crate::render::gbuffer::GBuffer;
+use crate::render::lpv::volume::{Volume, VolumeUniform};
+use crate::render::ray_scene::RayScene;
+use crate::render::reference::dispatch_rays;
+use crate::world::Clpv;
+use encase::ShaderType;
+use glam::Vec3;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// Most rays of a pixel: lavapipe ends all loops of a thread after 65,535 turns together, without a word, and a ray
+/// takes some thousand of them in a large scene.
+const MAX_RAYS: u32 = 16;
+/// Widest filter \[pixels\].
+const MAX_FILTER: u32 = 32;
+/// Rays of one submit: a submit of a second may cost the device on desktop drivers.
+const RAYS_A_SUBMIT: u64 = 1 << 18;
+
+/// `Gather` of `lpv/sweep/gather.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct GatherUniform {
+    view: ViewUniform,
+    swept: VolumeUniform,
+    sky: Vec3,
+    sky_turn: f32,
+    root: u32,
+    light_count: u32,
+    emitter_count: u32,
+    seed: u32,
+    first_row: u32,
+}
+
+/// Swept light where rays end.
+#[derive(Clone, Copy)]
+struct Swept {
+    volume: Volume,
+    buffers: [Handle<Buffer>; 3],
+}
+
+/// Declares the gather and its filter; the result is reflected radiance. `level` is what was swept, if anything was that
+/// counts.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    level: Option<&Level>,
+) -> Handle<Texture> {
+    let gathered = Gathered {
+        diffuse: graph.retained_texture("gathered diffuse", image_desc(frame)),
+        specular: graph.retained_texture("gathered specular", image_desc(frame)),
+    };
+    let swept =
+        level.map(|level| Swept { volume: level.volume, buffers: [level.sum.axes, level.sum.facing, level.opacity] });
+    let mut pass = graph.pass("gather");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
+    inputs.into_iter().for_each(|handle| pass.read(handle));
+    swept.iter().flat_map(|swept| swept.buffers).for_each(|handle| pass.read(handle));
+    let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
+    let scene = frame.scene;
+    pass.key(&(settings.gather_rays, seed(frame), frame.view_key(), swept.map(|swept| swept.volume.key())));
+    pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
+    let work = Work { frame: frame.clone(), inputs, swept, gathered, rays: settings.gather_rays.min(MAX_RAYS) };
+    pass.execute(move |cx| work.run(cx));
+    gather_filter::declare(graph, frame, gbuffer, gathered, settings.gather_filter.min(MAX_FILTER))
+}
+
+/// An image of linear values for the pixels of the frame.
+pub(super) fn image_desc(frame: &Frame) -> TextureDesc {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
+}
+
+/// Of the random numbers: other ones for each of the shifted images that are averaged.
+fn seed(frame: &Frame) -> u32 {
+    let mut hasher = DefaultHasher::new();
+    frame.view.jitter.map(f32::to_bits).hash(&mut hasher);
+    hasher.finish() as u32
+}
+
+struct Work<'a> {
+    frame: Frame<'a>,
+    inputs: [Handle<Texture>; 4],
+    swept: Option<Swept>,
+    gathered: Gathered,
+    rays: u32,
+}
+
+impl Work<'_> {
+    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
+        let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let [width, height] = self.frame.view.size;
+        let pixels = u64::from(width) * u64::from(height);
+        cx.counts().texels += pixels;
+        cx.counts().paths += pixels * u64::from(self.rays);
+        let rows_a_submit = RAYS_A_SUBMIT / (u64::from(width) * u64::from(self.rays));
+        // Whole workgroups, eight rows high.
+        let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
+        for first_row in (0..height).step_by(step) {
+            let rows = (height - first_row).min(step as u32);
+            self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
+            if first_row + rows < height {
+                cx.submit();
+            }
+        }
+        Ok(())
+    }
+
+    fn dispatch(
+        &self,
+        cx: &mut PassContext,
+        rays: &RayScene,
+        first_row: u32,
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
+        let gpu = cx.gpu;
+        let uniform = gpu.uniform("gather", &self.uniform(rays, first_row));
+        let views = self.inputs.map(|handle| cx.view(handle));
+        let targets = [self.gathered.diffuse, self.gathered.specular].map(|handle| cx.view(handle));
+        let swept = self.swept.map(|swept| swept.buffers.map(|handle| cx.buffer(handle).clone()));
+        let mut key = rays.shader("lpv/sweep/gather.wgsl", "main").def("RAYS", ShaderDef::Uint(self.rays));
+        let mut group = vec![
+            ("gather", Binding::Buffer(&uniform)),
+            ("diffuse", Binding::Texture(&targets[0])),
+            ("specular", Binding::Texture(&targets[1])),
+        ];
+        let names = ["base_color", "normal", "object", "depth"];
+        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        match &swept {
+            Some(buffers) => {
+                let names = ["axes", "facing", "opacity"];
+                group.extend(names.into_iter().zip(buffers).map(|(name, buffer)| (name, Binding::Buffer(buffer))));
+            }
+            None => key = key.def("UNSWEPT", ShaderDef::Flag(true)),
+        }
+        if self.frame.scene.sky_map.is_some() {
+            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
+        } else {
+            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
+        }
+        dispatch_rays(gpu, cx.encoder(), &key, &group, rays, groups)?;
+        cx.counts().dispatches += 1;
+        Ok(())
+    }
+
+    fn uniform(&self, rays: &RayScene, first_row: u32) -> GatherUniform {
+        let scene = self.frame.scene;
+        let nowhere = Volume {
+            origin: Vec3::ZERO,
+            cell: 1.0,
+            cells: glam::UVec3::ONE,
+            fade_center: Vec3::ZERO,
+            fade_half: Vec3::ZERO,
+        };
+        GatherUniform {
+            view: self.frame.view_values(),
+            swept: self.swept.map_or(nowhere, |swept| swept.volume).uniform(),
+            sky: scene.sky,
+            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+            root: rays.root(),
+            light_count: rays.light_count,
+            emitter_count: rays.emitter_count,
+            seed: seed(&self.frame),
+            first_row,
+        }
+    }
+}
+
+/// Whether the light is gathered; else the reason is in the report.
+pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> bool {
+    match (is_wanted(settings), frame.refused_rays) {
+        (false, _) => graph.skip("gather", "`gather_rays` is 0: surfaces look the volumes up themselves"),
+        (true, Some(why)) => graph.skip("gather", why),
+        (true, None) => return true,
+    }
+    false
+}
+
+/// Whether rays are wanted.
+pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
+    settings.gather_rays > 0
+}
+

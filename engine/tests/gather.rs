@@ -1,0 +1,244 @@
+//! The final gather of the sweep transport: against formulas and the path tracer, and what it does not need.
+
+mod support;
+
+use glam::{Affine3A, Vec3};
+use lightwell::assets::{Material, Shape};
+use lightwell::gpu::{Gpu, ImageF32};
+use lightwell::graph::{FrameReport, PassState};
+use lightwell::measure::Image;
+use lightwell::render::reference::{PathTracer, TraceSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::LightShape;
+use lightwell::world::{Bounces, Clpv, Quality};
+use std::f32::consts::PI;
+use support::{Stage, gpu};
+
+fn settings(bounces: Bounces) -> Clpv {
+    Clpv { bounces, quality: Quality::Low, gather_rays: 8, ..Default::default() }
+}
+
+fn mean(image: &ImageF32) -> f32 {
+    image.rgba.iter().map(|p| p[0]).sum::<f32>() / image.rgba.len() as f32
+}
+
+fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
+    stage.render(gpu, GiMethod::Clpv, Layer::Indirect)
+}
+
+/// Mean of images that are shifted by a little, each with rays of its own.
+fn averaged(gpu: &Gpu, mut stage: Stage, count: u8) -> ImageF32 {
+    let mut image = |index: u8| {
+        stage.view.jitter = [0.01 * f32::from(index), 0.0];
+        indirect(gpu, &stage)
+    };
+    let mut sum = image(0);
+    for index in 1..count {
+        let next = image(index);
+        sum.rgba.iter_mut().zip(&next.rgba).for_each(|(a, b)| (0..3).for_each(|c| a[c] += b[c]));
+    }
+    sum.rgba.iter_mut().for_each(|pixel| pixel.iter_mut().for_each(|value| *value /= f32::from(count)));
+    sum
+}
+
+/// A lamp in a closed room of 4 m with a box in it.
+fn room(settings: Clpv) -> Stage {
+    let mut stage = Stage::new(Vec3::new(1.6, 1.0, 1.5), Vec3::new(-1.0, -0.8, -1.2), 64);
+    stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.7, 0.5, 0.3));
+    let small = Shape::Box { size: [0.5, 0.9, 0.5] };
+    stage.add(small, Vec3::splat(0.6), Affine3A::from_translation(Vec3::new(-0.9, -1.5, -0.8)));
+    stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(0.3, 0.6, -0.2), Vec3::NEG_Y);
+    stage.clpv(Vec3::ZERO, settings);
+    stage
+}
+
+fn traced(gpu: &Gpu, stage: &Stage, bounces: u32) -> Image {
+    let mut tracer = PathTracer::new(gpu);
+    let settings = TraceSettings { bounces: Some(bounces), seed: 3 };
+    tracer.begin(gpu, &stage.scene, &stage.view, &settings).expect("a scene that can be traced");
+    tracer.advance(gpu, 256).expect("a device");
+    let estimate = tracer.estimate(gpu).expect("an image");
+    let [even, odd] = &estimate.indirect;
+    let mut image = even.clone();
+    for (pixel, other) in image.pixels_mut().iter_mut().zip(odd.pixels()) {
+        (0..3).for_each(|channel| pixel[channel] = 0.5 * (pixel[channel] + other[channel]));
+    }
+    image
+}
+
+/// Root of the mean square difference over the mean, and the difference of the means over it.
+fn error(found: &ImageF32, expected: &Image) -> (f64, f64) {
+    let (mut square, mut difference, mut total) = (0.0, 0.0, 0.0);
+    for (a, b) in found.rgba.iter().zip(expected.pixels()) {
+        for channel in 0..3 {
+            let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
+            square += (a - b).powi(2);
+            difference += a - b;
+            total += b;
+        }
+    }
+    let values = 3.0 * found.rgba.len() as f64;
+    ((square / values).sqrt() / (total / values), difference / total)
+}
+
+fn ran(report: &FrameReport) -> Vec<&str> {
+    report.passes.iter().filter(|pass| pass.state == PassState::Ran).map(|pass| pass.name.as_str()).collect()
+}
+
+/// A sphere of albedo ½ around a light of intensity π: the first bounce brings ¼ of the radiance, see the path tracer's
+/// test.
+#[test]
+fn furnace_inside_a_sphere() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 0.3), Vec3::ZERO, 32);
+    let mut material = Material::diffuse("inside", Vec3::splat(0.5));
+    material.double_sided = true;
+    let sphere = Shape::Sphere { radius: 1.0, segments: 128, rings: 64 };
+    stage.add_material(sphere, material, Affine3A::IDENTITY);
+    stage.light(LightShape::Point, Vec3::splat(PI), Vec3::ZERO, Vec3::Y);
+    stage.clpv(Vec3::ZERO, settings(Bounces::Count(1)));
+    let found = mean(&indirect(&gpu, &stage));
+    assert!((found / 0.25 - 1.0).abs() < 5e-3, "{found}");
+}
+
+/// A white convex body under an open sky of radiance 1 looks as bright as the sky.
+#[test]
+fn furnace_under_the_sky() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 2.5), Vec3::ZERO, 33);
+    stage.add(Shape::Sphere { radius: 1.0, segments: 128, rings: 64 }, Vec3::ONE, Affine3A::IDENTITY);
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(Vec3::ZERO, settings(Bounces::Count(1)));
+    let image = indirect(&gpu, &stage);
+    let found = support::rgb(&image, 16, 16);
+    assert!((found - Vec3::ONE).abs().max_element() < 0.01, "{found}");
+}
+
+/// Things that are smaller than a cell, near the camera.
+fn cluttered(settings: Clpv) -> Stage {
+    let mut stage = room(settings);
+    for index in 0..25_u8 {
+        let at = Vec3::new(-1.2 + 0.3 * f32::from(index % 5), -1.9, -1.2 + 0.3 * f32::from(index / 5));
+        stage.add(Shape::Box { size: [0.12, 0.2, 0.12] }, Vec3::splat(0.8), Affine3A::from_translation(at));
+    }
+    let eye = Stage::new(Vec3::new(0.4, -0.9, 0.5), Vec3::new(-0.7, -1.9, -0.7), 64);
+    stage.view = eye.view;
+    stage
+}
+
+#[test]
+fn one_bounce_is_that_of_the_path_tracer_and_nearer_than_the_volumes() {
+    let gpu = gpu();
+    for (scene, most) in [(room as fn(Clpv) -> Stage, 1.0), (cluttered, 0.6)] {
+        let stage = scene(settings(Bounces::Count(1)));
+        let expected = traced(&gpu, &stage, 1);
+        let (nrmse, bias) = error(&averaged(&gpu, stage, 8), &expected);
+        let looked_up = scene(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) });
+        let (volumes, _) = error(&indirect(&gpu, &looked_up), &expected);
+        assert!(bias.abs() < 0.01, "bias {bias}");
+        assert!(nrmse < most * volumes, "gathered {nrmse}, looked up {volumes}");
+    }
+}
+
+#[test]
+fn two_bounces_are_those_of_the_path_tracer() {
+    let gpu = gpu();
+    let stage = room(settings(Bounces::Count(2)));
+    let (nrmse, bias) = error(&indirect(&gpu, &stage), &traced(&gpu, &stage, 2));
+    assert!(nrmse < 0.08 && bias.abs() < 0.02, "nrmse {nrmse}, bias {bias}");
+}
+
+/// A rough metal floor and a glossy box reflect what the rays find.
+#[test]
+fn glossy_surfaces_reflect_as_in_the_path_tracer() {
+    let gpu = gpu();
+    let mut stage = room(settings(Bounces::Count(1)));
+    let metal = Material { metallic: 1.0, roughness: 0.4, specular: 1.0, ..Material::diffuse("metal", Vec3::splat(0.8)) };
+    let floor = Affine3A::from_translation(Vec3::new(0.0, -1.95, 0.0));
+    stage.add_material(Shape::Box { size: [3.9, 0.1, 3.9] }, metal, floor);
+    let expected = traced(&gpu, &stage, 1);
+    let (nrmse, bias) = error(&indirect(&gpu, &stage), &expected);
+    assert!(nrmse < 0.15 && bias.abs() < 0.03, "nrmse {nrmse}, bias {bias}");
+}
+
+#[test]
+fn one_bounce_needs_no_sweep_and_two_need_one() {
+    let gpu = gpu();
+    for (bounces, swept) in [(1, 0), (2, 1), (3, 2)] {
+        let stage = room(settings(Bounces::Count(bounces)));
+        let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &RenderSettings::default());
+        let sweeps = ran(&report).iter().filter(|name| name.starts_with("sweep, cascade")).count();
+        assert!(report.ran("gather") && !report.ran("relight") && !report.ran("gloss"), "{report}");
+        assert_eq!(sweeps, swept, "{report}");
+    }
+    let (_, report) = room(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) }).render_with(
+        &gpu,
+        &mut Renderer::new(&gpu),
+        &RenderSettings::default(),
+    );
+    assert!(!report.ran("gather") && report.ran("relight"), "{report}");
+}
+
+#[test]
+fn nothing_is_gathered_twice_and_reuse_changes_no_bit() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(&gpu);
+    let mut stage = room(settings(Bounces::Count(2)));
+    let draw = |renderer: &mut Renderer, stage: &Stage| stage.render_with(&gpu, renderer, &RenderSettings::default());
+    let (first, _) = draw(&mut renderer, &stage);
+    let (again, report) = draw(&mut renderer, &stage);
+    assert_eq!(report.ran_count(), 0, "{report}");
+    assert_eq!(first, again);
+    stage.view.camera.world_from_view.translation.x -= 0.2;
+    let (moved, report) = draw(&mut renderer, &stage);
+    assert!(report.ran("gather"), "{report}");
+    assert!(!ran(&report).iter().any(|name| name.starts_with("sweep") || name.starts_with("rsm")), "{report}");
+    assert_eq!(moved, stage.render(&gpu, GiMethod::Clpv, Layer::Total));
+    stage.scene.lights[0].intensity *= 0.5;
+    stage.scene.lights[0].revision += 1;
+    stage.scene.revisions.lights += 1;
+    let (dimmed, report) = draw(&mut renderer, &stage);
+    assert!(report.ran("gather"), "{report}");
+    assert_eq!(dimmed, stage.render(&gpu, GiMethod::Clpv, Layer::Total));
+}
+
+#[test]
+fn light_scales_exactly_and_none_is_none() {
+    let gpu = gpu();
+    let mut stage = room(settings(Bounces::Converged));
+    let one = indirect(&gpu, &stage);
+    stage.scene.lights[0].intensity *= 2.0;
+    let two = indirect(&gpu, &stage);
+    for (a, b) in one.rgba.iter().zip(&two.rgba) {
+        assert_eq!(a.map(|value| 2.0 * value)[..3], b[..3]);
+    }
+    stage.scene.lights[0].intensity = Vec3::ZERO;
+    assert!(indirect(&gpu, &stage).rgba.iter().all(|pixel| pixel[..3] == [0.0; 3]));
+}
+
+#[test]
+fn shifted_images_have_rays_of_their_own() {
+    let gpu = gpu();
+    let stage = room(Clpv { gather_rays: 1, gather_filter: 0, ..settings(Bounces::Count(1)) });
+    let expected = traced(&gpu, &stage, 1);
+    let one = error(&indirect(&gpu, &stage), &expected).0;
+    // Noise falls with the root of the number of rays, or faster.
+    let sixteen = error(&averaged(&gpu, stage, 16), &expected).0;
+    assert!(sixteen < 0.4 * one, "noise of one image {one}, of sixteen {sixteen}");
+}
+
+#[test]
+fn a_scene_too_large_for_rays_is_looked_up_and_says_so() {
+    let mut gpu = gpu();
+    let stage = room(settings(Bounces::Count(1)));
+    let looked_up = room(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) });
+    let expected = indirect(&gpu, &looked_up);
+    // Less than one material takes.
+    gpu.limits.max_storage_buffer_binding_size = 64;
+    let mut renderer = Renderer::new(&gpu);
+    let settings = RenderSettings { only: Layer::Indirect, ..RenderSettings::default() };
+    let (found, report) = stage.render_with(&gpu, &mut renderer, &settings);
+    let pass = report.pass("gather").expect("a line in the report");
+    assert!(pass.state != PassState::Ran && pass.why.contains("MiB"), "{report}");
+    assert_eq!(found, expected);
+}

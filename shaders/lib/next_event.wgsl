@@ -1,0 +1,233 @@
+#define_import_path lightwell::next_event
+
+// A vertex of a path: directions by the surface's reflection, and next-event estimation towards lights, emissive triangles
+// and the sky. What both ways can find is weighted by the balance heuristic (Veach and Guibas 1995). What a scene does not
+// have is left out: see lib/rays.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
+// sky is alike in all directions.
+
+#import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
+#import lightwell::lights::{Incidence, light_incidence}
+#import lightwell::rays::{Ray, Hit, Surface, NONE, DOUBLE_SIDED, leave_surface, load_triangle, emitted_at, coverage, emitters, load_light}
+#import lightwell::sampling::{INVERSE_PI, cosine_direction, visible_ggx_normal}
+#import lightwell::sky::{sky_radiance, sky_density, sample_sky}
+
+// Nothing brighter is counted, so that no sum over samples leaves the range of floats.
+const MAX_RADIANCE: f32 = 1e30;
+
+fn bounded(value: vec3f) -> vec3f {
+    return clamp(value, vec3f(0.0), vec3f(MAX_RADIANCE));
+}
+
+// ---- Reflection ----
+
+// Chance to sample the specular lobe.
+fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
+#ifdef DIFFUSE
+    return 0.0;
+#else
+    let n_dot_v = dot(surface.normal, to_eye);
+    if n_dot_v <= 0.0 {
+        return 0.0;
+    }
+    let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, n_dot_v);
+    let specular = max(f.r, max(f.g, f.b));
+    let diffuse = max(surface.albedo.r, max(surface.albedo.g, surface.albedo.b)) * (1.0 - specular);
+    if specular <= 0.0 {
+        return 0.0;
+    }
+    return select(clamp(specular / (specular + diffuse), 0.1, 0.9), 1.0, diffuse <= 0.0);
+#endif
+}
+
+// Density with which `sample_direction` gives a direction [1/sr].
+fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
+    let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
+#ifdef DIFFUSE
+    return diffuse;
+#else
+    if share <= 0.0 {
+        return diffuse;
+    }
+    // Density of visible normals over 4·v·h: G₁(v)·D/(4·n·v) (Heitz 2018, eq. 17).
+    let h = normalize(to_eye + direction);
+    let n_dot_v = dot(surface.normal, to_eye);
+    let a2 = surface.alpha * surface.alpha;
+    let d = distribution_ggx(surface.normal, h, surface.alpha);
+    let specular = d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
+    return mix(diffuse, specular, share);
+#endif
+}
+
+fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
+#ifndef DIFFUSE
+    if choice < share {
+        let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
+        return reflect(-to_eye, h);
+    }
+#endif
+    return cosine_direction(surface.normal, random);
+}
+
+// Reflected over incident radiance times n·l [1/sr].
+fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
+    // What shines through from below the surface itself is none of its light.
+    if dot(surface.geometric_normal, direction) <= 0.0 {
+        return vec3f(0.0);
+    }
+#ifdef DIFFUSE
+    return surface.albedo * (max(0.0, dot(surface.normal, direction)) * INVERSE_PI);
+#else
+    return eval_brdf_cosine(
+        surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
+    );
+#endif
+}
+
+// ---- Light that is sampled ----
+
+// What a surface reflects towards the eye if the ray meets nothing up to its reach.
+struct LightSample {
+    light: vec3f,          // over the chance of the choice [W/(m² sr)]
+    ray: Ray,
+    reach: f32,            // 0: no ray is needed
+}
+
+fn no_light() -> LightSample {
+    return LightSample(vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)), 0.0);
+}
+
+// One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
+// Chao 1982): a single light is sampled without noise. Lights that feed no indirect light are left out unless the light
+// is direct.
+fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, random: f32) -> LightSample {
+    var total = 0.0;
+    var chosen: Incidence;
+    var chosen_weight = 0.0;
+    var chosen_light = vec3f(0.0);
+    var casts_shadow = false;
+    var pick = random;
+    for (var i = 0u; i < count; i++) {
+        let candidate = load_light(i);
+        if !is_direct && candidate.indirect == 0u {
+            continue;
+        }
+        let incidence = light_incidence(candidate.light, surface.position);
+        if all(incidence.irradiance <= vec3f(0.0)) {
+            continue;
+        }
+        let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+        let weight = light.r + light.g + light.b;
+        if weight <= 0.0 {
+            continue;
+        }
+        total += weight;
+        // The random number is used up and stretched again at each choice.
+        let chance = weight / total;
+        if pick < chance {
+            pick /= chance;
+            chosen = incidence;
+            casts_shadow = candidate.casts_shadow != 0u;
+            chosen_weight = weight;
+            chosen_light = light;
+        } else {
+            pick = (pick - chance) / (1.0 - chance);
+        }
+    }
+    if chosen_weight <= 0.0 {
+        return no_light();
+    }
+    let light = chosen_light * (total / chosen_weight);
+    if !casts_shadow {
+        return LightSample(light, Ray(vec3f(0.0), vec3f(0.0)), 0.0);
+    }
+    let origin = leave_surface(surface, chosen.to_light);
+    // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
+    let is_far = chosen.distance == 0.0;
+    let offset = surface.position + chosen.to_light * chosen.distance - origin;
+    return LightSample(light, Ray(origin, select(offset, chosen.to_light, is_far)), select(1.0, 3e38, is_far));
+}
+
+#ifndef UNLIT
+fn choose_emitter(count: u32, random: f32) -> u32 {
+    var low = 0u;
+    var high = count - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitters[middle].cumulative > random {
+            high = middle;
+        } else {
+            low = middle + 1u;
+        }
+    }
+    return low;
+}
+
+// A place on an emissive triangle, chosen by flux, weighted against `sample_direction`.
+fn sample_emitter(surface: Surface, to_eye: vec3f, share: f32, count: u32, choice: vec2f, on_triangle: vec2f) -> LightSample {
+    let emitter = emitters[choose_emitter(count, choice.x)];
+    let triangle = load_triangle(emitter.triangle);
+    // Uniform over the triangle (Turk 1990).
+    let root = sqrt(on_triangle.x);
+    let barycentric = vec2f(root * (1.0 - on_triangle.y), root * on_triangle.y);
+    let a = triangle.corner_a;
+    let b = triangle.corner_b;
+    let c = triangle.corner_c;
+    let place_on = a + barycentric.x * (b - a) + barycentric.y * (c - a);
+    let offset = place_on - surface.position;
+    let distance_squared = dot(offset, offset);
+    if distance_squared <= 0.0 {
+        return no_light();
+    }
+    let direction = offset * inverseSqrt(distance_squared);
+    let response = reflected(surface, to_eye, direction);
+    let outward = cross(b - a, c - a);
+    let facing = -dot(outward, direction) / length(outward);
+    let both_sides = (triangle.flags & DOUBLE_SIDED) != 0u;
+    let cosine = select(facing, abs(facing), both_sides);
+    if cosine <= 0.0 || all(response <= vec3f(0.0)) {
+        return no_light();
+    }
+    // Solid angle of the triangle's area as seen from here.
+    let density = emitter.density * distance_squared / cosine;
+    let weight = density / (density + direction_density(surface, to_eye, direction, share));
+    let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
+        * coverage(emitter.triangle, triangle.material, barycentric);
+    let origin = leave_surface(surface, direction);
+    return LightSample(response * emitted * (weight / density), Ray(origin, place_on - origin), 0.9999);
+}
+#endif
+
+// Weight of the emission of a surface that a ray in a unit direction, sampled with that density, has met, against
+// `sample_emitter` where the ray came from.
+fn emission_weight(surface: Surface, hit: Hit, direction: vec3f, density: f32) -> f32 {
+#ifndef UNLIT
+    if surface.emitter != NONE {
+        let per_area = emitters[surface.emitter].density;
+        let of_emitter = per_area * hit.t * hit.t / max(1e-20, abs(dot(surface.geometric_normal, direction)));
+        return density / (density + of_emitter);
+    }
+#endif
+    return 1.0;
+}
+
+#ifndef EVEN_SKY
+// A direction that is chosen by the flux of the sky's texels, weighted against `sample_direction`.
+fn sample_sky_light(
+    sky: texture_2d<f32>, turn: f32, surface: Surface, to_eye: vec3f, share: f32, choice: vec2f, within: vec2f,
+) -> LightSample {
+    let chosen = sample_sky(sky, turn, choice, within);
+    let response = reflected(surface, to_eye, chosen.direction);
+    if !(chosen.density > 0.0) || all(response <= vec3f(0.0)) {
+        return no_light();
+    }
+    let weight = chosen.density / (chosen.density + direction_density(surface, to_eye, chosen.direction, share));
+    let radiance = sky_radiance(sky, chosen.direction, turn);
+    let ray = Ray(leave_surface(surface, chosen.direction), chosen.direction);
+    return LightSample(response * radiance * (weight / chosen.density), ray, 3e38);
+}
+
+// Weight of the sky's radiance in a direction that was sampled with that density, against `sample_sky_light`.
+fn sky_weight(sky: texture_2d<f32>, turn: f32, direction: vec3f, density: f32) -> f32 {
+    return density / (density + sky_density(sky, direction, turn));
+}
+#endif

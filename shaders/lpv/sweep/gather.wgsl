@@ -1,0 +1,282 @@
+// Final gather (Reichert 1992; Jensen 1996, section 4): light that reaches a visible surface along rays, of which each
+// brings what the surface that it meets emits and reflects. That is the light straight from the lights, by a shadow ray,
+// and what was swept to it: errors of the swept light are averaged over all that a pixel sees, and what is smaller than a
+// cell casts its own light and shadow. Emissive surfaces and the sky are sampled from the pixel as well, see
+// lib/next_event.wgsl.
+//   RAYS      rays of a pixel
+//   UNSWEPT   nothing was swept: one bounce
+//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
+//
+// Neighbouring pixels have neighbouring numbers of one sequence, along Morton's curve: any square block of 2ⁿ×2ⁿ pixels
+// has a well distributed set of rays together, which the filter averages (Ahmed and Wonka 2020, "Screen-space blue-noise
+// diffusion of Monte Carlo sampling error via hierarchical ordering of pixels").
+
+#import lightwell::brdf::fresnel_schlick
+#import lightwell::gbuffer::{decode_surface, world_position}
+#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, no_light, reflected, sample_direction, sample_light, specular_share}
+#ifndef UNLIT
+#import lightwell::next_event::sample_emitter
+#endif
+#ifndef EVEN_SKY
+#import lightwell::next_event::{sample_sky_light, sky_weight}
+#import lightwell::sky::sky_radiance
+#endif
+#import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, leave_surface, load_frame, surface_at, trace}
+#import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
+#ifndef UNSWEPT
+#import lightwell::sweep_lookup::irradiance
+#endif
+#import lightwell::view::{View, eye_offset, toward_eye}
+#import lightwell::volume::Volume
+
+// One block of uniforms: where there are several and a branch hangs on one of them alone, Mesa's software driver (22.3)
+// makes the shader anew in every frame, and keeps all.
+struct Gather {
+    view: View,
+    swept: Volume,
+    sky: vec3f,            // radiance [W/(m² sr)]
+    sky_turn: f32,         // of the sky's map [rad]
+    root: u32,             // of the hierarchy
+    light_count: u32,
+    emitter_count: u32,
+    seed: u32,
+    first_row: u32,        // of this dispatch
+}
+
+@group(0) @binding(0) var<uniform> gather: Gather;
+@group(0) @binding(4) var base_color: texture_2d<u32>;
+@group(0) @binding(5) var normal: texture_2d<u32>;
+@group(0) @binding(6) var object: texture_2d<u32>;
+@group(0) @binding(7) var depth: texture_depth_2d;
+// What a white diffuse surface would reflect, and what the specular lobe does [W/(m² sr)].
+@group(0) @binding(8) var diffuse: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(9) var specular: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(10) var sky: texture_2d<f32>;
+
+#ifdef RAYS
+const RAYS: u32 = #{RAYS}u;
+#else
+const RAYS: u32 = 1u;
+#endif
+
+// The visible surface, white: what it reflects diffusely is multiplied by its albedo once it was filtered.
+struct Seen {
+    surface: Surface,
+    to_eye: vec3f,
+    to_specular: f32,      // chance of a ray to follow the specular lobe
+}
+
+struct Sums {
+    diffuse: vec3f,
+    specular: vec3f,
+    closeness: f32,        // of what the rays met: sum of 1/distance [1/m]
+}
+
+// A ray from the visible surface.
+struct GatherRay {
+    ray: Ray,
+    density: f32,          // [1/sr]
+    throughput: vec3f,     // reflected light over the light that arrives, over the density
+}
+
+// Bits of a coordinate, with a zero before each.
+fn spread(value: u32) -> u32 {
+    var x = value & 0xffffu;
+    x = (x | (x << 8u)) & 0x00ff00ffu;
+    x = (x | (x << 4u)) & 0x0f0f0f0fu;
+    x = (x | (x << 2u)) & 0x33333333u;
+    return (x | (x << 1u)) & 0x55555555u;
+}
+
+fn seen_at(pixel: vec2u, z: f32) -> Seen {
+    let position = world_position(pixel, gather.view.size, z, gather.view.world_from_clip);
+    let s = decode_surface(
+        textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
+    );
+    var seen: Seen;
+    seen.to_eye = normalize(toward_eye(gather.view, position));
+    seen.surface.position = position;
+    seen.surface.normal = s.normal;
+    seen.surface.geometric_normal = s.normal;
+    seen.surface.albedo = s.albedo;
+    seen.surface.normal_reflectance = s.normal_reflectance;
+    seen.surface.grazing_reflectance = s.grazing_reflectance;
+    seen.surface.alpha = max(s.roughness * s.roughness, 1e-3);
+    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
+    let p = max(abs(position), abs(eye_offset(gather.view, position)));
+    seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
+    seen.to_specular = specular_share(seen.surface, seen.to_eye);
+    seen.surface.albedo = vec3f(1.0);
+    return seen;
+}
+
+// Light that the white surface reflects, from a direction: to the diffuse and the specular sum by what each reflects.
+fn add(sums: ptr<function, Sums>, seen: Seen, direction: vec3f, light: vec3f) {
+    let value = bounded(light);
+#ifdef DIFFUSE
+    (*sums).diffuse += value;
+#else
+    let h = normalize(direction + seen.to_eye);
+    let f = fresnel_schlick(seen.surface.normal_reflectance, seen.surface.grazing_reflectance, dot(seen.to_eye, h));
+    let of_diffuse = (1.0 - max(f.r, max(f.g, f.b))) * max(0.0, dot(seen.surface.normal, direction)) * INVERSE_PI;
+    let all = max(reflected(seen.surface, seen.to_eye, direction), vec3f(1e-20));
+    let share = saturate(vec3f(of_diffuse) / all);
+    (*sums).diffuse += value * share;
+    (*sums).specular += value * (1.0 - share);
+#endif
+}
+
+fn add_unless_blocked(sums: ptr<function, Sums>, seen: Seen, sample: LightSample) {
+    if sample.reach > 0.0 && trace(gather.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
+        add(sums, seen, normalize(sample.ray.direction), sample.light);
+    }
+}
+
+// Emissive surfaces and the sky, sampled from the visible surface.
+fn add_sampled(sums: ptr<function, Sums>, seen: Seen, random: ptr<function, Sampler>) {
+#ifndef UNLIT
+    let emitter = next_pair(random);
+    let place = next_pair(random);
+    add_unless_blocked(
+        sums, seen, sample_emitter(seen.surface, seen.to_eye, seen.to_specular, gather.emitter_count, emitter, place),
+    );
+#endif
+#ifndef EVEN_SKY
+    let texel = next_pair(random);
+    let within = next_pair(random);
+    add_unless_blocked(
+        sums, seen, sample_sky_light(sky, gather.sky_turn, seen.surface, seen.to_eye, seen.to_specular, texel, within),
+    );
+#endif
+}
+
+// The next ray; without throughput it need not be traced.
+fn next_ray(seen: Seen, random: ptr<function, Sampler>) -> GatherRay {
+    // Without a specular lobe there is no choice, and the first pair gives the direction.
+    var choice = 1.0;
+    if seen.to_specular > 0.0 {
+        choice = next_pair(random).x;
+    }
+    let direction = sample_direction(seen.surface, seen.to_eye, seen.to_specular, choice, next_pair(random));
+    let density = direction_density(seen.surface, seen.to_eye, direction, seen.to_specular);
+    var throughput = vec3f(0.0);
+    if density > 0.0 {
+        throughput = reflected(seen.surface, seen.to_eye, direction) / density;
+    }
+    return GatherRay(Ray(leave_surface(seen.surface, direction), direction), density, throughput);
+}
+
+fn sky_light(ray: GatherRay) -> vec3f {
+#ifdef EVEN_SKY
+    return gather.sky;
+#else
+    let d = ray.ray.direction;
+    return sky_radiance(sky, d, gather.sky_turn) * sky_weight(sky, gather.sky_turn, d, ray.density);
+#endif
+}
+
+// Swept light that a surface reflects. Glossy surfaces reflect as if they were diffuse, as in the sweep.
+fn swept_light(surface: Surface, direction: vec3f) -> vec3f {
+#ifdef UNSWEPT
+    return vec3f(0.0);
+#else
+    return surface.albedo * irradiance(gather.swept, surface.position, surface.normal, -direction) * INVERSE_PI;
+#endif
+}
+
+// Adds what a ray has found, but for the light from a lamp, whose shadow ray waits for the next ray to be traced.
+fn arrive(
+    sums: ptr<function, Sums>, seen: Seen, ray: GatherRay, hit: Hit, random: ptr<function, Sampler>,
+) -> LightSample {
+    let direction = ray.ray.direction;
+    if hit.triangle == NONE {
+        add(sums, seen, direction, ray.throughput * sky_light(ray));
+        return no_light();
+    }
+    (*sums).closeness += 1.0 / max(hit.t, 1e-30);
+    let surface = surface_at(hit, direction);
+    if !surface.visible {
+        return no_light();
+    }
+    var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
+    light += swept_light(surface, direction);
+    var pick = 0.0;
+    if gather.light_count > 1u {
+        pick = next_pair(random).x;
+    }
+    var sample = sample_light(surface, -direction, gather.light_count, false, pick);
+    sample.light = ray.throughput * bounded(sample.light);
+    light = ray.throughput * bounded(light);
+    if sample.reach <= 0.0 {
+        light += sample.light;
+    }
+    add(sums, seen, direction, light);
+    return sample;
+}
+
+// Whether the light that waited arrives, and what the next ray meets.
+struct Met {
+    is_lit: bool,
+    hit: Hit,
+}
+
+// One ray follows the other in the same loop: adapters that run lanes in lockstep let no lane wait between the two for the
+// others.
+fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met {
+    var is_lit = false;
+    var walk = begin_walk(frame, next, reach, LIGHT);
+    if waiting.reach > 0.0 {
+        walk = begin_walk(frame, waiting.ray, waiting.reach, SHADOW);
+    }
+    while !is_over(walk) {
+        go_on(&walk);
+        if walk.kind == SHADOW && is_over(walk) {
+            is_lit = walk.hit.triangle == NONE;
+            walk = begin_walk(frame, next, reach, LIGHT);
+        }
+    }
+    return Met(is_lit, walk.hit);
+}
+
+fn gathered(pixel: vec2u, seen: Seen) -> Sums {
+    let frame = load_frame(gather.root);
+    var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
+    var waiting = no_light();
+    var came_from = vec3f(0.0);
+    let first = (spread(pixel.x) | (spread(pixel.y) << 1u)) * RAYS;
+    // A turn more than there are rays: in the last one only the last shadow ray is left.
+    for (var i = 0u; i <= RAYS; i++) {
+        var random = Sampler(gather.seed, first + i, 0u);
+        var ray = GatherRay(Ray(seen.surface.position, seen.surface.normal), 0.0, vec3f(0.0));
+        if i < RAYS {
+            ray = next_ray(seen, &random);
+            add_sampled(&sums, seen, &random);
+        }
+        let reach = select(0.0, 3e38, any(ray.throughput > vec3f(0.0)));
+        let met = trace_both(frame, waiting, ray.ray, reach);
+        if met.is_lit {
+            add(&sums, seen, came_from, waiting.light);
+        }
+        waiting.reach = 0.0;
+        if reach > 0.0 {
+            waiting = arrive(&sums, seen, ray, met.hit, &random);
+            came_from = ray.ray.direction;
+        }
+    }
+    return Sums(sums.diffuse / f32(RAYS), sums.specular / f32(RAYS), sums.closeness / f32(RAYS));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    let pixel = vec2u(thread.x, thread.y + gather.first_row);
+    if any(pixel >= gather.view.size) {
+        return;
+    }
+    let z = textureLoad(depth, pixel, 0);
+    var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
+    if z > 0.0 {
+        sums = gathered(pixel, seen_at(pixel, z));
+    }
+    textureStore(diffuse, pixel, vec4f(sums.diffuse, sums.closeness));
+    textureStore(specular, pixel, vec4f(sums.specular, 0.0));
+}
