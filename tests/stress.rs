@@ -6,7 +6,8 @@ use std::process::ExitCode;
 #[test]
 fn a_row_of_each_method_is_within_all_bounds() {
     let folder = tempfile::tempdir().expect("a folder");
-    let args = StressArgs { output: folder.path().to_owned(), full: false, frames: 0, methods: Vec::new(), endure: None };
+    let args =
+        StressArgs { output: folder.path().to_owned(), full: false, frames: 0, methods: Vec::new(), endure: None };
     let code = lightwell_game::stress::run(&args, &Common::default()).expect("a device");
     let table = std::fs::read_to_string(folder.path().join("stress.txt")).expect("the table");
     assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::SUCCESS), "{table}");

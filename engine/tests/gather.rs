@@ -155,7 +155,8 @@ fn two_bounces_are_those_of_the_path_tracer() {
 fn glossy_surfaces_reflect_as_in_the_path_tracer() {
     let gpu = gpu();
     let mut stage = room(settings(Bounces::Count(1)));
-    let metal = Material { metallic: 1.0, roughness: 0.4, specular: 1.0, ..Material::diffuse("metal", Vec3::splat(0.8)) };
+    let metal =
+        Material { metallic: 1.0, roughness: 0.4, specular: 1.0, ..Material::diffuse("metal", Vec3::splat(0.8)) };
     let floor = Affine3A::from_translation(Vec3::new(0.0, -1.95, 0.0));
     stage.add_material(Shape::Box { size: [3.9, 0.1, 3.9] }, metal, floor);
     let expected = traced(&gpu, &stage, 1);

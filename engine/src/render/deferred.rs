@@ -429,9 +429,8 @@ fn finish<'a>(
 
 /// Whether indirect light is gathered by rays, where that can be done.
 fn gathers(scene: &Scene, settings: &RenderSettings) -> bool {
-    let is_wanted = |clpv: &SceneClpv| {
-        clpv.settings.transport == Transport::Sweep && lpv::sweep::gather::is_wanted(&clpv.settings)
-    };
+    let is_wanted =
+        |clpv: &SceneClpv| clpv.settings.transport == Transport::Sweep && lpv::sweep::gather::is_wanted(&clpv.settings);
     shows_indirect(settings) && settings.gi == GiMethod::Clpv && scene.clpv.as_ref().is_some_and(is_wanted)
 }
 

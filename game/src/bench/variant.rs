@@ -40,6 +40,8 @@ const MEDIUM: (&str, &str) = ("clpv.quality", "Medium");
 const HIGH: (&str, &str) = ("clpv.quality", "High");
 const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
 const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
+const FOUR_RAYS: (&str, &str) = ("clpv.gather_rays", "4");
+const MOST_RAYS: (&str, &str) = ("clpv.gather_rays", "16");
 const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
@@ -51,6 +53,9 @@ pub const METHODS: &[Method] = &[
     Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM], what: "sweep transport, medium", runs: Runs::Always },
     Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH], what: "sweep transport, high", runs: Runs::Always },
     Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA], what: "sweep transport, ultra", runs: Runs::Thorough },
+    Method { name: "gather", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, FOUR_RAYS], what: "sweep transport, medium, gathered by 4 rays a pixel", runs: Runs::Always },
+    Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, MOST_RAYS], what: "sweep transport, high, gathered by 16 rays a pixel", runs: Runs::Thorough },
+    Method { name: "gather 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, FOUR_RAYS, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
     Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
     Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
     Method { name: "slc coarse", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-3)")], what: "stochastic light culling, shadow rays, error bound 1e-3 of the mean irradiance", runs: Runs::Always },

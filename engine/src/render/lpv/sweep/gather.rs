@@ -187,4 +187,3 @@ pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> 
 pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
     settings.gather_rays > 0
 }
-

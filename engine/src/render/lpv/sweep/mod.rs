@@ -26,8 +26,8 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
-    balance::BalanceUniform, emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform, transport::SliceUniform,
-    transport::SumUniform,
+    balance::BalanceUniform, emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform,
+    transport::SliceUniform, transport::SumUniform,
 };
 
 use super::Indirect;
@@ -136,7 +136,10 @@ pub(super) fn declare<'a>(
         let light = probes::declare(graph, frame, &levels);
         graph.output(light);
     }
-    let sky = levels.last().filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene)).map(|level| (level.opacity, level.volume));
+    let sky = levels
+        .last()
+        .filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene))
+        .map(|level| (level.opacity, level.volume));
     let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
     Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
 }
