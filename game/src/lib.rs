@@ -32,6 +32,7 @@ pub mod prelude;
 mod progress;
 mod scene_path;
 pub mod scene_test;
+mod sequence;
 pub mod session;
 mod set;
 mod sheet;

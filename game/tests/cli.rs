@@ -245,6 +245,38 @@ fn frames_are_numbered_files() {
     }
 }
 
+/// Each is read back while the next one is drawn, over what was kept of those before it.
+#[test]
+fn frames_of_a_sequence_are_those_drawn_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let render = |folder: &str, ending: &str, frames: &str| {
+        let pattern = dir.path().join(folder).join(format!("{{}}.{ending}"));
+        let pattern = pattern.to_str().unwrap();
+        let output = lightwell(&[
+            "render",
+            "bleeding_gloss",
+            "-o",
+            pattern,
+            "--size",
+            "48x48",
+            "--gi",
+            "none",
+            "--frames",
+            frames,
+        ]);
+        assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    };
+    for ending in ["png", "exr"] {
+        render("all", ending, "3..8");
+        for frame in [3, 5, 7] {
+            render("alone", ending, &format!("{frame}..{}", frame + 1));
+            let [all, alone] = ["all", "alone"]
+                .map(|folder| std::fs::read(dir.path().join(folder).join(format!("{frame:04}.{ending}"))).unwrap());
+            assert!(all == alone, "frame {frame} as {ending} differs");
+        }
+    }
+}
+
 #[test]
 fn wrong_paths_and_cameras_say_what_there_is() {
     for (more, expected) in [

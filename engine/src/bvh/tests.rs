@@ -147,6 +147,7 @@ fn primitive(id: u64, mesh: &Arc<Mesh>, transform: Affine3A) -> Primitive {
         world_from_object: transform,
         bounds: mesh.bounds.transformed(&transform),
         casts_shadow: true,
+        moving: false,
         geometry_revision: 0,
         material_revision: 0,
     }

@@ -2,6 +2,7 @@
 
 use super::Gpu;
 use bytemuck::Pod;
+use std::sync::mpsc::{Receiver, channel};
 use wgpu::TextureFormat;
 
 /// Why nothing came back.
@@ -39,6 +40,40 @@ pub struct ImageF32 {
 /// # Errors
 /// No such level, or a device that fails.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) -> Result<Vec<u8>, ReadbackError> {
+    begin_read_texture(gpu, texture, mip, layer)?.finish(gpu)
+}
+
+/// A copy of a texture on its way back from the device.
+///
+/// Between [`begin_read_texture`] and [`PendingTexture::finish`] other work may be submitted, such as the next frame:
+/// it is not waited for, and changes nothing of what comes back.
+pub struct PendingTexture {
+    pending: Pending,
+    row: usize,
+    padded_row: usize,
+}
+
+impl PendingTexture {
+    /// Waits until the copy is there, and gives its rows without padding.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub fn finish(self, gpu: &Gpu) -> Result<Vec<u8>, ReadbackError> {
+        let rows = |padded: &[u8]| padded.chunks(self.padded_row).flat_map(|row| &row[..self.row]).copied().collect();
+        self.pending.finish(gpu, rows)
+    }
+}
+
+/// Begins to read one layer of one mip level back.
+///
+/// # Errors
+/// No such level, or a device that fails.
+pub fn begin_read_texture(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    mip: u32,
+    layer: u32,
+) -> Result<PendingTexture, ReadbackError> {
     let size = texture.size();
     let layers = match texture.dimension() {
         wgpu::TextureDimension::D3 => (size.depth_or_array_layers >> mip.min(31)).max(1),
@@ -53,13 +88,8 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) ->
     let texel = texture.format().block_copy_size(Some(aspect)).ok_or(ReadbackError::Format(texture.format()))?;
     let row = width * texel;
     let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size: u64::from(padded_row) * u64::from(height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let copy = |encoder: &mut wgpu::CommandEncoder| {
+    let size = u64::from(padded_row) * u64::from(height);
+    let pending = Pending::begin(gpu, size, |encoder, staging| {
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -68,7 +98,7 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) ->
                 aspect,
             },
             wgpu::TexelCopyBufferInfo {
-                buffer: &staging,
+                buffer: staging,
                 layout: wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(padded_row),
@@ -77,9 +107,8 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) ->
             },
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         )
-    };
-    let padded = mapped_bytes(gpu, &staging, copy)?;
-    Ok(padded.chunks(padded_row as usize).flat_map(|padded| &padded[..row as usize]).copied().collect())
+    })?;
+    Ok(PendingTexture { pending, row: row as usize, padded_row: padded_row as usize })
 }
 
 /// Layer 0 of mip level 0 as floats. sRGB-encoded bytes come back as the bytes over 255, undecoded.
@@ -101,8 +130,11 @@ pub fn read_layer_f32(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) 
     Ok(ImageF32 { width, height, rgba })
 }
 
-/// The texels of a format as four floats each.
-fn floats_of(format: TextureFormat, bytes: &[u8]) -> Result<Vec<[f32; 4]>, ReadbackError> {
+/// The texels of a format, one after the other, as four floats each.
+///
+/// # Errors
+/// A format without plain numbers.
+pub fn floats_of(format: TextureFormat, bytes: &[u8]) -> Result<Vec<[f32; 4]>, ReadbackError> {
     let f32_at = |c: &[u8], i: usize| f32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
     let u32_at = |c: &[u8], i: usize| u32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
     let u16_at = |c: &[u8], i: usize| u16::from_le_bytes([c[2 * i], c[2 * i + 1]]);
@@ -138,43 +170,59 @@ fn floats_of(format: TextureFormat, bytes: &[u8]) -> Result<Vec<[f32; 4]>, Readb
 /// # Errors
 /// A device that fails.
 pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, ReadbackError> {
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size: buffer.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let bytes = mapped_bytes(gpu, &staging, |encoder| {
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
-    })?;
-    Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    let copy = |encoder: &mut wgpu::CommandEncoder, staging: &wgpu::Buffer| {
+        encoder.copy_buffer_to_buffer(buffer, 0, staging, 0, buffer.size());
+    };
+    let values = |bytes: &[u8]| bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect();
+    Pending::begin(gpu, buffer.size(), copy)?.finish(gpu, values)
 }
 
-/// Submits the copy into the staging buffer, waits for it and gives the bytes.
-fn mapped_bytes(
-    gpu: &Gpu,
-    staging: &wgpu::Buffer,
-    copy: impl FnOnce(&mut wgpu::CommandEncoder),
-) -> Result<Vec<u8>, ReadbackError> {
-    let submit = || {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        copy(&mut encoder);
-        gpu.queue.submit([encoder.finish()]);
-    };
-    gpu.checked(submit).map_err(ReadbackError::Device)?;
-    let (sender, receiver) = std::sync::mpsc::channel();
-    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-        // The receiver waits below; if it is gone, nobody wants the answer.
-        let _ = sender.send(result);
-    });
-    gpu.wait();
-    match receiver.try_recv() {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
-        Err(_) => return Err(ReadbackError::Device("it did not finish".into())),
+/// Bytes on their way into memory of the host.
+struct Pending {
+    staging: wgpu::Buffer,
+    submission: wgpu::SubmissionIndex,
+    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Pending {
+    /// Submits a copy into a buffer of so many bytes.
+    fn begin(
+        gpu: &Gpu,
+        size: u64,
+        copy: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::Buffer),
+    ) -> Result<Self, ReadbackError> {
+        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let submit = || {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            copy(&mut encoder, &staging);
+            gpu.queue.submit([encoder.finish()])
+        };
+        let submission = gpu.checked(submit).map_err(ReadbackError::Device)?;
+        let (sender, mapped) = channel();
+        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // If the receiver is gone, nobody wants the answer.
+            let _ = sender.send(result);
+        });
+        Ok(Self { staging, submission, mapped })
     }
-    let view = staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
-    Ok(view.to_vec())
+
+    /// Waits for the copy, not for what was submitted after it, and takes what is wanted of the bytes.
+    fn finish<T>(self, gpu: &Gpu, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
+        gpu.wait_for(self.submission);
+        match self.mapped.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
+            Err(_) => return Err(ReadbackError::Device("it did not finish".into())),
+        }
+        let view =
+            self.staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
+        Ok(take(&view))
+    }
 }
 
 /// IEEE 754 binary16 to binary32.

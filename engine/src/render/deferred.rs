@@ -18,6 +18,7 @@ use super::extra::{self, ExtraPass, Picture};
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::gpu_scene::GpuScene;
+use super::layers::Views;
 use super::lpv::sweep::GpuSurfels;
 use super::post::mlaa;
 use super::post::tone_map::{self, DISPLAY};
@@ -85,6 +86,7 @@ pub enum RenderError {
 /// Draws scenes. Keeps what may be used again: the scene on the device, and the targets of earlier frames.
 pub struct Renderer {
     gpu_scene: GpuScene,
+    views: Views,
     surfels: GpuSurfels,
     /// Made when they are first asked for.
     virtual_lights: Option<VirtualLights>,
@@ -108,6 +110,7 @@ impl Renderer {
     pub fn new(gpu: &Gpu) -> Self {
         Self {
             gpu_scene: GpuScene::new(gpu),
+            views: Views::default(),
             surfels: GpuSurfels::new(gpu),
             virtual_lights: None,
             targets: TargetCache::new(),
@@ -131,6 +134,12 @@ impl Renderer {
     /// Sets what the frames are paced by, where an interface shares the device; none: nothing.
     pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
         self.targets.set_pace(pace);
+    }
+
+    /// Sets whether frames measure the time that passes take on the device (they do by default). To read it they wait
+    /// for the device at their end.
+    pub fn set_timing(&mut self, timing: bool) {
+        self.targets.set_timing(timing);
     }
 
     /// Sets the points whose indirect light the next frames look up; see [`Renderer::probe_light`].
@@ -170,7 +179,8 @@ impl Renderer {
             return self.render_reference(gpu, scene, view, settings, &reference);
         }
         self.gpu_scene.update(gpu, scene);
-        let bounds = scene.bounds();
+        self.views.begin_frame();
+        let bounds = self.gpu_scene.bounds(scene);
         if shows_indirect(settings) && sky_light::is_mirrored(scene) {
             self.gpu_scene.update_sky_reflections(gpu, scene);
         }
@@ -195,11 +205,19 @@ impl Renderer {
             None => None,
         };
         let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| gathers(scene, settings));
-        let rays = self.rays.as_ref().filter(|_| refused_rays.is_none());
-        let virtual_lights = self.virtual_lights.as_ref();
-        let (gpu_scene, surfels, probes) = (&self.gpu_scene, &self.surfels, self.probes.as_slice());
-        let frame =
-            Frame { scene, gpu_scene, surfels, rays, refused_rays, virtual_lights, view, settings, bounds, probes };
+        let frame = Frame {
+            scene,
+            gpu_scene: &self.gpu_scene,
+            surfels: &self.surfels,
+            rays: self.rays.as_ref().filter(|_| refused_rays.is_none()),
+            refused_rays,
+            virtual_lights: self.virtual_lights.as_ref(),
+            view,
+            settings,
+            bounds,
+            probes: &self.probes,
+            views: &self.views,
+        };
         let mut graph = Graph::new(seed(gpu));
         let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
         let shown = match (beside, tracer) {

@@ -1,6 +1,7 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
 use super::gpu_scene::GpuScene;
+use super::layers::Views;
 use super::lpv::sweep::GpuSurfels;
 use super::ray_scene::RayScene;
 use super::settings::RenderSettings;
@@ -43,6 +44,8 @@ pub struct Frame<'a> {
     pub bounds: Aabb,
     /// Points whose indirect light is asked for.
     pub probes: &'a [ProbePoint],
+    /// How the views of the last frame were drawn.
+    pub views: &'a Views,
 }
 
 impl Frame<'_> {

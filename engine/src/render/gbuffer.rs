@@ -1,9 +1,10 @@
 //! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
 
 use super::frame::Frame;
-use super::gpu_scene::{DrawFilter, MaterialClass};
+use super::gpu_scene::{DrawFilter, MaterialClass, Motion};
+use super::layers;
 use crate::gpu::RasterKey;
-use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use wgpu::TextureFormat;
 
 const USAGE: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
@@ -37,47 +38,40 @@ pub struct GBuffer {
 /// Declares the pass that draws the scene into the G-buffer.
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
     let [width, height] = frame.view.size;
-    let target = |graph: &mut Graph<'a>, name: &str, format| {
-        graph.retained_texture(name, TextureDesc::d2(width, height, format, USAGE))
-    };
-    let color = COLOR_TARGETS.map(|(name, format)| target(graph, name, format));
-    let depth = target(graph, "gbuffer depth", DEPTH_FORMAT);
-
-    let mut pass = graph.pass("gbuffer");
-    let color = color.map(|handle| pass.write(handle));
-    let depth = pass.write(depth);
-    pass.key(&(frame.geometry_key(), frame.view_key()));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let view = frame.view_uniform(cx.gpu);
-        let color_views = color.map(|handle| cx.view(handle));
-        let depth_view = cx.view(depth);
-        let attachments = color_views.each_ref().map(|view| {
-            Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })
-        });
-        let mut pass = cx
-            .encoder()
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("gbuffer"),
-                color_attachments: &attachments,
-                depth_stencil_attachment: Some(depth_attachment(&depth_view)),
-                ..Default::default()
-            })
-            .forget_lifetime();
-        let frustum = frame.frustum();
-        let filter = DrawFilter::opaque(&frustum);
-        frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
-    });
-    let [base_color, normal, emissive, object] = color;
+    let [base_color, normal, emissive, object] = COLOR_TARGETS;
+    let targets = [base_color, normal, emissive, object, ("gbuffer depth", DEPTH_FORMAT)]
+        .map(|(name, format)| (name.to_owned(), TextureDesc::d2(width, height, format, USAGE)));
+    let frustum = frame.frustum();
+    let (drawn, key) = (frame.clone(), frame.view_key());
+    let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 5], motion| draw(cx, &drawn, targets, motion);
+    let [base_color, normal, emissive, object, depth] =
+        layers::declare(graph, frame, "gbuffer", targets, &[DrawFilter::opaque(&frustum)], &key, draw);
     GBuffer { base_color, normal, emissive, object, depth }
+}
+
+fn draw(cx: &mut PassContext, frame: &Frame, targets: &[Handle<Texture>; 5], motion: Motion) -> Result<(), PassError> {
+    let view = frame.view_uniform(cx.gpu);
+    let [color @ .., depth] = targets.map(|handle| cx.view(handle));
+    let attachments = color.each_ref().map(|view| {
+        Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: layers::ops(motion, wgpu::Color::TRANSPARENT),
+        })
+    });
+    let mut pass = cx
+        .encoder()
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("gbuffer"),
+            color_attachments: &attachments,
+            depth_stencil_attachment: Some(depth_attachment(&depth, motion)),
+            ..Default::default()
+        })
+        .forget_lifetime();
+    let frustum = frame.frustum();
+    let filter = DrawFilter::opaque(&frustum).of(motion);
+    frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
 }
 
 fn raster_key(class: MaterialClass) -> RasterKey {
@@ -104,11 +98,7 @@ pub(super) fn depth_state() -> wgpu::DepthStencilState {
     }
 }
 
-/// Cleared to 0, which is infinitely far.
-pub(super) fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-        stencil_ops: None,
-    }
+/// Cleared to 0, which is infinitely far, unless what moves is drawn over what is there.
+pub(super) fn depth_attachment(view: &wgpu::TextureView, motion: Motion) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(layers::ops(motion, 0.0)), stencil_ops: None }
 }

@@ -14,6 +14,7 @@ pub mod frame;
 mod gbuffer;
 mod gloss;
 pub mod gpu_scene;
+mod layers;
 #[cfg(test)]
 mod layout_tests;
 mod light_uniform;

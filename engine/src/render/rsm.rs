@@ -2,7 +2,8 @@
 
 use super::frame::Frame;
 use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use super::gpu_scene::{DrawFilter, MaterialClass};
+use super::gpu_scene::{DrawFilter, MaterialClass, Motion};
+use super::layers;
 use super::light_view::{LightView, light_views};
 use super::shadow::view_bits;
 use crate::gpu::{Gpu, RasterKey};
@@ -145,36 +146,49 @@ pub fn declare_sized<'a>(
     }
     let size = size.clamp(1, 4096);
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    let target = |graph: &mut Graph<'a>, part: &str, format| {
-        let desc = TextureDesc::d2_array(size, size, views.len() as u32, format, usage);
-        graph.retained_texture(format!("{name} {part}"), desc)
+    let target = |part: &str, format| {
+        (format!("{name} {part}"), TextureDesc::d2_array(size, size, views.len() as u32, format, usage))
     };
-    let base_color = target(graph, "base color", TextureFormat::Rgba16Uint);
-    let normal = target(graph, "normal", TextureFormat::Rgba16Uint);
-    let specular = target(graph, "specular", TextureFormat::R32Uint);
-    let depth = target(graph, "depth", DEPTH_FORMAT);
-    let mut pass = graph.pass(name.as_str());
-    let [base_color, normal, specular, depth] = [base_color, normal, specular, depth].map(|handle| pass.write(handle));
+    let targets = [
+        target("base color", TextureFormat::Rgba16Uint),
+        target("normal", TextureFormat::Rgba16Uint),
+        target("specular", TextureFormat::R32Uint),
+        target("depth", DEPTH_FORMAT),
+    ];
+    let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
+    let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
     // Not the light itself: a map does not change with a flickering lamp.
-    pass.key(&(frame.geometry_key(), view_bits(&views), size));
-    let rsm = Rsm { light, index, views, size, base_color, normal, specular, depth };
-    let (frame, drawn) = (frame.clone(), rsm.clone());
-    pass.execute(move |cx| (0..drawn.views.len()).try_for_each(|layer| draw_layer(cx, &frame, &drawn, layer)));
-    Some(rsm)
+    let key = view_bits(&views);
+    let (drawn, faces) = (frame.clone(), views.clone());
+    let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 4], motion| {
+        let mut layers = faces.iter().zip(0..);
+        layers.try_for_each(|(view, layer)| draw_layer(cx, &drawn, view, targets, layer, motion))
+    };
+    let [base_color, normal, specular, depth] = layers::declare(graph, frame, &name, targets, &filters, &key, draw);
+    Some(Rsm { light, index, views, size, base_color, normal, specular, depth })
 }
 
-fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> Result<(), PassError> {
-    let view = &rsm.views[layer];
-    let layer_view = |cx: &PassContext, handle| layer_view(cx.texture(handle), layer as u32);
-    let [base_color, normal, specular, depth] =
-        [rsm.base_color, rsm.normal, rsm.specular, rsm.depth].map(|handle| layer_view(cx, handle));
+fn draw_layer(
+    cx: &mut PassContext,
+    frame: &Frame,
+    view: &LightView,
+    targets: &[Handle<Texture>; 4],
+    layer: u32,
+    motion: Motion,
+) -> Result<(), PassError> {
+    let frustum = Frustum::new(&view.clip_from_world);
+    let filter = DrawFilter::casters(&frustum).of(motion);
+    if layers::is_done(frame, &filter) {
+        return Ok(());
+    }
+    let [base_color, normal, specular, depth] = targets.map(|handle| layer_view(cx.texture(handle), layer));
     let uniform = view_uniform(cx.gpu, view);
     let attachment = |view| {
         Some(wgpu::RenderPassColorAttachment {
             view,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+            ops: layers::ops(motion, wgpu::Color::TRANSPARENT),
         })
     };
     let mut pass = cx
@@ -182,12 +196,10 @@ fn draw_layer(cx: &mut PassContext, frame: &Frame, rsm: &Rsm, layer: usize) -> R
         .begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("rsm"),
             color_attachments: &[attachment(&base_color), attachment(&normal), attachment(&specular)],
-            depth_stencil_attachment: Some(depth_attachment(&depth)),
+            depth_stencil_attachment: Some(depth_attachment(&depth, motion)),
             ..Default::default()
         })
         .forget_lifetime();
-    let frustum = Frustum::new(&view.clip_from_world);
-    let filter = DrawFilter::casters(&frustum);
     // Faces of a cube are mirror images: there the front of a triangle winds the other way.
     let seen_as = |class: MaterialClass| MaterialClass { mirrored: class.mirrored != view.is_mirrored(), ..class };
     frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(seen_as(class)))

@@ -2,7 +2,8 @@
 
 use super::frame::Frame;
 use super::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use super::gpu_scene::{DrawFilter, MaterialClass};
+use super::gpu_scene::{DrawFilter, MaterialClass, Motion};
+use super::layers;
 use super::light_view::{LightView, light_views};
 use crate::gpu::{Gpu, RasterKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
@@ -97,23 +98,21 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
         DEPTH_FORMAT,
         wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
     );
-    let map = graph.retained_texture(&name, desc);
-    let mut pass = graph.pass(&name);
-    let map = pass.write(map);
-    // Not the light itself: a map does not change with a flickering lamp.
-    pass.key(&(frame.geometry_key(), size, view_bits(&views)));
     let kind = match light.shape {
         LightShape::Directional => 1,
         LightShape::Spot { .. } => 2,
         LightShape::Point => 3,
     };
-    let (frame, faces) = (frame.clone(), views.clone());
-    pass.execute(move |cx| {
-        for (face, layer) in faces.iter().zip(0..) {
-            draw_face(cx, &frame, face, map, layer, kind == 1)?;
-        }
-        Ok(())
-    });
+    let (drawn, faces) = (frame.clone(), views.clone());
+    let draw = move |cx: &mut PassContext, maps: &[Handle<Texture>; 1], motion| {
+        let mut layers = faces.iter().zip(0..);
+        layers.try_for_each(|(face, layer)| draw_face(cx, &drawn, face, (maps[0], layer), kind == 1, motion))
+    };
+    let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
+    let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
+    // Not the light itself: a map does not change with a flickering lamp.
+    let key = view_bits(&views);
+    let [map] = layers::declare(graph, frame, &name, [(name.clone(), desc)], &filters, &key, draw);
     Some(ShadowMap { map, views, kind, size })
 }
 
@@ -122,10 +121,15 @@ fn draw_face(
     cx: &mut PassContext,
     frame: &Frame,
     view: &LightView,
-    map: Handle<Texture>,
-    layer: u32,
+    (map, layer): (Handle<Texture>, u32),
     directional: bool,
+    motion: Motion,
 ) -> Result<(), PassError> {
+    let frustum = Frustum::new(&view.clip_from_world);
+    let filter = DrawFilter::casters(&frustum).of(motion);
+    if layers::is_done(frame, &filter) {
+        return Ok(());
+    }
     let target = cx.texture(map).create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2),
         base_array_layer: layer,
@@ -137,12 +141,10 @@ fn draw_face(
         .encoder()
         .begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
-            depth_stencil_attachment: Some(depth_attachment(&target)),
+            depth_stencil_attachment: Some(depth_attachment(&target, motion)),
             ..Default::default()
         })
         .forget_lifetime();
-    let frustum = Frustum::new(&view.clip_from_world);
-    let filter = DrawFilter::casters(&frustum);
     frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(class, directional))
 }
 

@@ -42,6 +42,9 @@ pub struct Primitive {
     pub bounds: Aabb,
     /// Whether it casts shadows (and takes part in RSMs and blockers).
     pub casts_shadow: bool,
+    /// Whether it is animated or has changed lately. What such primitives cover in a view that rests is drawn over a
+    /// kept image of all others.
+    pub moving: bool,
     /// Counter value of the last change of place, mesh or visibility.
     pub geometry_revision: u64,
     /// Counter value of the last change of the material.
@@ -63,6 +66,9 @@ pub struct Revisions {
     pub clpv: u64,
     /// Scene settings (sky).
     pub settings: u64,
+    /// Which primitives there are, which of them are moving, and anything of those that are not. 0 in scenes put
+    /// together by hand, which do not tell.
+    pub statics: u64,
 }
 
 /// The CLPV component and where its entity stands.

@@ -45,7 +45,7 @@ impl Stage {
         };
         let scene = Scene {
             identity: 1,
-            revisions: Revisions { geometry: 1, materials: 1, lights: 1, cameras: 1, clpv: 1, settings: 1 },
+            revisions: Revisions { geometry: 1, materials: 1, lights: 1, cameras: 1, clpv: 1, settings: 1, statics: 0 },
             ..Default::default()
         };
         Self { scene, view: SceneView { camera, size: [edge, edge], jitter: [0.0; 2] }, next: 10 }
@@ -72,6 +72,7 @@ impl Stage {
             material: Arc::new(material),
             world_from_object,
             casts_shadow: true,
+            moving: false,
             geometry_revision: 1,
             material_revision: 1,
         });

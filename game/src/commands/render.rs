@@ -1,11 +1,13 @@
 //! `lightwell render`: images of a scene in files.
 
 use crate::cli::{Common, RenderArgs};
-use crate::session::Session;
-use crate::writer::{Picture, Writer};
+use crate::sequence::Sequence;
+use crate::session::{PendingPicture, Session};
+use crate::writer::Picture;
 use crate::{capture, jitter, progress};
 use anyhow::{Result, bail};
 use indicatif::ProgressBar;
+use lightwell::gpu::Gpu;
 use lightwell::render::{GiMethod, Layer, ReferenceSettings};
 use lightwell::scene::SceneView;
 use std::path::{Path, PathBuf};
@@ -39,12 +41,12 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
         return Ok(());
     };
     let bar = progress::bar((frames.end - frames.start) * u64::from(args.aa), "rendering frames");
-    let mut writer = Writer::start()?;
+    let mut sequence = Sequence::start(&mut session)?;
     for frame in frames {
         session.set_ticks(frame);
-        writer.write(numbered(&args.output, frame), shot.take(&mut session, &bar)?)?;
+        sequence.take(numbered(&args.output, frame), &shot, &mut session, &bar)?;
     }
-    writer.finish()?;
+    sequence.finish(&session)?;
     bar.finish_and_clear();
     Ok(())
 }
@@ -95,24 +97,53 @@ pub struct Shot {
     pub linear: bool,
 }
 
+/// What was drawn.
+pub enum Taken {
+    /// It is there.
+    Ready(Picture),
+    /// It comes back from the device.
+    Coming(PendingPicture),
+}
+
+impl Taken {
+    /// Waits for it.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn finish(self, gpu: &Gpu) -> Result<Picture> {
+        match self {
+            Self::Ready(picture) => Ok(picture),
+            Self::Coming(pending) => pending.finish(gpu),
+        }
+    }
+}
+
 impl Shot {
     /// Draws the scene as it stands.
     ///
     /// # Errors
     /// If the scene cannot be drawn.
     pub fn take(&self, session: &mut Session, bar: &ProgressBar) -> Result<Picture> {
+        self.begin(session, bar)?.finish(&session.gpu)
+    }
+
+    /// The same, and does not wait for a picture of one frame to come back.
+    ///
+    /// # Errors
+    /// As [`Shot::take`].
+    pub fn begin(&self, session: &mut Session, bar: &ProgressBar) -> Result<Taken> {
         let settings = session.render_settings(!self.linear);
         // The tracer filters over the pixel by itself.
         let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
-        if aa == 1 && !self.linear {
+        if aa == 1 {
             let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
-            session.render(&view, &session.display_settings())?;
-            let (size, rgb) = session.display_bytes()?;
+            let settings = if self.linear { settings } else { session.display_settings() };
+            session.render(&view, &settings)?;
             bar.inc(u64::from(self.aa));
-            return Ok(Picture::Display { size, rgb });
+            return Ok(Taken::Coming(session.painter.begin_reading(self.linear)?));
         }
         let told = &mut || bar.inc(u64::from(self.aa / aa));
-        Ok(Picture::Linear(capture::take_telling(session, self.size, aa, &settings, told)?))
+        Ok(Taken::Ready(Picture::Linear(capture::take_telling(session, self.size, aa, &settings, told)?)))
     }
 }
 

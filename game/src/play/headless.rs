@@ -3,8 +3,8 @@
 use crate::cli::{Common, PlayArgs};
 use crate::commands::render::{Shot, numbered};
 use crate::progress;
+use crate::sequence::Sequence;
 use crate::session::Session;
-use crate::writer::Writer;
 use anyhow::Result;
 use std::path::Path;
 
@@ -27,12 +27,12 @@ pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
     let shot = Shot { size: args.size.unwrap_or([512, 512]), aa: 1, linear: false };
     say!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
     let bar = progress::bar(count, "rendering frames");
-    let mut writer = Writer::start()?;
+    let mut sequence = Sequence::start(&mut session)?;
     for index in 0..count {
         session.set_seconds(index as f64 / RATE);
-        writer.write(numbered(&folder.join("frame.png"), index + 1), shot.take(&mut session, &bar)?)?;
+        sequence.take(numbered(&folder.join("frame.png"), index + 1), &shot, &mut session, &bar)?;
     }
-    writer.finish()?;
+    sequence.finish(&session)?;
     bar.finish_and_clear();
     let place = folder.canonicalize().unwrap_or(folder);
     say!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());

@@ -5,7 +5,7 @@ mod reading;
 mod tracing;
 
 pub use painter::Painter;
-pub use reading::Objects;
+pub use reading::{Objects, PendingPicture};
 pub use tracing::Tracing;
 
 use crate::beside::Comparison;

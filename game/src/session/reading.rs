@@ -1,6 +1,7 @@
 //! What the last frame left, read back from the device.
 
 use super::painter::Painter;
+use crate::writer::Picture;
 use anyhow::{Context, Result};
 use lightwell::gpu::{self, Gpu};
 use lightwell::measure::Image;
@@ -39,7 +40,48 @@ impl Objects {
     }
 }
 
+/// The picture of a drawn frame, on its way back from the device.
+pub struct PendingPicture {
+    texels: gpu::PendingTexture,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    linear: bool,
+}
+
+impl PendingPicture {
+    /// Waits for it. Frames that were begun since then are not waited for.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn finish(self, gpu: &Gpu) -> Result<Picture> {
+        let bytes = self.texels.finish(gpu)?;
+        let [width, height] = self.size;
+        if !self.linear {
+            return Ok(Picture::Display { size: self.size, rgb: rgb_of(&bytes) });
+        }
+        // Zero has no sign, as in the mean of several frames.
+        let rgba: Vec<_> = gpu::floats_of(self.format, &bytes)?.iter().map(|pixel| pixel.map(|c| c + 0.0)).collect();
+        Ok(Picture::Linear(Image::from_rgba(width, height, &rgba).context("the frame came back incomplete")?))
+    }
+}
+
+/// Three bytes a pixel of four.
+fn rgb_of(rgba: &[u8]) -> Vec<u8> {
+    rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+}
+
 impl Painter {
+    /// Begins to read the last frame back: its linear radiance, or what a screen shows.
+    ///
+    /// # Errors
+    /// If no such image was drawn or the device is lost.
+    pub fn begin_reading(&self, linear: bool) -> Result<PendingPicture> {
+        let texture = if linear { self.renderer.radiance() } else { self.renderer.display() };
+        let texture = texture.context("no frame was drawn")?;
+        let texels = gpu::begin_read_texture(&self.gpu, texture, 0, 0)?;
+        Ok(PendingPicture { texels, size: [texture.width(), texture.height()], format: texture.format(), linear })
+    }
+
     /// What is seen where in the last frame; none if it was traced and not drawn.
     pub fn objects(&self) -> Option<Objects> {
         let drawn = self.renderer.target("gbuffer object")?.clone();
@@ -89,8 +131,7 @@ impl Painter {
     pub fn display_bytes(&self) -> Result<([u32; 2], Vec<u8>)> {
         let texture = self.display_texture().context("no frame was drawn for display")?;
         let bytes = gpu::read_texture(&self.gpu, texture, 0, 0)?;
-        let rgb = bytes.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        Ok(([texture.width(), texture.height()], rgb))
+        Ok(([texture.width(), texture.height()], rgb_of(&bytes)))
     }
 
     /// The texture of the last frame for display.

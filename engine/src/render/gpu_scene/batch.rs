@@ -7,6 +7,8 @@ use std::ops::Range;
 
 /// Instances of one mesh with one material that lie together.
 pub(super) struct Batch {
+    /// See [`Primitive::moving`].
+    pub moving: bool,
     pub class: MaterialClass,
     /// Nothing of it hides what lies behind.
     pub nowhere_opaque: bool,
@@ -20,6 +22,8 @@ pub(super) struct Batch {
 pub(super) struct Member {
     pub id: SceneId,
     pub bounds: Aabb,
+    /// Revisions of its geometry and its material.
+    pub revisions: [u64; 2],
     casts_shadow: bool,
     /// See [`wall_extent`].
     wall: f32,
@@ -30,13 +34,32 @@ impl Member {
         Self {
             id: primitive.id,
             bounds: primitive.bounds,
+            revisions: [primitive.geometry_revision, primitive.material_revision],
             casts_shadow: primitive.casts_shadow,
             wall: wall_extent(primitive, &primitive.world_from_object.matrix3),
         }
     }
 }
 
+/// Which primitives a pass draws, by whether they move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// All; those that move come last.
+    Any,
+    /// Those that do not move.
+    Still,
+    /// Those that do, over what holds the others.
+    Moving,
+}
+
+impl Motion {
+    pub(super) fn takes(self, moving: bool) -> bool {
+        self == Self::Any || moving == (self == Self::Moving)
+    }
+}
+
 /// Which primitives a pass draws.
+#[derive(Clone, Copy)]
 pub struct DrawFilter<'a> {
     /// Primitives outside are left out.
     pub frustum: &'a Frustum,
@@ -46,12 +69,14 @@ pub struct DrawFilter<'a> {
     pub opaque_only: bool,
     /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
     pub least_wall: f32,
+    /// Only those that move, or that do not.
+    pub motion: Motion,
 }
 
 impl<'a> DrawFilter<'a> {
     /// What a camera may see.
     pub fn seen(frustum: &'a Frustum) -> Self {
-        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0 }
+        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0, motion: Motion::Any }
     }
 
     /// Of that, what hides what lies behind.
@@ -69,6 +94,11 @@ impl<'a> DrawFilter<'a> {
         // A little less: surfels know the extent of their object but for a rounding.
         Self { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
     }
+
+    /// The same of those alone that move, or that do not.
+    pub fn of(self, motion: Motion) -> Self {
+        Self { motion, ..self }
+    }
 }
 
 impl Member {
@@ -81,6 +111,11 @@ impl Member {
 }
 
 impl Batch {
+    /// Whether the filter may let anything of it pass.
+    pub fn passes(&self, filter: &DrawFilter) -> bool {
+        filter.motion.takes(self.moving) && !(filter.opaque_only && self.nowhere_opaque)
+    }
+
     /// Ranges of instances that lie next to each other and pass the filter.
     pub fn visible_runs(&self, filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
         let visible = (self.first_instance..).zip(&self.members).filter(|(_, member)| member.visible(filter));

@@ -61,7 +61,7 @@ impl GpuScene {
         let mut current: Option<(MaterialClass, Side, Arc<Pipeline>, Vec<wgpu::BindGroup>)> = None;
         let mut bound = Bound::default();
         for Instance { batch, index, .. } in self.sorted_blended(filter, eye, forward) {
-            let Some(mesh) = self.meshes.get(&batch.mesh) else { continue };
+            let Some(mesh) = self.meshes.get(batch.mesh) else { continue };
             let sides: &[Side] = if batch.class.double_sided { &[Side::Back, Side::Front] } else { &[Side::Front] };
             for &side in sides {
                 if current.as_ref().is_none_or(|(class, s, ..)| (*class, *s) != (batch.class, side)) {

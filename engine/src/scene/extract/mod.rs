@@ -6,6 +6,7 @@
 mod cameras;
 mod clpv;
 mod lights;
+mod motion;
 mod origin;
 mod primitives;
 mod slc;

@@ -1,6 +1,7 @@
 //! Primitives: places, meshes and materials.
 
 use super::Context;
+use super::motion::{Drivers, Motion, is_driven};
 use super::sorted::Elements;
 use crate::scene::{Primitive, Scene};
 use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
@@ -16,22 +17,26 @@ type Params = (
     Query<'static, 'static, (), (With<MeshRenderer>, With<GlobalTransform>)>,
     RemovedComponents<'static, 'static, MeshRenderer>,
     RemovedComponents<'static, 'static, GlobalTransform>,
+    Query<'static, 'static, Drivers>,
 );
 
 /// What is remembered of the world's primitives.
 pub(super) struct Primitives {
     state: SystemState<Params>,
     elements: Elements<Primitive>,
+    motion: Motion,
 }
 
 impl Primitives {
     pub fn new(world: &mut World) -> Self {
-        Self { state: SystemState::new(world), elements: Elements::default() }
+        Self { state: SystemState::new(world), elements: Elements::default(), motion: Motion::default() }
     }
 
     pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
-        let Ok((changed, living, mut no_mesh, mut no_place)) = self.state.get_mut(world) else { return };
-        let elements = &mut self.elements;
+        let Ok((changed, living, mut no_mesh, mut no_place, drivers)) = self.state.get_mut(world) else { return };
+        let (elements, motion) = (&mut self.elements, &mut self.motion);
+        motion.begin();
+        let mut has_begun_to_move = false;
         let mut gone: Vec<Entity> = no_mesh.read().chain(no_place.read()).filter(|e| !living.contains(*e)).collect();
         if context.is_late {
             gone.extend(elements.entities().filter(|e| !living.contains(*e)));
@@ -50,6 +55,7 @@ impl Primitives {
                 elements.remove(entity);
             } else if let Some(primitive) = elements.get(&mut scene.primitives, entity) {
                 let revisions = &mut scene.revisions;
+                let before = (primitive.geometry_revision, primitive.material_revision);
                 if change_geometry(primitive, place, renderer) {
                     primitive.geometry_revision = context.revisions.next();
                     revisions.geometry = primitive.geometry_revision;
@@ -59,14 +65,26 @@ impl Primitives {
                     primitive.material_revision = context.revisions.next();
                     revisions.materials = primitive.material_revision;
                 }
+                if before != (primitive.geometry_revision, primitive.material_revision) {
+                    has_begun_to_move |= motion.touch(primitive);
+                }
             } else {
                 let revision = context.revisions.next();
-                elements.add(entity, primitive(identity, place, renderer, revision));
+                let mut new = primitive(identity, place, renderer, revision);
+                if is_driven(entity, &drivers) {
+                    motion.touch(&mut new);
+                }
+                elements.add(entity, new);
                 scene.revisions.materials = revision;
             }
         }
-        if elements.apply(&mut scene.primitives) {
+        let are_others = elements.apply(&mut scene.primitives);
+        if are_others {
             scene.revisions.geometry = context.revisions.next();
+        }
+        if are_others || has_begun_to_move {
+            motion.settle(&mut scene.primitives);
+            scene.revisions.statics = context.revisions.next();
         }
     }
 }
@@ -79,6 +97,7 @@ fn primitive(identity: &Identity, place: &Affine3A, renderer: &MeshRenderer, rev
         world_from_object: *place,
         bounds: renderer.mesh.bounds.transformed(place),
         casts_shadow: renderer.casts_shadow,
+        moving: false,
         geometry_revision: revision,
         material_revision: revision,
     }

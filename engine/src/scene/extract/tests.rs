@@ -4,6 +4,7 @@
 use super::Extractor;
 use crate::assets::{Material, Mesh, Vertex};
 use crate::scene::{LightShape, Revisions, Scene, SceneId, ViewProjection};
+use crate::world::animation::{Animation, Track};
 use crate::world::*;
 use bevy_ecs::prelude::{Bundle, Component, Entity};
 use glam::{Quat, Vec3};
@@ -356,4 +357,49 @@ fn the_first_volume_by_identity_wins() {
     assert_eq!(s.changes(|s| s.insert(second, Clpv { steps: 7, ..Clpv::default() })), NOTHING);
     assert_eq!(s.changes(|s| s.world.despawn_later(s.volume)), CLPV);
     assert_eq!(s.scene.clpv.as_ref().unwrap().settings.steps, 7);
+}
+
+fn moving(s: &Stage) -> Vec<bool> {
+    s.scene.primitives.iter().map(|primitive| primitive.moving).collect()
+}
+
+#[test]
+fn what_changes_is_moving_from_then_on() {
+    let mut s = Stage::new();
+    let still = s.world.spawn("still", None);
+    s.insert(still, renderer());
+    s.frame();
+    assert_eq!(moving(&s), [false, false]);
+    let before = s.scene.revisions.statics;
+    let nudge = |s: &mut Stage| s.world.ecs.get_mut::<Transform>(s.thing).unwrap().translation.x += 0.1;
+    nudge(&mut s);
+    let begun = s.frame().statics;
+    assert!(begun > before && moving(&s) == [true, false]);
+    // Further moves are none of what stands still, nor is a light, nor rest.
+    for step in 0..40 {
+        if step < 5 {
+            nudge(&mut s);
+        }
+        s.insert(s.lamp, Light { intensity: step as f32, ..Light::default() });
+        assert_eq!((s.frame().statics, moving(&s)), (begun, vec![true, false]));
+    }
+    // It has rested for long: when another one begins to move, it is called static with what is left.
+    s.world.ecs.get_mut::<Transform>(still).unwrap().translation.y = 1.0;
+    assert!(s.frame().statics > begun);
+    assert_eq!(moving(&s), [false, true]);
+}
+
+#[test]
+fn what_is_animated_or_hangs_on_it_is_moving_from_the_start() {
+    let mut s = Stage::new();
+    let group = s.group;
+    s.insert(
+        group,
+        Animation { tracks: vec![Track::Spin { axis: Vec3::Y, degrees_per_second: 10.0 }], ..Animation::default() },
+    );
+    s.remove::<MeshRenderer>(s.thing);
+    s.frame();
+    s.insert(s.thing, renderer());
+    s.frame();
+    assert_eq!(moving(&s), [true]);
 }

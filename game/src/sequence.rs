@@ -1,0 +1,49 @@
+//! Pictures one after the other: while one is drawn, that before it comes back from the device, and those before that
+//! are written.
+
+use crate::commands::render::{Shot, Taken};
+use crate::session::Session;
+use crate::writer::Writer;
+use anyhow::Result;
+use indicatif::ProgressBar;
+use std::path::PathBuf;
+
+/// Pictures on their way into files.
+pub struct Sequence {
+    writer: Writer,
+    last: Option<(PathBuf, Taken)>,
+}
+
+impl Sequence {
+    /// Nothing yet. The session measures no times of passes from now on: it would wait for the device to read them.
+    ///
+    /// # Errors
+    /// If the system gives no thread to write with.
+    pub fn start(session: &mut Session) -> Result<Self> {
+        session.painter.renderer.set_timing(false);
+        Ok(Self { writer: Writer::start()?, last: None })
+    }
+
+    /// Draws the scene as it stands, for a file.
+    ///
+    /// # Errors
+    /// If the scene cannot be drawn, or an earlier picture cannot be read back or written.
+    pub fn take(&mut self, path: PathBuf, shot: &Shot, session: &mut Session, bar: &ProgressBar) -> Result<()> {
+        let taken = shot.begin(session, bar)?;
+        match self.last.replace((path, taken)) {
+            Some((path, before)) => self.writer.write(path, before.finish(&session.gpu)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Waits until all are written.
+    ///
+    /// # Errors
+    /// If one cannot be read back or written.
+    pub fn finish(mut self, session: &Session) -> Result<()> {
+        if let Some((path, last)) = self.last.take() {
+            self.writer.write(path, last.finish(&session.gpu)?)?;
+        }
+        self.writer.finish()
+    }
+}
