@@ -296,8 +296,19 @@ fn explain_shows_work_and_then_reuse() {
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
     let text = out(&output);
     let (first, second) = text.split_once("frame 2").unwrap();
-    assert!(first.contains(" ran ") && !second.contains(" ran "), "{text}");
+    // The light moves.
+    let (second, third) = second.split_once("frame 4").unwrap();
+    assert!(first.contains(" ran ") && !second.contains(" ran ") && third.contains(" ran "), "{text}");
     assert!(second.contains(" cached "), "{text}");
+}
+
+#[test]
+fn explain_shows_what_moves_over_what_was_kept() {
+    let output = lightwell(&["explain", "bleeding_gloss", "--size", "32x32", "--gi", "none", "--only", "direct"]);
+    let text = out(&output);
+    let (_, moved) = text.split_once("frame 4").unwrap_or_else(|| panic!("{text}{}", err(&output)));
+    let line = moved.lines().find(|line| line.starts_with("gbuffer, still")).unwrap_or_else(|| panic!("{moved}"));
+    assert!(line.contains(" cached "), "{moved}");
 }
 
 #[test]

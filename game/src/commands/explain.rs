@@ -3,9 +3,14 @@
 use crate::cli::{Common, ExplainArgs};
 use crate::session::Session;
 use anyhow::Result;
+use lightwell::render::GiMethod;
 use lightwell::scene::SceneView;
 
-/// Draws two frames of the same time and prints what each pass did.
+/// Time between frames of which one shows what moves [s].
+const STEP: f64 = 0.04;
+
+/// Draws two frames of the same time and, where something moves, some of the times after it, and prints what each pass
+/// did.
 ///
 /// # Errors
 /// If the scene cannot be loaded or drawn.
@@ -33,6 +38,18 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
     if let Some([tested, accepted]) = session.light_counts()? {
         let wrong = 100.0 * (tested - accepted) / tested.max(f64::MIN_POSITIVE);
         say!("virtual lights a pixel: {tested:.1} tested, {accepted:.1} accepted, {wrong:.0} % in vain");
+    }
+    if matches!(settings.gi, GiMethod::Reference(_)) {
+        return Ok(());
+    }
+    // The first frame in which something moves makes what the others keep.
+    let mut moved = |frames: f64| {
+        session.set_seconds(args.time + frames * STEP);
+        session.render(&view, &settings)
+    };
+    let (first, second) = (moved(1.0)?, moved(2.0)?);
+    if first.ran_count() > 0 {
+        say!("\nframe 4, two steps of {STEP} s later: what moves is drawn over what was kept of the rest\n{second}");
     }
     Ok(())
 }
