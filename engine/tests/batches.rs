@@ -84,3 +84,26 @@ fn blended_ones_are_drawn_one_by_one() {
     let report = report(&stage);
     assert_eq!((drawn(&report, "gbuffer").0, drawn(&report, "blend").0), (4, 30));
 }
+
+/// Ninety boxes, each a mesh and some a surface of their own: handed over one by one or many in a call, the image is the
+/// same to the bit, and so is what was drawn.
+#[test]
+fn many_draws_in_a_call_are_the_same_draws() {
+    let mut stage = crowd();
+    for (index, primitive) in stage.scene.primitives.iter_mut().enumerate().take(90) {
+        let size = [0.3 + 0.004 * index as f32; 3];
+        primitive.mesh = Arc::new(Shape::Box { size }.mesh().expect("a valid shape"));
+        if index > 60 {
+            primitive.material = Arc::new(Material::diffuse("own", Vec3::splat(0.01 * index as f32)));
+        }
+    }
+    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let mut gpu = gpu();
+    let many = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings);
+    gpu.draws_indirectly = false;
+    let single = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings);
+    let bits = |image: &lightwell::gpu::ImageF32| image.rgba.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
+    assert!(bits(&many.0) == bits(&single.0), "the images differ");
+    assert_eq!(drawn(&many.1, "gbuffer"), drawn(&single.1, "gbuffer"));
+    assert!(drawn(&single.1, "gbuffer").0 >= 90, "{}", single.1);
+}

@@ -84,6 +84,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Features in use.
     pub features: wgpu::Features,
+    /// Whether passes hand over many draws in one call, from a buffer. The image is the same without.
+    pub draws_indirectly: bool,
     /// WGSL sources and their errors.
     pub shaders: ShaderLibrary,
     /// Pipelines by what they are made of.
@@ -102,7 +104,8 @@ const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::DEPTH_CLIP_CONTROL)
     .union(wgpu::Features::SHADER_F16)
     .union(wgpu::Features::CLEAR_TEXTURE)
-    .union(wgpu::Features::SUBGROUP);
+    .union(wgpu::Features::SUBGROUP)
+    .union(wgpu::Features::INDIRECT_FIRST_INSTANCE);
 
 impl Gpu {
     /// Opens a device without a window.
@@ -110,7 +113,7 @@ impl Gpu {
     /// # Errors
     /// No adapter, none of that name, no device, or no shaders.
     pub fn headless(options: &GpuOptions) -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let instance = wgpu::Instance::new(instance_descriptor(wgpu::InstanceDescriptor::new_without_display_handle()));
         Self::open(options, &instance, None)
     }
 
@@ -141,6 +144,9 @@ impl Gpu {
         let info = adapter.get_info();
         let features = adapter.features() & WELCOME_FEATURES;
         let limits = adapter.limits();
+        let can_draw_indirectly =
+            adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::INDIRECT_EXECUTION);
+        let draws_indirectly = can_draw_indirectly && features.contains(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("lightwell"),
             required_features: features,
@@ -158,6 +164,7 @@ impl Gpu {
             info,
             limits,
             features,
+            draws_indirectly,
             shaders,
             pipelines: PipelineCache::default(),
             samplers: Mutex::default(),
@@ -257,6 +264,13 @@ impl Gpu {
             log::error!("waiting for the graphics device: {error}");
         }
     }
+}
+
+/// The same without the checks of draws from buffers on the device, which cost more than the draws themselves: all such
+/// buffers hold what this crate has written, of meshes and instances that are there.
+pub fn instance_descriptor(descriptor: wgpu::InstanceDescriptor) -> wgpu::InstanceDescriptor {
+    let flags = descriptor.flags - wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL;
+    wgpu::InstanceDescriptor { flags, ..descriptor }
 }
 
 fn listen(device: &wgpu::Device, reported: &Arc<Mutex<Reported>>) {

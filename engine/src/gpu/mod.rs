@@ -11,7 +11,7 @@ mod shader_library;
 mod timestamps;
 mod watch;
 
-pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir};
+pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir, instance_descriptor};
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;
 pub use readback::{ImageF32, PendingTexture, ReadbackError, begin_read_texture, floats_of};

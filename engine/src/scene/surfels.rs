@@ -3,10 +3,13 @@
 //! Where they lie follows from the mesh alone: each triangle gets its share by cumulative area, and within it the
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
+mod follow;
+
 use super::{Primitive, Scene};
 use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
 use bytemuck::{Pod, Zeroable};
+use follow::Followed;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -56,6 +59,7 @@ pub struct SurfelCloud {
     pub is_emissive: bool,
     built: HashMap<GroupKey, Arc<Vec<Surfel>>>,
     state: Option<(u64, u64, u64, u32)>,
+    followed: Followed,
 }
 
 /// Primitives that stand at the same place make one object: a solid may be split by its materials.
@@ -75,7 +79,8 @@ struct GroupKey {
 
 impl SurfelCloud {
     /// Brings the surfels up to date with the scene: about `density` of them a square metre, fewer if there would be
-    /// more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its surfels.
+    /// more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its surfels, and
+    /// where it is known to be moving no other one is looked at.
     pub fn update(&mut self, scene: &Scene, density: f32) {
         let revisions = scene.revisions;
         let state = (scene.identity, revisions.geometry, revisions.materials, density.to_bits());
@@ -83,8 +88,12 @@ impl SurfelCloud {
             return;
         }
         self.state = Some(state);
+        if self.follow(scene, density) {
+            return;
+        }
         let groups = groups(scene);
         let area: f64 = groups.iter().map(Group::area).sum();
+        self.followed.remember(scene, density, &groups, area);
         let density = limited(density, area);
         let keys: Vec<GroupKey> = groups.iter().map(|group| group.key(density)).collect();
         self.built.retain(|key, _| keys.contains(key));
@@ -150,26 +159,12 @@ impl Group<'_> {
 
     fn key(&self, density: f32) -> GroupKey {
         let members = self.members.iter().map(|p| (p.mesh.id, p.material.id)).collect();
-        let linear = self.shape().to_cols_array().map(f32::to_bits);
+        let linear = shape(&self.place).to_cols_array().map(f32::to_bits);
         GroupKey { members, linear, density: density.to_bits() }
     }
 
-    /// The linear part of the place, where it scales evenly without its turn, and rounded: the same for all turned
-    /// copies of an object, to the last bit.
-    fn shape(&self) -> Mat3A {
-        let m = self.place.matrix3;
-        let square = m.transpose() * m;
-        let scale = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
-        let uneven = (square - Mat3A::from_diagonal(Vec3::splat(scale))).to_cols_array();
-        if uneven.iter().any(|d| !(d.abs() <= 1e-5 * scale)) {
-            return m;
-        }
-        let rounded = ((f64::from(scale).sqrt().log2() * 65536.0).round() / 65536.0).exp2() as f32;
-        Mat3A::from_diagonal(Vec3::splat(rounded.copysign(m.determinant())))
-    }
-
     fn surfels(&self, density: f32) -> Vec<Surfel> {
-        let linear = self.shape();
+        let linear = shape(&self.place);
         let corners: Vec<_> =
             self.members.iter().flat_map(|p| triangles(p)).map(|t| t.corners.map(|c| linear * c)).collect();
         let solid = MeshBvh::from_triangles(corners);
@@ -179,6 +174,20 @@ impl Group<'_> {
         }
         surfels
     }
+}
+
+/// The linear part of a place, where it scales evenly without its turn, and rounded: the same for all turned copies of
+/// an object, to the last bit.
+fn shape(place: &Affine3A) -> Mat3A {
+    let m = place.matrix3;
+    let square = m.transpose() * m;
+    let scale = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
+    let uneven = (square - Mat3A::from_diagonal(Vec3::splat(scale))).to_cols_array();
+    if uneven.iter().any(|d| !(d.abs() <= 1e-5 * scale)) {
+        return m;
+    }
+    let rounded = ((f64::from(scale).sqrt().log2() * 65536.0).round() / 65536.0).exp2() as f32;
+    Mat3A::from_diagonal(Vec3::splat(rounded.copysign(m.determinant())))
 }
 
 /// A triangle in object space.

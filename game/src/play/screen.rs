@@ -1,7 +1,7 @@
 //! The window's surface: sizes, loss, and putting images on it.
 
 use anyhow::{Context, Result, bail};
-use lightwell::gpu::{Gpu, GpuOptions};
+use lightwell::gpu::{Gpu, GpuOptions, instance_descriptor};
 use std::sync::Arc;
 use wgpu::CurrentSurfaceTexture;
 use winit::event_loop::ActiveEventLoop;
@@ -24,7 +24,8 @@ impl Screen {
     /// If no adapter can present on the window.
     pub fn open(event_loop: &ActiveEventLoop, window: Arc<Window>, options: &GpuOptions) -> Result<(Gpu, Self)> {
         let display = Box::new(event_loop.owned_display_handle());
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle(display));
+        let instance =
+            wgpu::Instance::new(instance_descriptor(wgpu::InstanceDescriptor::new_with_display_handle(display)));
         let surface = instance.create_surface(Arc::clone(&window)).context("the window has no drawing surface")?;
         let gpu = Gpu::for_window(options, &instance, &surface)?;
         let size = window.inner_size();

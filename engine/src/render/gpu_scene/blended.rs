@@ -1,6 +1,6 @@
 //! Blended surfaces, from the farthest to the nearest.
 
-use super::{Batch, Bound, DrawFilter, GpuScene, MaterialClass, Member, draw_run};
+use super::{Batch, Bound, DrawFilter, GpuScene, MaterialClass, Member, submit};
 use crate::gpu::{Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
 use glam::Vec3;
@@ -71,10 +71,13 @@ impl GpuScene {
                     bound.material = None;
                 }
                 let Some((.., pipeline, groups)) = &current else { continue };
-                self.set_batch(gpu, pass, pipeline, batch, mesh, &mut bound)?;
+                self.set_batch(gpu, pass, pipeline, batch, mesh.page, &mut bound)?;
+                let draw = mesh.draw(index..index + 1);
                 for group in groups {
                     pass.set_bind_group(2, group, &[]);
-                    draw_run(cx, pass, mesh, index..index + 1);
+                    submit::record(pass, &draw);
+                    cx.counts().draws += 1;
+                    cx.counts().triangles += u64::from(draw.index_count / 3);
                 }
             }
         }

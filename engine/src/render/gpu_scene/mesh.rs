@@ -8,6 +8,7 @@ use range_alloc::RangeAllocator;
 use std::collections::HashMap;
 use std::ops::Range;
 use wgpu::BufferUsages;
+use wgpu::util::DrawIndexedIndirectArgs;
 
 /// Vertices of a page \[48 bytes each\]; a mesh of more has a page of its own.
 const PAGE_VERTICES: u32 = 1 << 20;
@@ -21,21 +22,22 @@ pub(super) struct GpuMesh {
     pub page: usize,
     vertices: Range<u32>,
     /// Its indices, which count from its first vertex.
-    pub indices: Range<u32>,
+    indices: Range<u32>,
     has_extras: bool,
     /// Number of primitives of this mesh.
     uses: usize,
 }
 
 impl GpuMesh {
-    /// Its place among the vertices of the page.
-    pub fn base_vertex(&self) -> i32 {
-        self.vertices.start as i32
-    }
-
-    /// Number of triangles.
-    pub fn triangles(&self) -> u64 {
-        u64::from(self.indices.end - self.indices.start) / 3
+    /// The draw of some instances of it.
+    pub fn draw(&self, instances: Range<u32>) -> DrawIndexedIndirectArgs {
+        DrawIndexedIndirectArgs {
+            index_count: self.indices.len() as u32,
+            instance_count: instances.len() as u32,
+            first_index: self.indices.start,
+            base_vertex: self.vertices.start as i32,
+            first_instance: instances.start,
+        }
     }
 }
 

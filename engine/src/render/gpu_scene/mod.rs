@@ -11,6 +11,7 @@ mod blended;
 mod class;
 mod material;
 mod mesh;
+mod submit;
 mod sync;
 mod texture;
 
@@ -27,10 +28,9 @@ use batch::{Batch, Member};
 use bytemuck::{Pod, Zeroable};
 pub(super) use material::alpha_cutoff;
 use material::{GpuMaterial, MaterialStore};
-use mesh::{GpuMesh, MeshStore};
+use mesh::MeshStore;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::ops::Range;
 use std::sync::Arc;
 use sync::{Mover, Synced};
 
@@ -118,18 +118,16 @@ impl GpuScene {
         let gpu = cx.gpu;
         let mut bound = Bound::default();
         let mut current = None;
-        for batch in self.passing(filter) {
-            let mut runs = batch.visible_runs(filter).peekable();
-            let Some(mesh) = self.meshes.get(batch.mesh).filter(|_| runs.peek().is_some()) else { continue };
+        let list = self.draw_list(gpu, filter);
+        for segment in &list.segments {
+            let batch = segment.batch;
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
                 current = Some((batch.class, self.set_pipeline(gpu, pass, view, &key(batch.class))?));
                 bound.material = None;
             }
             let Some((_, pipeline)) = &current else { continue };
-            self.set_batch(gpu, pass, pipeline, batch, mesh, &mut bound)?;
-            for run in runs {
-                draw_run(cx, pass, mesh, run);
-            }
+            self.set_batch(gpu, pass, pipeline, batch, segment.page, &mut bound)?;
+            list.record(pass, segment, cx.counts());
         }
         Ok(())
     }
@@ -157,7 +155,7 @@ impl GpuScene {
         pass: &mut wgpu::RenderPass<'_>,
         pipeline: &Pipeline,
         batch: &Batch,
-        mesh: &GpuMesh,
+        page: usize,
         bound: &mut Bound,
     ) -> Result<(), PassError> {
         if bound.material != Some(batch.material) {
@@ -166,9 +164,9 @@ impl GpuScene {
             }
             bound.material = Some(batch.material);
         }
-        if bound.page != Some((mesh.page, batch.class.plain)) {
-            self.meshes.bind(pass, mesh.page, batch.class.plain);
-            bound.page = Some((mesh.page, batch.class.plain));
+        if bound.page != Some((page, batch.class.plain)) {
+            self.meshes.bind(pass, page, batch.class.plain);
+            bound.page = Some((page, batch.class.plain));
         }
         Ok(())
     }
@@ -212,12 +210,4 @@ impl GpuScene {
     pub fn texture_bytes(&self) -> u64 {
         self.materials.texture_bytes()
     }
-}
-
-fn draw_run(cx: &mut PassContext, pass: &mut wgpu::RenderPass<'_>, mesh: &GpuMesh, run: Range<u32>) {
-    let instances = run.len() as u64;
-    pass.draw_indexed(mesh.indices.clone(), mesh.base_vertex(), run);
-    let counts = cx.counts();
-    counts.draws += 1;
-    counts.triangles += instances * mesh.triangles();
 }
