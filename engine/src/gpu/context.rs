@@ -251,16 +251,7 @@ impl Gpu {
 
     /// Waits until the device has done all that was submitted.
     pub fn wait(&self) {
-        self.wait_until(None);
-    }
-
-    /// Waits until the device has done what was submitted then and before.
-    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) {
-        self.wait_until(Some(submission));
-    }
-
-    fn wait_until(&self, submission_index: Option<wgpu::SubmissionIndex>) {
-        if let Err(error) = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: None }) {
+        if let Err(error) = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None }) {
             log::error!("waiting for the graphics device: {error}");
         }
     }

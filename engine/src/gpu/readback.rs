@@ -213,11 +213,17 @@ impl Pending {
 
     /// Waits for the copy, not for what was submitted after it, and takes what is wanted of the bytes.
     fn finish<T>(self, gpu: &Gpu, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
-        gpu.wait_for(self.submission);
-        match self.mapped.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
-            Err(_) => return Err(ReadbackError::Device("it did not finish".into())),
+        // A lost device knows nothing of submissions; that it is lost comes out when all are waited for.
+        let poll = wgpu::PollType::Wait { submission_index: Some(self.submission), timeout: None };
+        let mut mapped = gpu.device.poll(poll).ok().and_then(|_| self.mapped.try_recv().ok());
+        if mapped.is_none() {
+            gpu.wait();
+            mapped = self.mapped.try_recv().ok();
+        }
+        match mapped {
+            Some(Ok(())) => {}
+            Some(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
+            None => return Err(ReadbackError::Device("it did not finish".into())),
         }
         let view =
             self.staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
