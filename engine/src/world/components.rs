@@ -239,7 +239,7 @@ pub struct Clpv {
     /// The rays find what is smaller than a cell, glossy reflection included, and cost more the larger the image is. With
     /// `transport: Sweep` alone.
     pub gather_rays: u32,
-    /// Radius of the filter over gathered light [pixels], 0 to 32; 0: none.
+    /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none.
     pub gather_filter: u32,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
     /// sweep's coarsest covers the scene and the finer ones lie before the camera. Each costs about as much as the first.
