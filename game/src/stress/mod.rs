@@ -61,6 +61,12 @@ pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
         start.elapsed().as_secs_f64(),
         table.broken().count()
     );
+    let path = args.output.join("stress.txt");
+    let write = |text: &str| std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()));
+    // The long runs may take an hour: what was found so far is there if they are interrupted.
+    write(&format!("{summary}\n\n{}", table.text()))?;
+    table.write_picture(&args.output.join("stress.png"))?;
+    let broken = keep_worst(&args.output, &table)?;
     let runs = long_runs(&rig, args, common)?;
     let faults: Vec<String> = runs.iter().flat_map(Endured::faults).collect();
     let text = format!(
@@ -70,10 +76,7 @@ pub fn run(args: &StressArgs, common: &Common) -> Result<ExitCode> {
         endurance::table(&runs),
         faults.join("\n")
     );
-    let path = args.output.join("stress.txt");
-    std::fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
-    table.write_picture(&args.output.join("stress.png"))?;
-    let broken = keep_worst(&args.output, &table)?;
+    write(&text)?;
     say!("{text}");
     Ok(ExitCode::from(u8::from(broken > 0 || !faults.is_empty())))
 }
