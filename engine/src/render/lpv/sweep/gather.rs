@@ -12,7 +12,6 @@ use crate::render::reference::dispatch_rays;
 use crate::world::Clpv;
 use encase::ShaderType;
 use glam::Vec3;
-use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Most rays of a pixel: lavapipe ends all loops of a thread after 65,535 turns together, without a word, and a ray
 /// takes some thousand of them in a large scene.
@@ -78,11 +77,10 @@ pub(super) fn image_desc(frame: &Frame) -> TextureDesc {
     TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
 }
 
-/// Of the random numbers: other ones for each of the shifted images that are averaged.
+/// Of the random numbers: other ones for each of the shifted images that are averaged. The shader hashes it.
 fn seed(frame: &Frame) -> u32 {
-    let mut hasher = DefaultHasher::new();
-    frame.view.jitter.map(f32::to_bits).hash(&mut hasher);
-    hasher.finish() as u32
+    let [x, y] = frame.view.jitter.map(f32::to_bits);
+    x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9)
 }
 
 struct Work<'a> {
