@@ -275,7 +275,7 @@ impl Default for Clpv {
             quality: Quality::High,
             placement: ClpvPlacement::Fixed,
             gather_rays: 0,
-            gather_filter: 16,
+            gather_filter: 8,
             cascades: 1,
             cells: [16, 16, 16],
             cell_size: CellSize::Auto,

@@ -29,7 +29,7 @@ const RADIUS: i32 = 1;
 
 // d/R at which a neighbour's weight has fallen to 1/e; but within LEAST pixels all count, or corners would be noise.
 const TOLERANCE: f32 = 0.2;
-const LEAST: f32 = 3.0;
+const LEAST: f32 = 2.0;
 
 struct Filtered {
     diffuse: vec3f,
