@@ -1,19 +1,27 @@
-//! Flicker: how much more an image changes from frame to frame than the reference does.
+//! Flicker: how much more an image changes from frame to frame than the reference does, and how much of that trembles.
 
 use super::lab::Lab;
+use super::picture;
 use super::reference::{References, Wanted};
 use super::results::Flicker;
 use super::variant::Variant;
 use anyhow::{Context, Result};
 use lightwell::measure::Image;
 use lightwell::render::Layer;
+use std::collections::VecDeque;
+use std::path::Path;
+
+/// Change of a tenth of the mean light that is shown as middle grey.
+const EXPOSURE: f64 = 10.0;
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
     /// Image size [pixels].
     pub size: [u32; 2],
-    /// Frames of the scene's clock, from its first on.
+    /// First frame of the scene's clock.
+    pub first: u32,
+    /// Frames from that one on, 3 at least.
     pub frames: u32,
     /// Frames averaged for an image.
     pub aa: u32,
@@ -21,89 +29,219 @@ pub struct Course {
     pub samples: u32,
 }
 
-/// Sums of one variant over the frames.
+/// The last three images of a row.
 #[derive(Clone, Default)]
-struct Sums {
-    last: Option<Image>,
-    /// Σ over pixels of (Δa − Δr₁)(Δa − Δr₂).
-    change: f64,
+struct Trail(VecDeque<Image>);
+
+impl Trail {
+    fn push(&mut self, image: Image) {
+        self.0.truncate(2);
+        self.0.push_front(image);
+    }
+
+    /// Every value's change from the image before, if there is one.
+    fn step(&self) -> Option<Vec<f64>> {
+        let [now, before] = [self.0.front()?, self.0.get(1)?];
+        Some(now.values().zip(before.values()).map(|(now, before)| f64::from(now) - f64::from(before)).collect())
+    }
+
+    /// Every value's second difference over √3, if there are three images: of noise that is another one in each frame
+    /// it is as large as the step, of a steady change nothing.
+    fn bend(&self) -> Option<Vec<f64>> {
+        let [now, before, first] = [self.0.front()?, self.0.get(1)?, self.0.get(2)?];
+        let bend = |((now, before), first): ((f32, f32), f32)| {
+            (f64::from(now) - 2.0 * f64::from(before) + f64::from(first)) / 3.0_f64.sqrt()
+        };
+        Some(now.values().zip(before.values()).zip(first.values()).map(bend).collect())
+    }
 }
 
-/// Measures the flicker of indirect light of some variants. The change beyond the reference's own is
-/// sqrt(mean((Δa − Δr₁)·(Δa − Δr₂))) / mean(r), where Δ is the difference of successive frames and r₁, r₂ are the
-/// reference's two halves, whose noise cancels.
+/// Sums of squares over frames, for each pixel.
+#[derive(Clone)]
+struct Squares {
+    pixels: Vec<f64>,
+    frames: u32,
+}
+
+impl Squares {
+    fn new(size: [u32; 2]) -> Self {
+        Self { pixels: vec![0.0; (size[0] * size[1]) as usize], frames: 0 }
+    }
+
+    /// Adds (a − r₁)(a − r₂) of every value: the square of a − r without the noise of r, if that of its halves r₁ and r₂
+    /// is independent.
+    fn add(&mut self, a: &[f64], [r1, r2]: [&[f64]; 2]) {
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            let value = |i: usize| (a[i] - r1[i]) * (a[i] - r2[i]);
+            *pixel += (3 * index..3 * index + 3).map(value).sum::<f64>() / 3.0;
+        }
+        self.frames += 1;
+    }
+
+    /// Root of the mean over pixels and frames.
+    fn root(&self) -> f64 {
+        (self.pixels.iter().sum::<f64>() / self.pixels.len() as f64 / f64::from(self.frames)).max(0.0).sqrt()
+    }
+
+    /// Root of the mean over frames of each pixel, times a factor.
+    fn image(&self, size: [u32; 2], factor: f64) -> Option<Image> {
+        let root = |sum: &f64| [((sum / f64::from(self.frames)).max(0.0).sqrt() * factor) as f32; 3];
+        Image::from_pixels(size[0], size[1], self.pixels.iter().map(root).collect())
+    }
+}
+
+/// Change and trembling of a row of images beyond the reference's.
+#[derive(Clone)]
+struct Sums {
+    trail: Trail,
+    change: Squares,
+    tremble: Squares,
+}
+
+impl Sums {
+    fn new(size: [u32; 2]) -> Self {
+        Self { trail: Trail::default(), change: Squares::new(size), tremble: Squares::new(size) }
+    }
+
+    fn push(&mut self, image: Image, halves: &[Trail; 2]) {
+        self.trail.push(image);
+        self.add(halves);
+    }
+
+    fn add(&mut self, [one, two]: &[Trail; 2]) {
+        let part = |of: fn(&Trail) -> Option<Vec<f64>>, sum: &mut Squares| {
+            if let (Some(a), Some(r1), Some(r2)) = (of(&self.trail), of(one), of(two)) {
+                sum.add(&a, [&r1, &r2]);
+            }
+        };
+        part(Trail::step, &mut self.change);
+        part(Trail::bend, &mut self.tremble);
+    }
+}
+
+/// Measures the flicker of indirect light of some variants, and draws it into pictures below `folder`. The change beyond
+/// the reference's own is sqrt(mean((Δa − Δr₁)·(Δa − Δr₂))) / mean(r), where Δ is the difference of successive frames and
+/// r₁, r₂ are the reference's two halves, whose noise cancels; trembling is the same of second differences over √3.
 ///
 /// # Errors
-/// If a frame cannot be drawn or traced.
+/// If a frame cannot be drawn or traced, or a picture not be written.
 pub fn measure(
     lab: &mut Lab,
     which: &[usize],
     course: &Course,
     references: &References,
+    folder: &Path,
     progress: &mut dyn FnMut(Option<&Variant>),
 ) -> Result<Vec<Flicker>> {
+    (course.frames > 2).then_some(()).context("flicker needs three frames or more")?;
     let (_, rate) = lab.clock();
-    let scene = lab.name();
-    let mut sums = vec![Sums::default(); which.len()];
-    let mut last: Option<[Image; 2]> = None;
-    let (mut own, mut mean, mut values) = (0.0, 0.0, 0.0);
-    for frame in 0..course.frames {
+    let (scene, size) = (lab.name(), course.size);
+    let black = Image::filled(size[0], size[1], [0.0; 3]);
+    let mut sums = vec![Sums::new(size); which.len()];
+    let mut own = Sums::new(size);
+    let mut halves = [Trail::default(), Trail::default()];
+    let mut mean = 0.0;
+    for frame in course.first..course.first + course.frames {
         let time = f64::from(frame) / f64::from(rate.max(1));
         lab.set_seconds(time);
-        let wanted = Wanted { scene: &scene, time, size: course.size, bounces: None, samples: course.samples };
+        let wanted = Wanted { scene: &scene, time, size, bounces: None, samples: course.samples };
         let found = references.get(lab.tracer(), &wanted, &mut |_| progress(None))?;
-        let halves = found.estimate.halves(Layer::Indirect);
-        mean += 0.5 * (halves[0].mean() + halves[1].mean()) / f64::from(course.frames);
-        let zero = last.as_ref().map(|_| Image::filled(course.size[0], course.size[1], [0.0; 3]));
-        if let (Some(last), Some(zero)) = (&last, &zero) {
-            own += product((zero, zero), last, &halves);
-            values += zero.values().len() as f64;
-        }
+        let both = found.estimate.halves(Layer::Indirect);
+        mean += 0.5 * (both[0].mean() + both[1].mean()) / f64::from(course.frames);
+        halves.iter_mut().zip(both).for_each(|(trail, half)| trail.push(half));
+        own.push(black.clone(), &halves);
         for (sums, &index) in sums.iter_mut().zip(which) {
             let traced = lab.runners[index].0.is_traced();
-            let light = if traced { lab.trace(index, course.size)? } else { lab.draw(index, course.size, course.aa)? };
-            if let (Some(before), Some(last)) = (&sums.last, &last) {
-                sums.change += product((before, &light.indirect), last, &halves);
-            }
-            sums.last = Some(light.indirect);
+            let light = if traced { lab.trace(index, size)? } else { lab.draw(index, size, course.aa)? };
+            sums.push(light.indirect, &halves);
             progress(Some(&lab.runners[index].0));
         }
-        last = Some(halves);
     }
-    let relative = |sum: f64| (sum / values).max(0.0).sqrt() / mean;
-    let flicker = |(sums, &index): (Sums, &usize)| Flicker {
-        key: String::new(),
-        scene: scene.clone(),
-        variant: lab.runners[index].0.name.clone(),
-        frames: course.frames,
-        change: relative(sums.change),
-        reference: relative(own),
-    };
-    (course.frames > 1).then_some(()).context("flicker needs two frames or more")?;
-    Ok(sums.into_iter().zip(which).map(flicker).collect())
+    let mut all = Vec::new();
+    for (sums, &index) in sums.iter().zip(which) {
+        let mut flicker = Flicker {
+            scene: scene.clone(),
+            variant: lab.runners[index].0.name.clone(),
+            frames: course.frames,
+            change: sums.change.root() / mean,
+            reference: own.change.root() / mean,
+            tremble: Some(sums.tremble.root() / mean),
+            reference_tremble: Some(own.tremble.root() / mean),
+            ..Flicker::default()
+        };
+        flicker.picture = Some(draw(folder, &flicker, size, [&own.change, &sums.change, &sums.tremble], mean)?);
+        all.push(flicker);
+    }
+    Ok(all)
 }
 
-/// Σ (Δa − Δr₁)(Δa − Δr₂) over all values.
-fn product((a0, a1): (&Image, &Image), r0: &[Image; 2], r1: &[Image; 2]) -> f64 {
-    let change = |before: &Image, after: &Image| -> Vec<f64> {
-        before.values().zip(after.values()).map(|(b, a)| f64::from(a) - f64::from(b)).collect()
-    };
-    let (a, first, second) = (change(a0, a1), change(&r0[0], &r1[0]), change(&r0[1], &r1[1]));
-    a.iter().zip(first).zip(second).map(|((a, r1), r2)| (a - r1) * (a - r2)).sum()
+/// Draws the reference's change, that beyond it and its trembling side by side; gives the file's name.
+fn draw(folder: &Path, flicker: &Flicker, size: [u32; 2], squares: [&Squares; 3], mean: f64) -> Result<String> {
+    let (scene, variant) = (&flicker.scene, &flicker.variant);
+    let file = format!("pictures/{}_flicker.png", picture::file_name(&format!("{scene}_{variant}")));
+    let captions = ["the reference changes", "beyond that", "trembling"];
+    let shown = squares.iter().zip(captions).map(|(squares, caption)| {
+        let image = squares.image(size, 1.0 / mean).context("an image of another size")?;
+        Ok((image, caption.to_owned()))
+    });
+    picture::row(&folder.join(&file), &format!("{scene}: {variant}"), &shown.collect::<Result<Vec<_>>>()?, EXPOSURE)?;
+    Ok(file)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use xxhash_rust::xxh3::xxh3_64;
+
+    const SIZE: [u32; 2] = [2, 1];
+
+    /// Change and trembling of a row of grey images, held against a reference whose halves differ by a constant.
+    fn measured(images: [f32; 4], reference: [f32; 4]) -> [f64; 2] {
+        let image = |value: f32| Image::filled(SIZE[0], SIZE[1], [value; 3]);
+        let mut sums = Sums::new(SIZE);
+        let mut halves = [Trail::default(), Trail::default()];
+        for (a, r) in images.into_iter().zip(reference) {
+            halves[0].push(image(r));
+            halves[1].push(image(r + 0.5));
+            sums.push(image(a), &halves);
+        }
+        [sums.change.root(), sums.tremble.root()]
+    }
 
     #[test]
     fn only_change_beyond_the_references_counts() {
-        let image = |value: f32| Image::filled(2, 1, [value; 3]);
-        let (before, after) = ([image(1.0), image(1.1)], [image(2.0), image(2.1)]);
+        let reference = [1.0, 2.0, 3.0, 4.0];
+        let near = |found: [f64; 2], wanted: [f64; 2]| {
+            assert!(found.iter().zip(wanted).all(|(f, w)| (f - w).abs() < 1e-6), "{found:?}, not {wanted:?}");
+        };
         // The image moves with the reference, half as far, and not at all.
-        for (a1, sum) in [(6.0, 0.0), (5.5, 6.0 * 0.25), (5.0, 6.0)] {
-            let found = product((&image(5.0), &image(a1)), &before, &after);
-            assert!((found - sum).abs() < 1e-5, "{a1}: {found}");
+        near(measured([5.0, 6.0, 7.0, 8.0], reference), [0.0, 0.0]);
+        near(measured([5.0, 5.5, 6.0, 6.5], reference), [0.5, 0.0]);
+        near(measured([5.0; 4], reference), [1.0, 0.0]);
+        // To and fro beside it: the second difference of ±1 is 4.
+        near(measured([6.0, 5.0, 8.0, 7.0], reference), [2.0, 4.0 / 3.0_f64.sqrt()]);
+    }
+
+    /// Noise that is another one in each frame, of variance s²: the step's is 2 s², that of the second difference 6 s².
+    #[test]
+    fn noise_changes_as_much_as_it_trembles() {
+        let size = [64, 64];
+        let mut sums = Sums::new(size);
+        let mut halves = [Trail::default(), Trail::default()];
+        for frame in 0..12 {
+            // Even from 0 to 1.
+            let random =
+                |index: u32| (xxh3_64(&[frame, index].map(u32::to_le_bytes).concat()) >> 40) as f32 / 2_f32.powi(24);
+            let pixels = (0..size[0] * size[1]).map(|pixel| [0, 1, 2].map(|c| random(3 * pixel + c)));
+            halves.iter_mut().for_each(|half| half.push(Image::filled(size[0], size[1], [0.3; 3])));
+            sums.push(
+                Image::from_pixels(size[0], size[1], pixels.collect()).unwrap_or_else(|| unreachable!()),
+                &halves,
+            );
+        }
+        let expected = (2.0_f64 / 12.0).sqrt();
+        for found in [sums.change.root(), sums.tremble.root()] {
+            assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}");
         }
     }
 }

@@ -24,6 +24,8 @@ const SCENES: [&str; 10] = [
 const SWEPT_STEPS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 /// Factors on the cells of `--sweep grid`.
 const SWEPT_GRIDS: [f32; 4] = [0.5, 1.0, 2.0, 4.0];
+/// Frames in which flicker is measured in a whole run, and the largest image: a scene shall cost minutes, not hours.
+const FLICKER: (u32, [u32; 2]) = (9, [128; 2]);
 /// Most cells along an axis.
 const MOST_CELLS: u32 = 128;
 
@@ -56,8 +58,8 @@ pub struct Plan {
     pub reference_spp: u32,
     /// Indirect bounces of the references.
     pub bounces: Vec<Option<u32>>,
-    /// Frames of the measurement of flicker.
-    pub flicker: Option<u32>,
+    /// Frames of the measurement of flicker, and its image size [pixels].
+    pub flicker: Option<(u32, [u32; 2])>,
     /// Whether paths a second are measured.
     pub throughput: bool,
     quick: bool,
@@ -84,6 +86,8 @@ pub enum Task {
     Flicker {
         /// Frames.
         frames: u32,
+        /// Image size [pixels].
+        size: [u32; 2],
     },
     /// Paths a second.
     Throughput,
@@ -109,13 +113,15 @@ impl Plan {
             true => SCENES.iter().filter(|scene| scene_path::find(scene).is_ok()).map(|s| (*s).to_owned()).collect(),
             false => args.scenes.clone(),
         };
+        let error_size = args.error_size.unwrap_or([quick(128, 256); 2]);
+        let flicker = args.flicker.unwrap_or(quick(0, FLICKER.0));
         Ok(Self {
             scenes,
             lenient: args.scenes.is_empty(),
             variants: variants(args, &or(&args.spp, &[1, 4, 16, 64, 256], &[1, 4, 16]))?,
             sweeps: args.sweep.clone(),
             time_sizes,
-            error_size: args.error_size.unwrap_or([quick(128, 256); 2]),
+            error_size,
             aa: args.aa,
             frames: args.frames.unwrap_or(quick(7, 20)),
             warm_up: args.warm_up,
@@ -123,7 +129,7 @@ impl Plan {
             times: args.times.clone(),
             reference_spp: args.reference_spp,
             bounces: if args.bounces.is_empty() { vec![None] } else { args.bounces.iter().map(|b| b.0).collect() },
-            flicker: args.flicker,
+            flicker: (flicker > 0).then(|| (flicker, [0, 1].map(|i| error_size[i].min(FLICKER.1[i])))),
             throughput: args.throughput,
             quick: args.quick,
         })
@@ -150,7 +156,7 @@ impl Plan {
             tasks.push(Task::Time { size, mode: Mode::Full });
             tasks.extend((!self.quick).then_some(Task::Time { size, mode: Mode::Animated }));
         }
-        tasks.extend(self.flicker.map(|frames| Task::Flicker { frames }));
+        tasks.extend(self.flicker.map(|(frames, size)| Task::Flicker { frames, size }));
         tasks.extend(self.throughput.then_some(Task::Throughput));
         tasks
     }
@@ -176,7 +182,9 @@ impl Plan {
             size(self.error_size),
             self.aa,
             self.reference_spp,
-        )
+        ) + &self
+            .flicker
+            .map_or(String::new(), |(frames, at)| format!("; flicker at {} over {frames} frames", size(at)))
     }
 }
 
@@ -279,7 +287,10 @@ mod tests {
         assert_eq!(tasks[0], Task::Errors { time: 0.0, bounces: None });
         let modes = [Mode::Full, Mode::Animated];
         let times = [512, 1024].map(|edge| modes.map(|mode| Task::Time { size: [edge; 2], mode }));
-        assert_eq!(tasks[2..], times.concat());
+        assert_eq!(tasks[2..6], times.concat());
+        assert_eq!(tasks[6..], [Task::Flicker { frames: 9, size: [128; 2] }]);
+        let without = Plan::of(&args(&["--flicker", "0"])).unwrap();
+        assert_eq!(without.tasks(&[0.0, 2.0]), tasks[..6]);
     }
 
     #[test]
@@ -293,7 +304,8 @@ mod tests {
         let plan = Plan::of(&args(&more)).unwrap();
         assert_eq!(names(&plan), ["clpv", "long"]);
         assert_eq!(plan.times_of(Some(6.0), 30), [0.0, 1.0]);
-        assert!(plan.tasks(&[0.0]).contains(&Task::Flicker { frames: 4 }));
+        assert!(plan.tasks(&[0.0]).contains(&Task::Flicker { frames: 4, size: [128; 2] }));
+        assert_eq!(Plan::of(&args(&["--quick"])).unwrap().flicker, None);
         let plan = Plan::of(&args(&["--bounces", "inf,1"])).unwrap();
         assert_eq!(plan.bounces, [None, Some(1)]);
     }

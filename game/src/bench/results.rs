@@ -218,7 +218,7 @@ pub struct ErrorFigures {
 }
 
 /// Flicker of one variant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flicker {
     /// All that it depends on.
     pub key: String,
@@ -234,6 +234,16 @@ pub struct Flicker {
     /// The reference's own change in the same measure.
     #[serde(with = "finite")]
     pub reference: f64,
+    /// What of that is not steady: second differences over √3, beyond the reference's, over the mean. Noise that is
+    /// another one in each frame has as much of it as of change, a change that goes on evenly none.
+    #[serde(default)]
+    pub tremble: Option<f64>,
+    /// The reference's own in the same measure.
+    #[serde(default)]
+    pub reference_tremble: Option<f64>,
+    /// The picture of it, relative to the folder of the results.
+    #[serde(default)]
+    pub picture: Option<String>,
 }
 
 /// Path tracing on the device against the host over the same hierarchies.
@@ -362,6 +372,8 @@ mod tests {
             frames: 2,
             change: f64::INFINITY,
             reference: 0.5,
+            tremble: Some(0.25),
+            ..Flicker::default()
         });
         store.save().unwrap();
         let again = Store::open(dir.path(), Header::default(), false).unwrap();

@@ -118,10 +118,10 @@ impl Run {
                 };
                 millions(*size) * all(&frame)
             }
-            Task::Flicker { frames } => {
+            Task::Flicker { frames, size } => {
                 let image = |v: &super::variant::Variant| if v.is_traced() { f64::from(v.spp) } else { 2.0 * DRAWN };
                 let spp = f64::from(self.flicker_samples());
-                millions(self.plan.error_size) * f64::from(*frames) * (spp + all(&image))
+                millions(*size) * f64::from(*frames) * (spp + all(&image))
             }
             Task::Throughput => 2.0 * millions(THROUGHPUT.0) * f64::from(THROUGHPUT.1 * THROUGHPUT.2),
         }
@@ -131,7 +131,7 @@ impl Run {
         match *task {
             Task::Errors { time, bounces } => self.errors(lab, store, time, bounces),
             Task::Time { size, mode } => self.times(lab, store, size, mode),
-            Task::Flicker { frames } => self.flicker(lab, store, frames),
+            Task::Flicker { frames, size } => self.flicker(lab, store, frames, size),
             Task::Throughput => self.throughput(lab, gpu, store),
         }
     }
@@ -228,16 +228,22 @@ impl Run {
         (self.plan.reference_spp / 8).max(2)
     }
 
-    fn flicker(&self, lab: &mut Lab, store: &mut Store, frames: u32) -> Result<()> {
+    fn flicker(&self, lab: &mut Lab, store: &mut Store, frames: u32, size: [u32; 2]) -> Result<()> {
+        let (duration, rate) = lab.clock();
+        // Nothing moves.
+        let Some(duration) = duration.filter(|duration| *duration > 0.0) else { return Ok(()) };
         let scene = lab.name();
         let samples = self.flicker_samples();
-        let course = flicker::Course { size: self.plan.error_size, frames, aa: 1, samples };
-        let (_, rate) = lab.clock();
-        let last = f64::from(frames) / f64::from(rate.max(1));
+        // At a third of the loop, as errors are: what moves often rests at its ends.
+        let first = (duration / 3.0 * rate as f32).round() as u32;
+        let course = flicker::Course { size, first, frames, aa: 1, samples };
+        let seconds = |frame: u32| f64::from(frame) / f64::from(rate.max(1));
+        let times = [seconds(first), seconds(first + frames)];
         let mut missing = Vec::new();
         for index in 0..lab.runners.len() {
-            let key = lab.key(index, &[0.0, last], &format!("flicker {course:?} {:?}", self.camera))?;
-            if !store.results.flicker.iter().any(|flicker| flicker.key == key) {
+            let key = lab.key(index, &times, &format!("flicker {course:?} {:?}", self.camera))?;
+            let exists = |flicker: &Flicker| pictures_exist(&self.folder, flicker.picture.as_slice());
+            if !store.results.flicker.iter().any(|flicker| flicker.key == key && exists(flicker)) {
                 missing.push((index, key));
             }
         }
@@ -246,7 +252,8 @@ impl Run {
         }
         let which: Vec<usize> = missing.iter().map(|(index, _)| *index).collect();
         self.says(&scene, "flicker");
-        let measured = flicker::measure(lab, &which, &course, &self.references, &mut |_| self.bar.tick())?;
+        let (references, folder) = (&self.references, &self.folder);
+        let measured = flicker::measure(lab, &which, &course, references, folder, &mut |_| self.bar.tick())?;
         for (flicker, (_, key)) in measured.into_iter().zip(missing) {
             let all = &mut store.results.flicker;
             all.retain(|old| (&old.scene, &old.variant) != (&scene, &flicker.variant));

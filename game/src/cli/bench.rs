@@ -73,8 +73,9 @@ pub struct BenchArgs {
     /// Indirect bounces of the references, `inf` or a number; the first is the one that plots show [default: inf]
     #[arg(long, value_name = "K", value_delimiter = ',', value_parser = parse_bounces)]
     pub bounces: Vec<Bounces>,
-    /// Measure flicker too: frame-to-frame change beyond the reference's own over N frames
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000))]
+    /// Measure flicker over N frames: change from frame to frame beyond the reference's own; 0 leaves it out
+    /// [default: 9; quick: 0]
+    #[arg(long, value_name = "N", value_parser = parse_flicker)]
     pub flicker: Option<u32>,
     /// Measure the path tracer's paths a second against a tracer on the host
     #[arg(long)]
@@ -134,6 +135,13 @@ impl Grows {
 /// Indirect bounces of a reference; none: unlimited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounces(pub Option<u32>);
+
+fn parse_flicker(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(frames @ (0 | 3..=10_000)) => Ok(frames),
+        _ => Err("give a number of frames, 3 to 10000, or 0 for none".to_owned()),
+    }
+}
 
 fn parse_bounces(text: &str) -> Result<Bounces, String> {
     match text {

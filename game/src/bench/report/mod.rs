@@ -2,6 +2,7 @@
 
 mod charts;
 mod facts;
+mod flicker;
 mod growth;
 mod markdown;
 mod sections;
@@ -28,7 +29,7 @@ const SECTIONS: &[Section] = &[
     tables::counts,
     tables::memory,
     sweeps::section,
-    sections::flicker,
+    flicker::section,
     sections::throughput,
     growth::section,
     growth::pairs,

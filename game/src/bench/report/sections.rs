@@ -32,23 +32,6 @@ pub fn head(results: &Results) -> Option<String> {
     Some(text)
 }
 
-/// Frame-to-frame change.
-pub fn flicker(results: &Results) -> Option<String> {
-    let row = |f: &crate::bench::results::Flicker| {
-        let cells = [f.scene.clone(), f.variant.clone(), f.frames.to_string()];
-        [&cells[..], &[percent(f.change), percent(f.reference)]].concat()
-    };
-    let rows: Vec<Vec<String>> = results.flicker.iter().map(row).collect();
-    let head = ["scene", "variant", "frames", "change beyond the reference's", "reference's own change"];
-    (!rows.is_empty()).then(|| {
-        format!(
-            "## Flicker\n\nRoot mean square of the change of indirect light from frame to frame that the reference does \
-             not make, over the mean.\n\n{}",
-            table(&head, &rows)
-        )
-    })
-}
-
 /// Paths a second.
 pub fn throughput(results: &Results) -> Option<String> {
     let row = |t: &crate::bench::results::ThroughputFigures| {
