@@ -1,8 +1,8 @@
 //! Mutated input of every kind that a user may hand over: whatever it is, the answer is a result or an error, soon, and
 //! never a panic.
 //!
-//! Each test mutates a few valid inputs, always in the same way. `LIGHTWELL_FUZZ=1000000` tries as many of each instead
-//! of some thousands. What panics is written into `out/fuzz/`.
+//! Each test mutates a few valid inputs, always in the same way, 100,000 times, or as often as 40 seconds allow where that
+//! is less. `LIGHTWELL_FUZZ=1000000` tries as many of each, however long it takes. What panics is written into `out/fuzz/`.
 
 use clap::Parser;
 use fastrand::Rng;
@@ -16,7 +16,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Inputs of each kind, where nothing else is asked for.
-const EXECUTIONS: u32 = 5_000;
+const EXECUTIONS: u32 = 100_000;
+/// Time after which it is enough, where nothing else is asked for: the whole suite shall take minutes.
+const BUDGET: Duration = Duration::from_secs(40);
 /// No input of this size may take longer, whatever the machine is busy with.
 const LONGEST: Duration = Duration::from_secs(20);
 
@@ -60,20 +62,16 @@ const WORDS: [&str; 36] = [
     "%00",
 ];
 
-/// Tries as many mutations of the inputs as are asked for.
-fn fuzz(name: &str, seeds: &[Vec<u8>], attempt: impl FnMut(&[u8])) {
-    fuzz_times(name, seeds, executions(), attempt);
-}
-
-fn executions() -> u32 {
-    std::env::var("LIGHTWELL_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(EXECUTIONS)
-}
-
-fn fuzz_times(name: &str, seeds: &[Vec<u8>], count: u32, mut attempt: impl FnMut(&[u8])) {
+/// Tries as many mutations of the inputs as are asked for, or as there is time for.
+fn fuzz(name: &str, seeds: &[Vec<u8>], mut attempt: impl FnMut(&[u8])) {
+    let asked: Option<u32> = std::env::var("LIGHTWELL_FUZZ").ok().and_then(|n| n.parse().ok());
+    let (wanted, budget) = asked.map_or((EXECUTIONS, BUDGET), |count| (count, Duration::MAX));
     let mut random = Rng::with_seed(7);
     let start = Instant::now();
     let mut slowest = Duration::ZERO;
-    for _ in 0..count {
+    let mut count = 0;
+    while count < wanted && start.elapsed() < budget {
+        count += 1;
         let input = mutated(&mut random, seeds);
         let begin = Instant::now();
         if catch_unwind(AssertUnwindSafe(|| attempt(&input))).is_err() {
@@ -153,10 +151,28 @@ fn replace_number(random: &mut Rng, input: &mut Vec<u8>, at: usize) {
     }
 }
 
-/// Writes the input into a file, and loads the scene beside it.
-fn load(folder: &Path, file: &str, input: &[u8]) {
-    std::fs::write(folder.join(file), input).expect("written");
-    let _ = load_scene(&folder.join("a.scene.ron"), &mut AssetLibrary::new(), &LoadOptions::default());
+/// Writes inputs into a file, and loads the scene beside it.
+struct Loader {
+    folder: tempfile::TempDir,
+    file: &'static str,
+    /// Knows the model from the input before.
+    library: AssetLibrary,
+    loaded: u32,
+}
+
+impl Loader {
+    fn new(folder: tempfile::TempDir, file: &'static str) -> Self {
+        Self { folder, file, library: AssetLibrary::new(), loaded: 0 }
+    }
+
+    fn load(&mut self, input: &[u8]) {
+        self.loaded += 1;
+        if self.loaded.is_multiple_of(500) {
+            self.library = AssetLibrary::new();
+        }
+        std::fs::write(self.folder.path().join(self.file), input).expect("written");
+        let _ = load_scene(&self.folder.path().join("a.scene.ron"), &mut self.library, &LoadOptions::default());
+    }
 }
 
 const SCENE: &str = r#"Scene(
@@ -296,7 +312,8 @@ fn scenes() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("a.prefab.ron"), PREFAB).expect("written");
     std::fs::write(folder.path().join("a.gltf"), gltf_text()).expect("written");
-    fuzz("scene.ron", &[SCENE.into()], |input| load(folder.path(), "a.scene.ron", input));
+    let mut loader = Loader::new(folder, "a.scene.ron");
+    fuzz("scene.ron", &[SCENE.into()], |input| loader.load(input));
 }
 
 #[test]
@@ -304,7 +321,8 @@ fn prefabs() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = r#"Scene(entities: [(name: "A", prefab: "a.prefab.ron")])"#;
     std::fs::write(folder.path().join("a.scene.ron"), scene).expect("written");
-    fuzz("prefab.ron", &[PREFAB.into()], |input| load(folder.path(), "a.prefab.ron", input));
+    let mut loader = Loader::new(folder, "a.prefab.ron");
+    fuzz("prefab.ron", &[PREFAB.into()], |input| loader.load(input));
 }
 
 #[test]
@@ -340,14 +358,14 @@ fn shaders() {
     let options = GpuOptions { adapter: None, shader_dir: folder.path().to_owned() };
     let gpu = Gpu::headless(&options).expect("a device");
     gpu.shaders.entry_points("a.wgsl").unwrap_or_else(|e| panic!("{e}"));
-    for (name, text, seed) in [("a.wgsl", SHADER, "a.wgsl"), ("part.wgsl", LIBRARY, "part.wgsl")] {
-        // Each takes ten milliseconds to compose and to check.
-        fuzz_times(seed, &[text.into()], executions() / 10, |input| {
-            write(name, input);
-            gpu.shaders.reload_all();
+    // The shader, and what it imports. The library composes anew what depends on the one that changed.
+    let add = |name: &str, text: &[u8]| gpu.shaders.add(name, &String::from_utf8_lossy(text));
+    for (name, text) in [("a.wgsl", SHADER), ("part.wgsl", LIBRARY)] {
+        fuzz(name, &[text.into()], |input| {
+            add(name, input);
             let _ = gpu.shaders.entry_points("a.wgsl");
         });
-        write(name, text.as_bytes());
+        add(name, text.as_bytes());
     }
 }
 

@@ -5,6 +5,7 @@ use super::shader_library::Defs;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue, get_preprocessor_data,
 };
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use wgpu::naga;
 
@@ -44,17 +45,36 @@ fn imports_of(source: &str, files: &HashMap<String, String>) -> Vec<String> {
     imports.iter().filter_map(|import| files.get(&import.import).cloned()).collect()
 }
 
+thread_local! {
+    /// The making of a composer takes longer than most shaders: it compiles two dozen regular expressions.
+    static COMPOSER: RefCell<Composer> =
+        RefCell::new(Composer::default().with_capabilities(naga::valid::Capabilities::all()));
+}
+
 /// Composes and validates a file. Everything that WGSL allows is accepted here: what this adapter cannot do, the
 /// device says when the pipeline is made.
 pub(super) fn compile(sources: &Sources, path: &str, defs: &Defs) -> Result<CompiledShader, ShaderError> {
+    COMPOSER.with_borrow_mut(|composer| {
+        // Nothing is kept of another shader, whose defines may be others.
+        composer.module_sets.clear();
+        composer.module_index.clear();
+        compile_with(composer, sources, path, defs)
+    })
+}
+
+fn compile_with(
+    composer: &mut Composer,
+    sources: &Sources,
+    path: &str,
+    defs: &Defs,
+) -> Result<CompiledShader, ShaderError> {
     let source = sources.get(path).ok_or_else(|| ShaderError::of_file(path, "there is no such file"))?;
     let shader_defs: HashMap<String, ShaderDefValue> =
         defs.iter().map(|&(name, def)| (name.to_string(), def.into())).collect();
-    let mut composer = Composer::default().with_capabilities(naga::valid::Capabilities::all());
     let files = files_by_import_path(sources);
     let mut modules = Modules { sources, files: &files, shader_defs: &shader_defs, added: BTreeSet::new() };
     for file in imports_of(source, &files) {
-        modules.add(&mut composer, &file).map_err(|report| ShaderError::of_report(path, &report))?;
+        modules.add(composer, &file).map_err(|report| ShaderError::of_report(path, &report))?;
     }
     let composed = composer.make_naga_module(NagaModuleDescriptor {
         source,
@@ -62,7 +82,7 @@ pub(super) fn compile(sources: &Sources, path: &str, defs: &Defs) -> Result<Comp
         shader_defs: shader_defs.clone(),
         ..Default::default()
     });
-    let module = composed.map_err(|error| ShaderError::of_report(path, &error.emit_to_string(&composer)))?;
+    let module = composed.map_err(|error| ShaderError::of_report(path, &error.emit_to_string(composer)))?;
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
     let info = validator.validate(&module).map_err(|error| ShaderError::of_validation(path, &error))?;
