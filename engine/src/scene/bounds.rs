@@ -85,7 +85,8 @@ impl Aabb {
 /// The planes of a clip space, pointing inwards: n·p + d ≥ 0 inside. Reversed or not, finite or infinite far plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
-    planes: [Vec4; 6],
+    /// n and d of four planes at a time: their x, their y, their z, their d.
+    planes: [[Vec4; 4]; 2],
 }
 
 impl Frustum {
@@ -93,7 +94,12 @@ impl Frustum {
     pub fn new(clip_from_world: &Mat4) -> Self {
         let r = clip_from_world.transpose();
         let (x, y, z, w) = (r.x_axis, r.y_axis, r.z_axis, r.w_axis);
-        Self { planes: [w + x, w - x, w + y, w - y, z, w - z] }
+        // The last two stand there twice, so that it is eight.
+        let four = |planes: [Vec4; 4]| {
+            let lanes = Mat4::from_cols(planes[0], planes[1], planes[2], planes[3]).transpose();
+            [lanes.x_axis, lanes.y_axis, lanes.z_axis, lanes.w_axis]
+        };
+        Self { planes: [four([w + x, w - x, w + y, w - y]), four([z, w - z, z, w - z])] }
     }
 
     /// False only if the box is certainly outside (conservative).
@@ -101,11 +107,14 @@ impl Frustum {
         if aabb.is_empty() {
             return false;
         }
-        self.planes.iter().all(|plane| {
-            let normal = plane.truncate();
-            let farthest = Vec3::select(normal.cmpge(Vec3::ZERO), aabb.max, aabb.min);
+        let (min, max) = (aabb.min, aabb.max);
+        self.planes.iter().all(|[x, y, z, d]| {
+            // Along each axis the corner that lies farther along the normal.
+            let farthest =
+                |normal: Vec4, min: f32, max: f32| Vec4::select(normal.cmpge(Vec4::ZERO), normal * max, normal * min);
+            let distance = farthest(*x, min.x, max.x) + farthest(*y, min.y, max.y) + farthest(*z, min.z, max.z) + *d;
             // A NaN (infinite far plane times zero) must not cull.
-            !(normal.dot(farthest) + plane.w < 0.0)
+            !distance.cmplt(Vec4::ZERO).any()
         })
     }
 }

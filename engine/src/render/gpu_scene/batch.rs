@@ -1,6 +1,7 @@
 //! Primitives that are drawn together, and which of them a pass draws.
 
 use super::MaterialClass;
+use super::mesh::MeshPlace;
 use crate::assets::AssetId;
 use crate::scene::{Aabb, Frustum, Primitive, SceneId, wall_extent};
 use std::ops::Range;
@@ -14,11 +15,13 @@ pub(super) struct Batch {
     pub nowhere_opaque: bool,
     pub material: AssetId,
     pub mesh: AssetId,
-    pub first_instance: u32,
-    pub members: Vec<Member>,
+    /// Where the mesh lies; none if it has no triangles.
+    pub place: Option<MeshPlace>,
+    /// Its instances, and their members.
+    pub instances: Range<u32>,
 }
 
-/// One instance of a batch.
+/// What is known of an instance. All of a scene lie in one array in the order of the instances.
 pub(super) struct Member {
     pub id: SceneId,
     pub bounds: Aabb,
@@ -116,9 +119,14 @@ impl Batch {
         filter.motion.takes(self.moving) && !(filter.opaque_only && self.nowhere_opaque)
     }
 
+    /// Its part of all members.
+    pub fn of<'m>(&self, members: &'m [Member]) -> &'m [Member] {
+        members.get(self.instances.start as usize..self.instances.end as usize).unwrap_or_default()
+    }
+
     /// Ranges of instances that lie next to each other and pass the filter.
-    pub fn visible_runs(&self, filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
-        let visible = (self.first_instance..).zip(&self.members).filter(|(_, member)| member.visible(filter));
+    pub fn visible_runs(&self, members: &[Member], filter: &DrawFilter) -> impl Iterator<Item = Range<u32>> {
+        let visible = self.instances.clone().zip(self.of(members)).filter(|(_, member)| member.visible(filter));
         let mut visible = visible.map(|(index, _)| index).peekable();
         std::iter::from_fn(move || {
             let first = visible.next()?;

@@ -36,7 +36,7 @@ struct Instance<'s> {
 impl GpuScene {
     /// Whether any blended primitive passes the filter.
     pub fn any_blended(&self, filter: &DrawFilter) -> bool {
-        self.batches.iter().filter(|batch| batch.class.blended).flat_map(|b| &b.members).any(|m| m.visible(filter))
+        self.batches.iter().filter(|batch| batch.class.blended).any(|b| self.is_visible(b, filter))
     }
 
     /// Draws all blended primitives that pass the filter, sorted by the distance of their boxes' centres along the
@@ -61,7 +61,7 @@ impl GpuScene {
         let mut current: Option<(MaterialClass, Side, Arc<Pipeline>, Vec<wgpu::BindGroup>)> = None;
         let mut bound = Bound::default();
         for Instance { batch, index, .. } in self.sorted_blended(filter, eye, forward) {
-            let Some(mesh) = self.meshes.get(batch.mesh) else { continue };
+            let Some(place) = batch.place else { continue };
             let sides: &[Side] = if batch.class.double_sided { &[Side::Back, Side::Front] } else { &[Side::Front] };
             for &side in sides {
                 if current.as_ref().is_none_or(|(class, s, ..)| (*class, *s) != (batch.class, side)) {
@@ -71,8 +71,8 @@ impl GpuScene {
                     bound.material = None;
                 }
                 let Some((.., pipeline, groups)) = &current else { continue };
-                self.set_batch(gpu, pass, pipeline, batch, mesh.page, &mut bound)?;
-                let draw = mesh.draw(index..index + 1);
+                self.set_batch(gpu, pass, pipeline, batch, place.page, &mut bound)?;
+                let draw = place.draw(index..index + 1);
                 for group in groups {
                     pass.set_bind_group(2, group, &[]);
                     submit::record(pass, &draw);
@@ -87,7 +87,7 @@ impl GpuScene {
     fn sorted_blended(&self, filter: &DrawFilter, eye: Vec3, forward: Vec3) -> Vec<Instance<'_>> {
         let blended = self.batches.iter().filter(|batch| batch.class.blended);
         let instances = blended.flat_map(|batch| {
-            let members = batch.members.iter().zip(batch.first_instance..);
+            let members = batch.of(&self.members).iter().zip(batch.instances.clone());
             members.map(move |(member, index)| {
                 let distance = (member.bounds.center() - eye).dot(forward);
                 Instance { distance, batch, index, member }

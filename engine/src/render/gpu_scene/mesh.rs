@@ -18,8 +18,7 @@ const PAGE_INDICES: u32 = 1 << 22;
 /// Where a mesh lies.
 pub(super) struct GpuMesh {
     topology: AssetId,
-    /// The buffers that it lies in.
-    pub page: usize,
+    page: usize,
     vertices: Range<u32>,
     /// Its indices, which count from its first vertex.
     indices: Range<u32>,
@@ -28,14 +27,36 @@ pub(super) struct GpuMesh {
     uses: usize,
 }
 
+/// The same in short, for draws. It stays as it is while the mesh is there.
+#[derive(Clone, Copy)]
+pub(super) struct MeshPlace {
+    /// The buffers that it lies in.
+    pub page: usize,
+    first_index: u32,
+    index_count: u32,
+    base_vertex: i32,
+}
+
 impl GpuMesh {
+    /// Where it lies.
+    pub fn place(&self) -> MeshPlace {
+        MeshPlace {
+            page: self.page,
+            first_index: self.indices.start,
+            index_count: self.indices.len() as u32,
+            base_vertex: self.vertices.start as i32,
+        }
+    }
+}
+
+impl MeshPlace {
     /// The draw of some instances of it.
     pub fn draw(&self, instances: Range<u32>) -> DrawIndexedIndirectArgs {
         DrawIndexedIndirectArgs {
-            index_count: self.indices.len() as u32,
+            index_count: self.index_count,
             instance_count: instances.len() as u32,
-            first_index: self.indices.start,
-            base_vertex: self.vertices.start as i32,
+            first_index: self.first_index,
+            base_vertex: self.base_vertex,
             first_instance: instances.start,
         }
     }

@@ -70,6 +70,8 @@ pub struct GpuScene {
     materials: MaterialStore,
     instances: wgpu::Buffer,
     batches: Vec<Batch>,
+    /// What is known of each instance.
+    members: Vec<Member>,
     /// Moving primitives in the order of their instances.
     movers: Vec<Mover>,
     /// Bounds of all that does not move.
@@ -86,6 +88,7 @@ impl GpuScene {
             materials: MaterialStore::new(gpu),
             instances: gpu.storage("instances", &[Instance::zeroed()], wgpu::BufferUsages::empty()),
             batches: Vec::new(),
+            members: Vec::new(),
             movers: Vec::new(),
             still_bounds: Aabb::EMPTY,
             sky: GpuSky::new(gpu),
@@ -95,7 +98,11 @@ impl GpuScene {
 
     /// Whether any primitive passes the filter.
     pub fn any_visible(&self, filter: &DrawFilter) -> bool {
-        self.passing(filter).flat_map(|batch| &batch.members).any(|member| member.visible(filter))
+        self.passing(filter).any(|batch| self.is_visible(batch, filter))
+    }
+
+    fn is_visible(&self, batch: &Batch, filter: &DrawFilter) -> bool {
+        batch.of(&self.members).iter().any(|member| member.visible(filter))
     }
 
     fn passing(&self, filter: &DrawFilter) -> impl Iterator<Item = &Batch> {

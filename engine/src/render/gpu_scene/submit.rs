@@ -37,14 +37,14 @@ impl GpuScene {
     pub(super) fn draw_list(&self, gpu: &Gpu, filter: &DrawFilter) -> DrawList<'_> {
         let mut list = DrawList { segments: Vec::<Segment>::new(), draws: Vec::new(), buffer: None };
         for batch in self.passing(filter) {
-            let Some(mesh) = self.meshes.get(batch.mesh) else { continue };
+            let Some(place) = batch.place else { continue };
             let first = list.draws.len();
-            list.draws.extend(batch.visible_runs(filter).map(|run| mesh.draw(run)));
+            list.draws.extend(batch.visible_runs(&self.members, filter).map(|run| place.draw(run)));
             let draws = first..list.draws.len();
-            match list.segments.last_mut().filter(|last| last.binds_as(batch, mesh.page)) {
+            match list.segments.last_mut().filter(|last| last.binds_as(batch, place.page)) {
                 _ if draws.is_empty() => {}
                 Some(last) => last.draws.end = draws.end,
-                None => list.segments.push(Segment { batch, page: mesh.page, draws }),
+                None => list.segments.push(Segment { batch, page: place.page, draws }),
             }
         }
         list.upload(gpu);

@@ -1,7 +1,7 @@
 //! Bringing the device up to date with the scene: all of it, or only what moves.
 
 use super::material::is_nowhere_opaque;
-use super::mesh::is_drawable;
+use super::mesh::{GpuMesh, is_drawable};
 use super::{Batch, DrawFilter, GpuScene, Instance, MaterialClass, Member, Motion};
 use crate::assets::AssetId;
 use crate::gpu::Gpu;
@@ -46,9 +46,9 @@ impl Synced {
 pub(super) struct Mover {
     /// Its place among the scene's primitives.
     primitive: usize,
-    /// Its batch and its place there.
+    /// Its batch, and its instance if it has anything that could be drawn.
     batch: usize,
-    member: usize,
+    instance: Option<u32>,
 }
 
 impl GpuScene {
@@ -84,7 +84,7 @@ impl GpuScene {
         let batches = self.batches.iter().filter(|batch| batch.moving);
         for batch in batches {
             let filters = || filters.iter().map(|filter| filter.of(Motion::Moving)).filter(|f| batch.passes(f));
-            let seen = batch.members.iter().filter(|member| filters().any(|filter| member.visible(&filter)));
+            let seen = batch.of(&self.members).iter().filter(|member| filters().any(|filter| member.visible(&filter)));
             moving.extend(seen.map(|member| [member.id.0, member.revisions[0], member.revisions[1]]));
         }
         moving
@@ -96,7 +96,8 @@ impl GpuScene {
         for (index, mover) in self.movers.iter().enumerate() {
             let Some(primitive) = scene.primitives.get(mover.primitive) else { return false };
             let batch = &mut self.batches[mover.batch];
-            let Some(member) = batch.members.get_mut(mover.member).filter(|member| member.id == primitive.id) else {
+            let member = mover.instance.and_then(|instance| self.members.get_mut(instance as usize));
+            let Some(member) = member.filter(|member| member.id == primitive.id) else {
                 // It has nothing that could be drawn.
                 if is_drawable(&primitive.mesh) { return false } else { continue }
             };
@@ -123,13 +124,11 @@ impl GpuScene {
 
     /// Writes the instances of the movers from the `first` to the `last`.
     fn write_movers(&self, gpu: &Gpu, scene: &Scene, first: usize, last: usize) {
-        let drawn = |mover: &&Mover| is_drawable(&scene.primitives[mover.primitive].mesh);
-        let movers: Vec<&Mover> = self.movers[first..=last].iter().filter(drawn).collect();
-        let Some(mover) = movers.first() else { return };
-        let start = u64::from(self.batches[mover.batch].first_instance) + mover.member as u64;
+        let movers = || self.movers[first..=last].iter().filter(|mover| mover.instance.is_some());
+        let Some(start) = movers().find_map(|mover| mover.instance) else { return };
         let instances: Vec<Instance> =
-            movers.iter().map(|mover| Instance::new(&scene.primitives[mover.primitive])).collect();
-        let offset = start * size_of::<Instance>() as u64;
+            movers().map(|mover| Instance::new(&scene.primitives[mover.primitive])).collect();
+        let offset = u64::from(start) * size_of::<Instance>() as u64;
         gpu.queue.write_buffer(&self.instances, offset, bytemuck::cast_slice(&instances));
     }
 
@@ -155,18 +154,27 @@ impl GpuScene {
         groups.sort_by_key(|((moving, ..), members)| (*moving, least(members)));
         let mut instances = Vec::with_capacity(scene.primitives.len());
         self.batches.clear();
+        self.members.clear();
         self.movers.clear();
         for ((moving, class, material, mesh), members) in groups {
-            let (batch, first_instance) = (self.batches.len(), instances.len() as u32);
+            let place = self.meshes.get(mesh).map(GpuMesh::place);
+            let first = instances.len() as u32;
             if moving {
-                let movers = members.iter().enumerate();
-                self.movers.extend(movers.map(|(member, &(primitive, _))| Mover { primitive, batch, member }));
+                // All of a batch are of one mesh.
+                let instance = |index: usize| place.map(|_| first + index as u32);
+                let movers = members.iter().enumerate().map(|(index, &(primitive, _))| Mover {
+                    primitive,
+                    batch: self.batches.len(),
+                    instance: instance(index),
+                });
+                self.movers.extend(movers);
             }
-            let drawn: Group = members.into_iter().filter(|(_, p)| is_drawable(&p.mesh)).collect();
-            instances.extend(drawn.iter().map(|(_, p)| Instance::new(p)));
-            let nowhere_opaque = drawn.iter().any(|(_, p)| is_nowhere_opaque(&p.material));
-            let members = drawn.iter().map(|(_, p)| Member::new(p)).collect();
-            self.batches.push(Batch { moving, class, nowhere_opaque, material, mesh, first_instance, members });
+            let drawn = || members.iter().map(|(_, primitive)| *primitive).filter(|_| place.is_some());
+            instances.extend(drawn().map(Instance::new));
+            self.members.extend(drawn().map(Member::new));
+            let nowhere_opaque = drawn().any(|primitive| is_nowhere_opaque(&primitive.material));
+            let instances = first..instances.len() as u32;
+            self.batches.push(Batch { moving, class, nowhere_opaque, material, mesh, place, instances });
         }
         if instances.is_empty() {
             instances.push(Instance::zeroed());
