@@ -5,7 +5,7 @@
 
 mod screen;
 
-use screen::{Display, PATIENCE, Window, difference};
+use screen::{Display, PATIENCE, Place, Window, difference};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -282,6 +282,54 @@ fn a_window_comes_back_from_nothing() {
     let after =
         difference(&before, &window.picture(|now| now.size() == before.size() && difference(&before, now) < 0.005));
     assert!(after < 0.005, "another picture came back: {after}; it said {}", window.said());
+    assert!(!window.said().contains("error"), "{}", window.said());
+    window.focus("Lightwell");
+    window.key("ctrl+q");
+    assert!(window.wait_for_end(), "{}", window.said());
+}
+
+/// The window goes to a monitor of half as many pixels again to the inch, and back: all panels grow with it, clicks fall
+/// where they are shown, and the same picture comes back.
+#[test]
+fn a_monitor_of_another_scale_is_followed() {
+    let Some(display) = Display::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("box.scene.ron");
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
+    let mut window = Window::open(&display, &scene);
+    let height = |place: Place| f64::from(place.0[3] - place.0[1]);
+    let to = |dots_per_inch: u32, factor: f64, of: f64| {
+        display.set_dots_per_inch(dots_per_inch);
+        window.wait_for("another scale", |all| {
+            all.iter().any(|(place, name)| name == "Search" && (height(*place) / of / factor - 1.0).abs() < 0.1)
+        });
+        // The program asked for a window that has as much room for its panels.
+        let [width, height] = screen::SIZE.map(|edge| edge.to_string());
+        window.xdotool(&["search", "--name", "Lightwell", "windowsize", &width, &height]);
+        let [width, _] = screen::SIZE.map(|edge| edge as i32);
+        let fits = |all: &[(Place, String)]| {
+            let right =
+                all.iter().filter(|(_, name)| name == "Size x" || name == "Picture").map(|(place, _)| place.0[2]);
+            right.max().is_some_and(|right| right > width / 4 && right <= width)
+        };
+        window.wait_for("the old size of the window", fits);
+    };
+    let before = window.picture(|_| true);
+    let line = height(window.place("Search"));
+
+    to(144, 1.5, line);
+    let large = window.picture(|_| true);
+    window.keep("scale");
+    assert!(large.size() != before.size(), "the panels leave as much room as before");
+    // The front of the taller block, in a view of another form: heights count from the middle.
+    window.click(window.place("Picture").at(0.5, 0.85));
+    window.wait_for("the floor", |all| all.iter().any(|(_, name)| name == "Size x"));
+    window.key("Escape");
+
+    to(96, 1.0, line);
+    let fits = |now: &lightwell::measure::Image| now.size() == before.size() && difference(&before, now) < 0.005;
+    let after = window.picture(fits);
+    assert!(fits(&after), "another picture came back, of {:?}; it said {}", after.size(), window.said());
     assert!(!window.said().contains("error"), "{}", window.said());
     window.focus("Lightwell");
     window.key("ctrl+q");

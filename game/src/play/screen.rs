@@ -7,12 +7,19 @@ use wgpu::CurrentSurfaceTexture;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
+/// How often a frame tries to give the surface its size.
+const TRIES: u32 = 4;
+/// Refusals in a row after which there must be another reason than a busy device.
+const MANY: u32 = 2000;
+
 /// The surface of a window.
 pub struct Screen {
     instance: wgpu::Instance,
     surface: wgpu::Surface<'static>,
     window: Arc<Window>,
     config: wgpu::SurfaceConfiguration,
+    /// Whether the surface has taken the configuration, or how often it has refused it since.
+    refused: u32,
     /// Format of the views: without sRGB conversion, since images are encoded already.
     view_format: wgpu::TextureFormat,
 }
@@ -43,7 +50,7 @@ impl Screen {
         if view_format != config.format {
             config.view_formats.push(view_format);
         }
-        let screen = Self { instance, surface, window, config, view_format };
+        let mut screen = Self { instance, surface, window, config, refused: 0, view_format };
         screen.configure(&gpu);
         Ok((gpu, screen))
     }
@@ -59,8 +66,22 @@ impl Screen {
         (size.width > 0 && size.height > 0).then_some([size.width, size.height])
     }
 
-    fn configure(&self, gpu: &Gpu) {
-        self.surface.configure(&gpu.device, &self.config);
+    /// Tells the surface of its size; false if it does not take it now. It does not while another thread hands work to
+    /// the device, as that does which draws the picture.
+    fn configure(&mut self, gpu: &Gpu) -> bool {
+        for _ in 0..TRIES {
+            let errors = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            self.surface.configure(&gpu.device, &self.config);
+            let Some(error) = pollster::block_on(errors.pop()) else {
+                self.refused = 0;
+                return true;
+            };
+            self.refused += 1;
+            if self.refused == MANY {
+                log::error!("the window cannot be drawn on: {error}");
+            }
+        }
+        false
     }
 
     /// The next image of the window, to be drawn and presented. None if there is none just now, as while it is
@@ -72,9 +93,11 @@ impl Screen {
         let Some([width, height]) = self.size() else { return Ok(None) };
         let limit = gpu.limits.max_texture_dimension_2d;
         let size = [width.min(limit), height.min(limit)];
-        if [self.config.width, self.config.height] != size {
+        if [self.config.width, self.config.height] != size || self.refused > 0 {
             [self.config.width, self.config.height] = size;
-            self.configure(gpu);
+            if !self.configure(gpu) {
+                return Ok(None);
+            }
         }
         for _ in 0..2 {
             match self.surface.get_current_texture() {
@@ -82,14 +105,20 @@ impl Screen {
                     return Ok(Some(texture));
                 }
                 CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Occluded => return Ok(None),
-                CurrentSurfaceTexture::Outdated => self.configure(gpu),
+                CurrentSurfaceTexture::Outdated => {
+                    if !self.configure(gpu) {
+                        return Ok(None);
+                    }
+                }
                 CurrentSurfaceTexture::Lost => {
                     if let Some(reason) = gpu.device_lost() {
                         bail!("the graphics device was lost: {reason}");
                     }
                     let surface = self.instance.create_surface(Arc::clone(&self.window));
                     self.surface = surface.context("the window's drawing surface was lost")?;
-                    self.configure(gpu);
+                    if !self.configure(gpu) {
+                        return Ok(None);
+                    }
                 }
                 CurrentSurfaceTexture::Validation => return Ok(None),
             }

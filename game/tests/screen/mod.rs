@@ -9,6 +9,11 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{
+    AtomEnum, CONFIGURE_NOTIFY_EVENT, ConfigureNotifyEvent, ConnectionExt, EventMask, PropMode,
+};
+use x11rb::wrapper::ConnectionExt as _;
 
 pub const SIZE: [u32; 2] = [1280, 800];
 /// Software drivers on busy machines take their time.
@@ -40,6 +45,38 @@ impl Display {
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         Some(Self { server, name: format!(":{}", number.trim()) })
+    }
+
+    /// Tells all windows of another density, as a desktop and its window manager do on another monitor.
+    pub fn set_dots_per_inch(&self, value: u32) {
+        let (connection, screen) = x11rb::connect(Some(&self.name)).unwrap();
+        let root = connection.setup().roots[screen].root;
+        let resources = format!("Xft.dpi:\t{value}\n");
+        let windows = connection.query_tree(root).unwrap().reply().unwrap().children;
+        // Programs read the root's, and hear of those of their own windows.
+        for window in std::iter::once(root).chain(windows.iter().copied()) {
+            let (property, kind) = (AtomEnum::RESOURCE_MANAGER, AtomEnum::STRING);
+            let set = connection.change_property8(PropMode::REPLACE, window, property, kind, resources.as_bytes());
+            set.unwrap().check().unwrap();
+        }
+        // Where the window is now.
+        for window in windows {
+            let place = connection.get_geometry(window).unwrap().reply().unwrap();
+            let event = ConfigureNotifyEvent {
+                response_type: CONFIGURE_NOTIFY_EVENT,
+                sequence: 0,
+                event: window,
+                window,
+                above_sibling: 0,
+                x: place.x,
+                y: place.y,
+                width: place.width,
+                height: place.height,
+                border_width: 0,
+                override_redirect: false,
+            };
+            connection.send_event(false, window, EventMask::STRUCTURE_NOTIFY, event).unwrap().check().unwrap();
+        }
     }
 
     pub fn run(&self, program: &str, args: &[&str]) {
