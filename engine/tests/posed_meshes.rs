@@ -102,7 +102,7 @@ fn the_hierarchy_is_fitted_and_surfels_move_along() {
     leaning.lean(0.0);
     let mut bvh = SceneBvh::new(&leaning.scene);
     let mut cloud = SurfelCloud::default();
-    cloud.update(&leaning.scene, 40.0);
+    cloud.update(&leaning.scene, 0.45);
     let before = cloud.surfels.clone();
     let down = Ray::new(Vec3::new(1.2, 5.0, 0.0), Vec3::NEG_Y);
     assert!(bvh.closest_hit(&down, 1e9, RayKind::Light).is_none());
@@ -112,7 +112,7 @@ fn the_hierarchy_is_fitted_and_surfels_move_along() {
     let hit = bvh.closest_hit(&down, 1e9, RayKind::Light).expect("the lid is there now");
     assert!((hit.t - 4.0).abs() < 1e-5, "{hit:?}");
     assert_eq!(leaning.scene.primitives[0].bounds.max.x, 1.5);
-    cloud.update(&leaning.scene, 40.0);
+    cloud.update(&leaning.scene, 0.45);
     assert_eq!(cloud.surfels.len(), before.len());
     let moved = |(a, b): (&lightwell::scene::Surfel, &lightwell::scene::Surfel)| {
         let lid = a.position[1] > 0.999 && a.normal[1] > 0.5;

@@ -9,11 +9,28 @@ struct Surfel {
     position: vec3f,       // [m]
     area: f32,             // [m²]
     normal: vec3f,         // unit
-    thickness: f32,        // of the solid behind it [m]; huge: a one-sided sheet
+    thickness: f32,        // of the solid behind it [m]; huge: a one-sided sheet; see `thickness_for`
     albedo: vec3f,         // diffuse reflectance ρ
-    place: u32,            // index of its transform
+    place: u32,            // index of its transform; INNER
     emissive: vec3f,       // emitted radiance [W/(m² sr)]
     wall: f32,             // cells up to this size are sealed by its object's triangles; 0: by its area alone [m]
+}
+
+// The inner side of a closed surface that can be seen from both sides.
+const INNER: u32 = 0x80000000u;
+// Such a surface is a room where so many cells fit into it, with light on both sides; smaller, it is a solid.
+const ROOM: f32 = 2.0;
+
+// Thickness of what is behind a surfel as cells of a size have it [m]; below 0: for them it is not there. Closed surfaces
+// that can be seen from both sides hold less the width of what they enclose.
+fn thickness_for(surfel: Surfel, cell: f32) -> f32 {
+    if surfel.thickness >= 0.0 {
+        return surfel.thickness;
+    }
+    if -surfel.thickness >= ROOM * cell {
+        return 0.0;
+    }
+    return select(-surfel.thickness, -1.0, (surfel.place & INNER) != 0u);
 }
 
 // Surfaces are taken this far before where they are when a cell is chosen [cells]: ties break the same way everywhere.

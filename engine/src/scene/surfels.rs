@@ -17,8 +17,18 @@ use std::sync::Arc;
 /// Most surfels of a scene: 64 MiB.
 pub const MAX_SURFELS: usize = 1 << 20;
 
+/// Surfels a face of a cell.
+const SURFELS_A_FACE: f32 = 8.0;
+
 /// Thickness \[m\] of what has nothing behind it.
 const ENDLESS: f32 = 1e30;
+
+/// Cells that fit into what a closed double-sided mesh encloses from which on it is a room, as `ROOM` of
+/// `lib/sweep.wgsl`.
+const ROOM: f32 = 2.0;
+
+/// Bit of [`Surfel::place`]: the inner side of what may be a room, as `INNER` of `lib/sweep.wgsl`.
+const INNER: u32 = 1 << 31;
 
 /// A piece of surface, as `Surfel` of `lib/sweep.wgsl`. Position and normal are in object space, lengths and areas
 /// are as in the world.
@@ -32,11 +42,13 @@ pub struct Surfel {
     /// Unit normal in object space, to the side that reflects.
     pub normal: [f32; 3],
     /// Thickness of the solid behind it \[m\]: the way along −n to the next surface of the same object. 0 for both
-    /// sides of a sheet that can be seen from both, very large for the only side of one that cannot.
+    /// sides of a sheet that can be seen from both, very large for the only side of one that cannot. Below 0 for both
+    /// sides of a closed surface that can be seen from both: less the width of what it encloses, which is a room
+    /// for cells that are small against it, and a solid for others.
     pub thickness: f32,
     /// Diffuse reflectance.
     pub albedo: [f32; 3],
-    /// Index in [`SurfelCloud::places`].
+    /// Index in [`SurfelCloud::places`]; the highest bit is set on the inner side of a closed surface.
     pub place: u32,
     /// Emitted radiance [W/(m² sr)].
     pub emissive: [f32; 3],
@@ -74,36 +86,59 @@ struct GroupKey {
     members: Vec<(AssetId, AssetId)>,
     /// Bits of the linear part that the surfels are made with.
     linear: [u32; 9],
-    density: u32,
+    fineness: [u32; 2],
+}
+
+/// How fine the surfels are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Fineness {
+    /// Surfels a square metre.
+    density: f32,
+    /// Width from which on the inside of a closed double-sided mesh has surfels too \[m\].
+    room: f32,
+}
+
+impl Fineness {
+    /// For cells of a size \[m\] in a scene of an area \[m²\].
+    fn new(cell: f32, area: f64) -> Self {
+        Self { density: limited(SURFELS_A_FACE / cell / cell, area), room: ROOM * cell }
+    }
+
+    fn bits(&self) -> [u32; 2] {
+        [self.density, self.room].map(f32::to_bits)
+    }
 }
 
 impl SurfelCloud {
-    /// Brings the surfels up to date with the scene: about `density` of them a square metre, fewer if there would be
-    /// more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its surfels, and
-    /// where it is known to be moving no other one is looked at.
-    pub fn update(&mut self, scene: &Scene, density: f32) {
+    /// Brings the surfels up to date with the scene: as many as cells of a size \[m\] need, eight a face, fewer if
+    /// there would be more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its
+    /// surfels, and where it is known to be moving no other one is looked at.
+    pub fn update(&mut self, scene: &Scene, cell: f32) {
         let revisions = scene.revisions;
-        let state = (scene.identity, revisions.geometry, revisions.materials, density.to_bits());
+        let state = (scene.identity, revisions.geometry, revisions.materials, cell.to_bits());
         if self.state == Some(state) {
             return;
         }
         self.state = Some(state);
-        if self.follow(scene, density) {
+        if self.follow(scene, cell) {
             return;
         }
         let groups = groups(scene);
         let area: f64 = groups.iter().map(Group::area).sum();
-        self.followed.remember(scene, density, &groups, area);
-        let density = limited(density, area);
-        let keys: Vec<GroupKey> = groups.iter().map(|group| group.key(density)).collect();
+        self.followed.remember(scene, cell, &groups, area);
+        let fineness = Fineness::new(cell, area);
+        let keys: Vec<GroupKey> = groups.iter().map(|group| group.key(fineness)).collect();
         self.built.retain(|key, _| keys.contains(key));
         let missing: Vec<usize> = (0..groups.len()).filter(|&i| !self.built.contains_key(&keys[i])).collect();
-        for (index, surfels) in missing.iter().zip(parallel::map(&missing, |&index| groups[index].surfels(density))) {
+        for (index, surfels) in missing.iter().zip(parallel::map(&missing, |&index| groups[index].surfels(fineness))) {
             self.built.insert(keys[*index].clone(), Arc::new(surfels));
         }
         self.places = groups.iter().map(|group| group.place).collect();
         let all = keys.iter().zip(0..).flat_map(|(key, place)| {
-            self.built[key].iter().map(move |surfel| Surfel { place, ..*surfel }).collect::<Vec<_>>()
+            self.built[key]
+                .iter()
+                .map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
+                .collect::<Vec<_>>()
         });
         let surfels: Vec<Surfel> = all.collect();
         if surfels != self.surfels {
@@ -152,25 +187,29 @@ fn groups(scene: &Scene) -> Vec<Group<'_>> {
 }
 
 impl Group<'_> {
+    /// Area of all sides that may have surfels \[m²\].
     fn area(&self) -> f64 {
-        let area = |p: &&Primitive| triangles(p).map(|t| f64::from(world_area(&self.place.matrix3, &t.corners))).sum();
+        let area = |p: &&Primitive| {
+            let sides = if p.material.double_sided { 2.0 } else { 1.0 };
+            triangles(p).map(|t| sides * f64::from(world_area(&self.place.matrix3, &t.corners))).sum()
+        };
         self.members.iter().map(area).fold(0.0, |sum: f64, area: f64| sum + area)
     }
 
-    fn key(&self, density: f32) -> GroupKey {
+    fn key(&self, fineness: Fineness) -> GroupKey {
         let members = self.members.iter().map(|p| (p.mesh.id, p.material.id)).collect();
         let linear = shape(&self.place).to_cols_array().map(f32::to_bits);
-        GroupKey { members, linear, density: density.to_bits() }
+        GroupKey { members, linear, fineness: fineness.bits() }
     }
 
-    fn surfels(&self, density: f32) -> Vec<Surfel> {
+    fn surfels(&self, fineness: Fineness) -> Vec<Surfel> {
         let linear = shape(&self.place);
         let corners: Vec<_> =
             self.members.iter().flat_map(|p| triangles(p)).map(|t| t.corners.map(|c| linear * c)).collect();
-        let solid = MeshBvh::from_triangles(corners);
+        let object = MeshBvh::from_triangles(corners);
         let mut surfels = Vec::new();
         for primitive in &self.members {
-            spread(primitive, &linear, &solid, density, &mut surfels);
+            spread(primitive, &linear, &object, fineness, &mut surfels);
         }
         surfels
     }
@@ -219,14 +258,14 @@ fn world_area(linear: &Mat3A, corners: &[Vec3; 3]) -> f32 {
     if area.is_finite() { area } else { 0.0 }
 }
 
-fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, surfels: &mut Vec<Surfel>) {
+fn spread(primitive: &Primitive, linear: &Mat3A, object: &MeshBvh, fineness: Fineness, surfels: &mut Vec<Surfel>) {
     // A posed mesh has the surfels of its rest, moved along: else they would jump from frame to frame.
     let shares: Vec<f64> = rest_triangles(primitive).map(|corners| f64::from(world_area(linear, &corners))).collect();
     let whole: f64 = shares.iter().sum();
     if !(whole > 0.0) {
         return;
     }
-    let count = (whole * f64::from(density)).ceil().max(1.0);
+    let count = (whole * f64::from(fineness.density)).ceil().max(1.0);
     let rest_area = whole / count;
     let wall = wall_extent(primitive, linear);
     let turned = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -258,12 +297,19 @@ fn spread(primitive: &Primitive, linear: &Mat3A, solid: &MeshBvh, density: f32, 
                 wall,
                 ..Surfel::default()
             };
-            let back = behind(solid, *linear * position, facing, turned);
-            if primitive.material.double_sided && !back.is_solid {
-                surfels.push(surfel);
-                surfels.push(Surfel { normal: (-normal).to_array(), ..surfel });
-            } else {
+            let back = Back::of(object, *linear * position, facing, turned);
+            if !primitive.material.double_sided {
                 surfels.push(Surfel { thickness: back.distance, ..surfel });
+                continue;
+            }
+            let width = if back.is_solid { back.width() } else { 0.0 };
+            let other = Surfel { normal: (-normal).to_array(), ..surfel };
+            if !back.is_solid {
+                surfels.extend([surfel, other]);
+            } else if width < fineness.room {
+                surfels.push(Surfel { thickness: back.distance, ..surfel });
+            } else {
+                surfels.extend([surfel, Surfel { place: INNER, ..other }].map(|s| Surfel { thickness: -width, ..s }));
             }
         }
     }
@@ -282,22 +328,47 @@ pub(crate) fn wall_extent(primitive: &Primitive, linear: &Mat3A) -> f32 {
     edges[1]
 }
 
-/// What lies behind a surface.
-struct Back {
+/// What lies behind a point of a surface.
+struct Back<'a> {
+    object: &'a MeshBvh,
+    point: Vec3,
+    /// Unit, to the front.
+    normal: Vec3,
     distance: f32,
     /// The next surface is the other side of a solid.
     is_solid: bool,
 }
 
-fn behind(solid: &MeshBvh, position: Vec3, normal: Vec3, turned: f32) -> Back {
-    let ray = Ray::new(position, -normal);
-    // The surface itself lies at distance zero, give or take a rounding.
-    let least = 1e-5 * position.abs().max_element().max(1e-30);
-    let Some(hit) = solid.closest_hit(&ray, f32::INFINITY, |hit| hit.t > least) else {
-        return Back { distance: ENDLESS, is_solid: false };
-    };
-    let [a, b, c] = solid.corners()[hit.triangle as usize];
-    Back { distance: hit.t, is_solid: turned * (b - a).cross(c - a).dot(ray.direction) > 0.0 }
+impl<'a> Back<'a> {
+    fn of(object: &'a MeshBvh, point: Vec3, normal: Vec3, turned: f32) -> Self {
+        let mut back = Self { object, point, normal, distance: ENDLESS, is_solid: false };
+        if let Some((distance, triangle)) = back.next(-normal) {
+            let [a, b, c] = object.corners()[triangle as usize];
+            back.distance = distance;
+            back.is_solid = turned * (b - a).cross(c - a).dot(-normal) > 0.0;
+        }
+        back
+    }
+
+    /// Distance and triangle of the next surface in a unit direction.
+    fn next(&self, direction: Vec3) -> Option<(f32, u32)> {
+        // The surface itself lies at distance zero, give or take a rounding.
+        let least = 1e-5 * self.point.abs().max_element().max(1e-30);
+        let ray = Ray::new(self.point, direction);
+        self.object.closest_hit(&ray, f32::INFINITY, |hit| hit.t > least).map(|hit| (hit.t, hit.triangle))
+    }
+
+    /// About the least width of what the surface encloses \[m\], as narrow behind the edge of a plank as behind its
+    /// side: that along the normal, or between what rays at 45° meet on both sides. They go along two crosses of
+    /// axes, of which the wider one counts, so that a room is as wide in its corners.
+    fn width(&self) -> f32 {
+        let [u, v] = self.normal.any_orthonormal_pair().into();
+        let reach = |axis: Vec3| self.next((axis - self.normal).normalize()).map_or(ENDLESS, |(distance, _)| distance);
+        let across = |axis: Vec3| (reach(axis) + reach(-axis)) * std::f32::consts::FRAC_1_SQRT_2;
+        let crosses = [[u, v], [(u + v).normalize(), (u - v).normalize()]];
+        let widths = crosses.map(|[a, b]| across(a).min(across(b)));
+        self.distance.min(widths[0].max(widths[1]))
+    }
 }
 
 /// Barycentric coordinates of a point of the sequence: the digits of the index in base 4 choose the middle or a corner

@@ -63,7 +63,12 @@ impl Stage {
 
     /// Adds a shape of any material.
     pub fn add_material(&mut self, shape: Shape, material: Material, world_from_object: Affine3A) {
-        let mesh: Arc<Mesh> = Arc::new(shape.mesh().expect("a valid shape"));
+        self.add_mesh(shape.mesh().expect("a valid shape"), material, world_from_object);
+    }
+
+    /// Adds a mesh.
+    pub fn add_mesh(&mut self, mesh: Mesh, material: Material, world_from_object: Affine3A) {
+        let mesh = Arc::new(mesh);
         let id = self.fresh();
         self.scene.primitives.push(Primitive {
             id,

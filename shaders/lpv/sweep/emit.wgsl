@@ -4,7 +4,7 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Balance, Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, lattice_place, corner, corner_weight, node_index}
+#import lightwell::sweep::{Balance, Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, lattice_place, corner, corner_weight, node_index, thickness_for}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {
@@ -117,10 +117,11 @@ fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
 
 fn from_surfel(surfel: Surfel, flux: vec3f) {
     let p = (surfel.position - volume.origin) / volume.cell;
-    if !inside(floor(p + BEFORE * surfel.normal)) || all(flux <= vec3f(0.0)) {
+    let thickness = thickness_for(surfel, volume.cell);
+    if thickness < 0.0 || !inside(floor(p + BEFORE * surfel.normal)) || all(flux <= vec3f(0.0)) {
         return;
     }
-    deposit(p, surfel.normal, flux, surfel.thickness < volume.cell);
+    deposit(p, surfel.normal, flux, thickness < volume.cell);
 }
 
 // Emissive surfaces: F = π·L·A.

@@ -1,7 +1,7 @@
 // Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::sweep::Surfel
+#import lightwell::sweep::{Surfel, thickness_for}
 #import lightwell::sweep_lookup::irradiance
 #import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
@@ -70,7 +70,7 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
 #ifndef FIRST
         e = received[index];
 #endif
-        if surfel.area > 0.0 {
+        if surfel.area > 0.0 && thickness_for(surfel, lookup.cascade.volume.cell) >= 0.0 {
             e = blend(e, surfel.position, surfel.normal, vec3f(0.0));
         }
         received[index] = e;

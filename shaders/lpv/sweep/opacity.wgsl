@@ -2,7 +2,7 @@
 // cells that they pass. A wall closes a face whole or not at all (`lpv/sweep/walls.wgsl`), so that closed surfaces leave
 // no gap; surfels tell which way it faces. What is smaller than a cell, or has holes, closes faces by its area.
 
-#import lightwell::sweep::{Surfel, BEFORE, nearest_axis}
+#import lightwell::sweep::{Surfel, BEFORE, nearest_axis, thickness_for}
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -93,10 +93,10 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
     let n = surfel.normal;
     let p = (surfel.position - volume.origin) / volume.cell;
     let area = min(surfel.area / volume.cell / volume.cell, 4.0);
-    if !(area > 0.0) || any(p < vec3f(-8.0)) || any(p > vec3f(volume.cells) + 8.0) {
+    let thickness = thickness_for(surfel, volume.cell) / volume.cell;
+    if !(area > 0.0) || thickness < 0.0 || any(p < vec3f(-8.0)) || any(p > vec3f(volume.cells) + 8.0) {
         return;
     }
-    let thickness = surfel.thickness / volume.cell;
     let before = p + BEFORE * n;
     add_facing(p, n, area);
     if thickness >= 1.0 {

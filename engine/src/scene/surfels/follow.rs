@@ -1,6 +1,6 @@
 //! Surfels of a scene in which nothing changed but where some objects stand.
 
-use super::{Group, SurfelCloud, limited, shape};
+use super::{Fineness, Group, SurfelCloud, shape};
 use crate::assets::AssetId;
 use crate::scene::{Primitive, Scene};
 use glam::Affine3A;
@@ -31,10 +31,10 @@ struct Mover {
 }
 
 /// All but the geometry of what moves; none in scenes that do not tell what does.
-fn state(scene: &Scene, density: f32) -> Option<[u64; 4]> {
+fn state(scene: &Scene, cell: f32) -> Option<[u64; 4]> {
     let revisions = scene.revisions;
     (revisions.statics != 0)
-        .then(|| [scene.identity, revisions.statics, revisions.materials, u64::from(density.to_bits())])
+        .then(|| [scene.identity, revisions.statics, revisions.materials, u64::from(cell.to_bits())])
 }
 
 fn has_surfels(primitive: &Primitive) -> bool {
@@ -51,7 +51,7 @@ fn place_bits(place: &Affine3A) -> [u32; 12] {
 
 impl Followed {
     /// Remembers what all surfels were made of.
-    pub(super) fn remember(&mut self, scene: &Scene, density: f32, groups: &[Group], area: f64) {
+    pub(super) fn remember(&mut self, scene: &Scene, cell: f32, groups: &[Group], area: f64) {
         let mut movers: Vec<Mover> = scene
             .primitives
             .iter()
@@ -68,18 +68,18 @@ impl Followed {
                 }
             }
         }
-        *self = Self { state: state(scene, density), geometry: scene.revisions.geometry, area, movers };
+        *self = Self { state: state(scene, cell), geometry: scene.revisions.geometry, area, movers };
     }
 }
 
 impl SurfelCloud {
     /// Brings the places up to date if nothing else changed, and then only what moves is looked at. False if it takes
     /// more: another mesh or size, objects that come to stand at the same place, or apart.
-    pub(super) fn follow(&mut self, scene: &Scene, density: f32) -> bool {
+    pub(super) fn follow(&mut self, scene: &Scene, cell: f32) -> bool {
         let known = &self.followed;
-        let is_known = known.state.is_some() && known.state == state(scene, density);
+        let is_known = known.state.is_some() && known.state == state(scene, cell);
         // A sum of areas differs in its last bits when objects turn: that must not decide how many surfels there are.
-        if !is_known || limited(density, 0.999 * known.area) != limited(density, 1.001 * known.area) {
+        if !is_known || Fineness::new(cell, 0.999 * known.area) != Fineness::new(cell, 1.001 * known.area) {
             return false;
         }
         let has_changed = |mover: &&Mover| scene.primitives[mover.primitive].geometry_revision > known.geometry;
@@ -151,10 +151,10 @@ mod tests {
 
     /// Updates, and compares with what is made from nothing. Whether it followed.
     fn update(cloud: &mut SurfelCloud, scene: &Scene) -> bool {
-        let follows = cloud.follow(scene, 20.0);
-        cloud.update(scene, 20.0);
+        let follows = cloud.follow(scene, 0.6);
+        cloud.update(scene, 0.6);
         let mut afresh = SurfelCloud::default();
-        afresh.update(scene, 20.0);
+        afresh.update(scene, 0.6);
         assert!(cloud.surfels == afresh.surfels && cloud.places == afresh.places);
         follows
     }

@@ -8,9 +8,6 @@ use crate::scene::{Scene, Surfel, SurfelCloud};
 use glam::{Affine3A, Vec3};
 use wgpu::BufferUsages;
 
-/// Surfels a face of a cell.
-const SURFELS_A_FACE: f32 = 8.0;
-
 /// Surfels in object space and the places of their objects, as buffers.
 #[derive(Debug)]
 pub struct GpuSurfels {
@@ -38,7 +35,7 @@ impl GpuSurfels {
     /// Brings the surfels up to date with the scene, as dense as the finest cells need them. Costs nothing if nothing
     /// changed; an object that only moved costs its transform.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
-        self.cloud.update(scene, SURFELS_A_FACE / finest_cell / finest_cell);
+        self.cloud.update(scene, finest_cell);
         if self.uploaded != self.cloud.revision {
             self.uploaded = self.cloud.revision;
             let none = [Surfel::default()];
