@@ -273,3 +273,82 @@ fn maps_and_particles_agree_on_the_first_bounce() {
     let placed = mean(&draw(&gpu, &mut stage, InstantRadiosity { placement: VirtualPlacement::Rsm, ..settings }).0);
     assert!((placed / shot - 1.0).abs() < 0.05, "maps {placed}, particles {shot}");
 }
+
+fn traced(gpu: &Gpu, stage: &Stage, bounces: Option<u32>) -> f32 {
+    let mut tracer = PathTracer::new(gpu);
+    tracer.begin(gpu, &stage.scene, &stage.view, &TraceSettings { bounces, seed: 3 }).expect("a small scene");
+    tracer.advance(gpu, 512).expect("a device");
+    let image = tracer.estimate(gpu).expect("samples").indirect();
+    let sum: f32 = image.pixels().iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).sum();
+    sum / image.pixels().len() as f32
+}
+
+/// The corner between a floor that a lamp lights and a wall: what the bound of few lights takes away is much there.
+fn corner() -> Stage {
+    let mut stage = Stage::new(Vec3::new(1.2, 0.5, 0.0), Vec3::new(0.0, 0.12, 0.0), 32);
+    stage.view.camera.projection = ViewProjection::Perspective { vertical_fov: 0.5 };
+    let plane = || Shape::Plane { size: [4.0, 4.0], subdivisions: [1, 1] };
+    stage.add(plane(), Vec3::splat(0.7), Affine3A::from_translation(Vec3::new(2.0, 0.0, 0.0)));
+    let wall = Quat::from_rotation_arc(Vec3::Y, Vec3::X);
+    stage.add(plane(), Vec3::splat(0.7), Affine3A::from_rotation_translation(wall, Vec3::new(0.0, 2.0, 0.0)));
+    stage.light(LightShape::Point, Vec3::splat(3.0), Vec3::new(0.9, 1.1, 0.2), Vec3::NEG_Y);
+    stage
+}
+
+#[test]
+fn near_rays_find_what_the_bound_takes_away() {
+    let gpu = gpu();
+    for bounces in [Bounces::Count(1), Bounces::Count(2)] {
+        let mut stage = corner();
+        let truth = traced(&gpu, &stage, if bounces == Bounces::Count(1) { Some(1) } else { Some(2) });
+        let mut bias = |near_rays| {
+            let of_seed = |seed| {
+                let settings =
+                    InstantRadiosity { particles: 256, near_rays, bounces, seed, ..InstantRadiosity::default() };
+                mean(&draw(&gpu, &mut stage, settings).0)
+            };
+            (0..8).map(of_seed).sum::<f32>() / 8.0 / truth - 1.0
+        };
+        let (without, with) = (bias(0), bias(InstantRadiosity::default().near_rays));
+        eprintln!("{bounces:?}: bias {without} without rays, {with} with them");
+        assert!(without < -0.06, "{bounces:?}: the bound shows no more: {without}");
+        assert!(with.abs() < 0.02, "{bounces:?}: {with}, without rays {without}");
+    }
+}
+
+/// As `furnace_of_many_particles`, with the bound and with shadows.
+#[test]
+fn furnace_with_a_bound_and_near_rays() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 0.3), Vec3::ZERO, 16);
+    let mut material = Material::diffuse("inside", Vec3::splat(0.5));
+    material.double_sided = true;
+    stage.add_material(Shape::Sphere { radius: 1.0, segments: 128, rings: 64 }, material, Affine3A::IDENTITY);
+    stage.light(LightShape::Point, Vec3::splat(PI), Vec3::ZERO, Vec3::Y);
+    let mut of = |near_rays, particles| {
+        mean(&draw(&gpu, &mut stage, InstantRadiosity { particles, near_rays, ..Default::default() }).0)
+    };
+    let (without, with) = (of(0, 64), of(16, 64));
+    assert!(without < 0.49 && (with - 0.5).abs() < 0.02, "{with}, without rays {without}");
+}
+
+#[test]
+fn near_rays_are_skipped_with_a_reason() {
+    let gpu = gpu();
+    let mut stage = corner();
+    let few = InstantRadiosity { particles: 16, ..Default::default() };
+    for (settings, why) in [
+        (InstantRadiosity { near_rays: 0, ..few.clone() }, "near_rays"),
+        (InstantRadiosity { near_bound: 0.0, ..few.clone() }, "near_bound"),
+        (InstantRadiosity { visibility: VirtualVisibility::None, ..few.clone() }, "shadows"),
+        (InstantRadiosity { placement: VirtualPlacement::Rsm, ..few.clone() }, "maps"),
+    ] {
+        stage.scene.vpl = Some(settings);
+        let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &indirect());
+        let pass = report.pass("near light").expect("a line in the report");
+        assert!(pass.why.contains(why) && !report.ran("near light"), "{report}");
+    }
+    stage.scene.vpl = Some(few);
+    let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &indirect());
+    assert!(report.ran("near light") && report.ran("near filter, vertical"), "{report}");
+}

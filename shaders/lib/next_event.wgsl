@@ -136,15 +136,19 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
     if chosen_weight <= 0.0 {
         return no_light();
     }
-    let light = chosen_light * (total / chosen_weight);
+    return toward_light(surface, chosen, chosen_light * (total / chosen_weight), casts_shadow);
+}
+
+// What a surface reflects of a light if nothing is between them.
+fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, casts_shadow: bool) -> LightSample {
     if !casts_shadow {
-        return LightSample(light, Ray(vec3f(0.0), vec3f(0.0)), 0.0);
+        return LightSample(reflected_light, Ray(vec3f(0.0), vec3f(0.0)), 0.0);
     }
-    let origin = leave_surface(surface, chosen.to_light);
+    let origin = leave_surface(surface, incidence.to_light);
     // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
-    let is_far = chosen.distance == 0.0;
-    let offset = surface.position + chosen.to_light * chosen.distance - origin;
-    return LightSample(light, Ray(origin, select(offset, chosen.to_light, is_far)), select(1.0, 3e38, is_far));
+    let is_far = incidence.distance == 0.0;
+    let offset = surface.position + incidence.to_light * incidence.distance - origin;
+    return LightSample(reflected_light, Ray(origin, select(offset, incidence.to_light, is_far)), select(1.0, 3e38, is_far));
 }
 
 #ifndef UNLIT

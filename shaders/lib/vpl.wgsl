@@ -22,8 +22,8 @@ struct VirtualLight {
     gloss: u32,            // roughness and F90; 0: a diffuse surface
     incident: u32,         // octahedral direction that the flux comes from
     specular: u32,         // √F0
-    pad_a: u32,
-    pad_b: u32,
+    next: f32,             // d_min of the lights at the next hits of the same source [m]; 0: there are none
+    padding: u32,
 }
 
 struct Connection {
@@ -75,9 +75,11 @@ fn connect(light: VirtualLight, surface: Surface, to_eye: vec3f) -> Connection {
     let nearest = light.nearest * light.nearest;
     // In two steps, so that the square of a tiny distance cannot vanish.
     let bounded = max(distance_squared, nearest);
-    // A light stands for a patch as wide as d_min: a lobe narrower than the patch's half angle is widened by it
-    // (as the widening of Karis 2013, "Real shading in Unreal Engine 4", for lights with an extent).
-    let spread = select(0.25 * nearest / bounded, 0.0, c.distant);
+    // A light stands for a patch as wide as d_min: narrower lobes are widened, or they would show as spots (as Karis 2013,
+    // "Real shading in Unreal Engine 4", does it for lights with an extent). By a sixth of the patch's width: by the half
+    // of it a floor that mirrors the sun would lose a further twentieth of its light, which the wide lobes send
+    // into the floor.
+    let spread = select(0.03125 * nearest / bounded, 0.0, c.distant);
     var arriving = light.intensity;
     if !c.distant {
         arriving = emission(light, -c.to_light, emitted, spread) / bounded;

@@ -54,7 +54,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let largest = max(abs(position.x), max(abs(position.y), abs(position.z)));
         made = VirtualLight(
             position, 0u, n, place.near_bound * sqrt(area), albedo * received.flux * (share * INVERSE_PI), largest * 0x1p-12f,
-            vec3f(0.0), 0u, 0u, 0u, 0u, 0u,
+            vec3f(0.0), 0u, 0u, 0u, 0.0, 0u,
         );
     }
     virtual_lights[place.first + index] = made;

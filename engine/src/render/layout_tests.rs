@@ -18,7 +18,7 @@ use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
 use super::sky_light::ReflectionUniform;
 use super::slc::{CullingUniform, PlaceUniform};
-use super::vpl::{LetterUniform, MainLightUniform, MapPlaceUniform, ShadeUniform, VirtualLight};
+use super::vpl::{LetterUniform, MainLightUniform, MapPlaceUniform, NearUniform, ShadeUniform, VirtualLight};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
 use encase::ShaderType;
@@ -67,6 +67,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, SumUniform::min_size().get(), "lpv/sweep/sum.wgsl", "Sum");
     check(&gpu, size_of::<Surfel>() as u64, "lpv/sweep/emit.wgsl", "Surfel");
     check(&gpu, ShadeUniform::min_size().get(), "vpl/shade.wgsl", "Shade");
+    check(&gpu, NearUniform::min_size().get(), "vpl/near.wgsl", "Near");
     check(&gpu, LetterUniform::min_size().get(), "vpl/letter.wgsl", "Letter");
     check(&gpu, MainLightUniform::min_size().get(), "vpl/main_light.wgsl", "MainLight");
     check(&gpu, MapPlaceUniform::min_size().get(), "vpl/place.wgsl", "Place");

@@ -116,8 +116,12 @@ pub struct InstantRadiosity {
     /// Lights whose front nothing that is drawn lies before are left out. It changes no pixel.
     pub view_driven: bool,
     /// Near-light rule: d_min in units of the distance between neighbouring lights. It bounds the bright spots around
-    /// them; what it takes away is the method's bias, which shrinks with the number of lights. 0: no bound.
+    /// them; what it takes away is for `near_rays` to find. 0: no bound.
     pub near_bound: f32,
+    /// Rays of a pixel that find what the bound takes away, 0 to 16; 0: none. Particles alone, with shadow rays.
+    pub near_rays: u32,
+    /// Radius of the filter over what they find \[pixels\], 0 to 32; 0: none.
+    pub near_filter: u32,
     /// The numbers.
     pub sequence: ParticleSequence,
     /// Seed of the numbers.
@@ -145,6 +149,8 @@ impl Default for InstantRadiosity {
             placement: VirtualPlacement::default(),
             view_driven: true,
             near_bound: 1.0,
+            near_rays: 4,
+            near_filter: 8,
             sequence: ParticleSequence::default(),
             seed: 0,
             casts: ParticleCasts::default(),

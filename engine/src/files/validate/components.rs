@@ -167,6 +167,10 @@ impl Validator {
             self.require((1..=32).contains(&n), "bounces", format!("{n} bounces"), help)?;
         }
         self.number("near_bound", c.near_bound, 0.0, 1e3)?;
+        let rays = format!("`near_rays` is {}", c.near_rays);
+        self.require(c.near_rays <= 16, "near_rays", rays, "use 0 to 16")?;
+        let filter = format!("`near_filter` is {}", c.near_filter);
+        self.require(c.near_filter <= 32, "near_filter", filter, "use 0 to 32 pixels")?;
         self.number("shadow_bias", c.shadow_bias, 0.0, 1e3)?;
         self.number("shadow_slope_bias", c.shadow_slope_bias, 0.0, 1e3)?;
         let samples = c.shadow_samples;

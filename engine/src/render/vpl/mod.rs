@@ -1,18 +1,19 @@
 //! Instant radiosity: virtual point lights where particles from the lights hit (Keller 1997, "Instant radiosity").
 //!
 //! ```text
-//! particles (shot on the CPU, kept while lights and surfaces stay) ─ reach (per view) ─ shade ─ compose
+//! particles (shot on the CPU, kept while lights and surfaces stay) ─ reach (per view) ─ shade ─ near ─ compose
 //! rsm ─ place ────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //! The image is f·Φ/π·cosθ·cosθ_i/max(d², d_min²)·V summed over all lights. d_min is the distance between neighbouring
 //! lights, which bounds the bright spots around them: within about that distance a surface is lit by few lights, and
-//! their 1/d² would be all that is seen.
+//! their 1/d² would be all that is seen. What that leaves out is found by short rays (`near`).
 
 mod beam;
 mod casts;
 mod error;
 mod letter;
 mod main_light;
+mod near;
 mod particles;
 mod paths;
 mod place;
@@ -30,7 +31,9 @@ pub use particles::VirtualLights;
 pub(super) use paths::declare as declare_paths;
 pub use simulate::{MAX_PATHS, Particles, VirtualLight};
 #[cfg(test)]
-pub(crate) use {letter::LetterUniform, main_light::MainLightUniform, place::MapPlaceUniform, shade::ShadeUniform};
+pub(crate) use {
+    letter::LetterUniform, main_light::MainLightUniform, near::NearUniform, place::MapPlaceUniform, shade::ShadeUniform,
+};
 
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
@@ -52,8 +55,9 @@ pub(super) fn declare<'a>(
         VirtualPlacement::Particles => particles::declare(graph, frame, state),
     };
     let Some(lights) = lights else { return Ok(None) };
-    Ok(Some(match state.settings.accumulation {
+    let summed = match state.settings.accumulation {
         Accumulation::Batched => shade::declare(graph, frame, gbuffer, state, lights),
         Accumulation::ByTheLetter => letter::declare(graph, frame, gbuffer, state, lights),
-    }))
+    };
+    Ok(Some(near::declare(graph, frame, gbuffer, state, lights, summed)))
 }

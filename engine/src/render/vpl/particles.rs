@@ -29,7 +29,10 @@ pub struct VirtualLights {
 /// Lights on the device.
 #[derive(Clone, Copy)]
 pub(super) struct Lights {
+    /// Those that are summed.
     pub(super) buffer: Handle<Buffer>,
+    /// All, the ones that reach nothing drawn with them.
+    pub(super) all: Handle<Buffer>,
 }
 
 impl VirtualLights {
@@ -110,6 +113,7 @@ impl VirtualLights {
             shadow_bias: 0.0,
             shadow_slope_bias: 0.0,
             shadow_samples: 0,
+            near_rays: 0,
             ..self.settings.clone()
         };
         let r = scene.revisions;
@@ -150,7 +154,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
     if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
         let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
         graph.skip("reach", why);
-        return Some(Lights { buffer });
+        return Some(Lights { buffer, all: buffer });
     }
     Some(declare_reach(graph, frame, state, buffer, desc(state.capacity)))
 }
@@ -181,7 +185,7 @@ fn declare_reach<'a>(
         state.shaded.set(lights.len() as u32);
         Ok(())
     });
-    Lights { buffer }
+    Lights { buffer, all }
 }
 
 /// The lights before whose plane some primitive lies that the frustum may hold. Conservative: what is left out lights

@@ -89,5 +89,5 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
         state.set_shaded(total);
         Ok(())
     });
-    Some(Lights { buffer })
+    Some(Lights { buffer, all: buffer })
 }

@@ -43,8 +43,10 @@ pub struct VirtualLight {
     pub incident: u32,
     /// √F0, ten bits a channel.
     pub specular: u32,
+    /// d_min of the lights at the next hits of the same source \[m\]; 0: there are none.
+    pub next: f32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// What a simulation left.
@@ -60,6 +62,10 @@ pub struct Particles {
     pub casts: CastCounts,
     /// Mean reflectance ρ of the scene.
     pub reflectance: f64,
+    /// d_min of the lights at the first hits of each light of the scene \[m\]; 0 where there are none.
+    pub nearest: Vec<f32>,
+    /// d_min of the lights on surfaces that emit \[m\].
+    pub nearest_glow: f32,
 }
 
 /// Ways that are remembered of a source, to be drawn.
@@ -125,7 +131,8 @@ struct Piece {
 /// Shoots all particles. Equal input gives equal bits, on however many cores.
 pub(super) fn simulate(scene: &Scene, bvh: &SceneBvh, settings: &InstantRadiosity, setup: &Setup) -> Particles {
     let caster = Caster::new(scene, bvh, settings.casts);
-    let mut particles = Particles { reflectance: setup.reflectance, ..Default::default() };
+    let nearest = vec![0.0; scene.lights.len()];
+    let mut particles = Particles { reflectance: setup.reflectance, nearest, ..Default::default() };
     for ((source, plan), index) in setup.sources.iter().zip(0..) {
         let seed = hash_pair(settings.seed, index);
         let shooter = Shooter { scene, bvh, caster: &caster, settings, source, plan, seed };
@@ -138,21 +145,37 @@ pub(super) fn simulate(scene: &Scene, bvh: &SceneBvh, settings: &InstantRadiosit
             particles.casts += piece.casts;
         }
         left.sort_by_key(|left| left.hit);
-        set_nearest(&mut left, settings.near_bound);
+        let nearest = set_nearest(&mut left, settings.near_bound);
+        let of_hit = |hit: u32| nearest.iter().find(|(of, _)| *of == hit).map_or(0.0, |(_, nearest)| *nearest);
+        match source {
+            Source::Light(light, _) => {
+                if let Some(index) = scene.lights.iter().position(|other| std::ptr::eq(other, *light)) {
+                    particles.nearest[index] = of_hit(1);
+                }
+            }
+            Source::Emitters(_) => particles.nearest_glow = of_hit(0),
+            Source::Sky { .. } => {}
+        }
         particles.lights.extend(left.iter().map(|left| left.light));
     }
     particles
 }
 
 /// d_min of all lights of a source that come from the same hit: the bound times the distance between neighbours, the
-/// root of the median area that one stands for.
-fn set_nearest(lights: &mut [Left], bound: f32) {
+/// root of the median area that one stands for. By the number of the hit.
+fn set_nearest(lights: &mut [Left], bound: f32) -> Vec<(u32, f32)> {
+    let mut all: Vec<(u32, f32)> = Vec::new();
     for group in lights.chunk_by_mut(|a, b| a.hit == b.hit) {
         let mut areas: Vec<f32> = group.iter().map(|left| left.area).filter(|area| area.is_finite()).collect();
         areas.sort_unstable_by(f32::total_cmp);
         let nearest = areas.get(areas.len() / 2).map_or(0.0, |area| bound * area.sqrt());
         group.iter_mut().for_each(|left| left.light.nearest = nearest);
+        all.push((group[0].hit, nearest));
     }
+    for left in lights {
+        left.light.next = all.iter().find(|(hit, _)| *hit == left.hit + 1).map_or(0.0, |(_, nearest)| *nearest);
+    }
+    all
 }
 
 struct Shooter<'a> {

@@ -52,6 +52,8 @@ fn sanitized(vpl: &InstantRadiosity) -> InstantRadiosity {
             Bounces::Count(count) => Bounces::Count(count.clamp(1, 32)),
         },
         near_bound: positive(vpl.near_bound, default.near_bound),
+        near_rays: vpl.near_rays.min(16),
+        near_filter: vpl.near_filter.min(32),
         shadow_bias: positive(vpl.shadow_bias, default.shadow_bias),
         shadow_slope_bias: positive(vpl.shadow_slope_bias, default.shadow_slope_bias),
         shadow_samples: vpl.shadow_samples.clamp(1, 64),

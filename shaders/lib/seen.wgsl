@@ -1,0 +1,91 @@
+#define_import_path lightwell::seen
+
+// A visible surface that rays start from, and what they bring, apart by what reflects it: diffuse light as if the surface
+// were white, so that it can be filtered without its texture, and the light of the specular lobe.
+
+#import lightwell::brdf::fresnel_schlick
+#import lightwell::gbuffer::{Surface as Drawn}
+#import lightwell::next_event::{bounded, direction_density, reflected, sample_direction, specular_share}
+#import lightwell::rays::{Ray, Surface, leave_surface}
+#import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
+#import lightwell::view::{View, eye_offset, toward_eye}
+
+struct Seen {
+    surface: Surface,      // white
+    to_eye: vec3f,
+    to_specular: f32,      // chance of a ray to follow the specular lobe
+}
+
+struct Brought {
+    diffuse: vec3f,
+    specular: vec3f,
+}
+
+// A ray from the visible surface; without throughput it need not be traced.
+struct SeenRay {
+    ray: Ray,
+    throughput: vec3f,     // reflected light over the light that arrives, over the density
+}
+
+fn seen_surface(view: View, drawn: Drawn) -> Seen {
+    var seen: Seen;
+    seen.to_eye = normalize(toward_eye(view, drawn.position));
+    seen.surface.position = drawn.position;
+    seen.surface.normal = drawn.normal;
+    seen.surface.geometric_normal = drawn.normal;
+    seen.surface.albedo = drawn.albedo;
+    seen.surface.normal_reflectance = drawn.normal_reflectance;
+    seen.surface.grazing_reflectance = drawn.grazing_reflectance;
+    seen.surface.alpha = max(drawn.roughness * drawn.roughness, 1e-3);
+    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
+    let p = max(abs(drawn.position), abs(eye_offset(view, drawn.position)));
+    seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
+    seen.to_specular = specular_share(seen.surface, seen.to_eye);
+    seen.surface.albedo = vec3f(1.0);
+    return seen;
+}
+
+fn ray_from(seen: Seen, random: ptr<function, Sampler>) -> SeenRay {
+    // Without a specular lobe there is no choice, and the first pair gives the direction.
+    var choice = 1.0;
+    if seen.to_specular > 0.0 {
+        choice = next_pair(random).x;
+    }
+    let direction = sample_direction(seen.surface, seen.to_eye, seen.to_specular, choice, next_pair(random));
+    let density = direction_density(seen.surface, seen.to_eye, direction, seen.to_specular);
+    var throughput = vec3f(0.0);
+    if density > 0.0 {
+        throughput = reflected(seen.surface, seen.to_eye, direction) / density;
+    }
+    return SeenRay(Ray(leave_surface(seen.surface, direction), direction), throughput);
+}
+
+// Light that the white surface reflects, from a direction, by what reflects it.
+fn by_lobe(seen: Seen, direction: vec3f, light: vec3f) -> Brought {
+    let value = bounded(light);
+#ifdef DIFFUSE
+    return Brought(value, vec3f(0.0));
+#else
+    let h = normalize(direction + seen.to_eye);
+    let f = fresnel_schlick(seen.surface.normal_reflectance, seen.surface.grazing_reflectance, dot(seen.to_eye, h));
+    let of_diffuse = (1.0 - max(f.r, max(f.g, f.b))) * max(0.0, dot(seen.surface.normal, direction)) * INVERSE_PI;
+    let share = saturate(vec3f(of_diffuse) / max(reflected(seen.surface, seen.to_eye, direction), vec3f(1e-20)));
+    return Brought(value * share, value * (1.0 - share));
+#endif
+}
+
+// Number of a pixel along Morton's curve: neighbouring pixels have neighbouring numbers of one sequence, so that any square
+// block of 2ⁿ×2ⁿ pixels has a well distributed set of them (Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of
+// Monte Carlo sampling error via hierarchical ordering of pixels").
+fn number_of(pixel: vec2u) -> u32 {
+    return spread(pixel.x) | (spread(pixel.y) << 1u);
+}
+
+// Bits of a coordinate, with a zero before each.
+fn spread(value: u32) -> u32 {
+    var x = value & 0xffffu;
+    x = (x | (x << 8u)) & 0x00ff00ffu;
+    x = (x | (x << 4u)) & 0x0f0f0f0fu;
+    x = (x | (x << 2u)) & 0x33333333u;
+    return (x | (x << 1u)) & 0x55555555u;
+}
