@@ -5,6 +5,7 @@ use super::suggest::suggestion;
 use super::tree::{Node, Step, block_comment};
 use ron::error::{Error as Ron, SpannedError};
 use serde::de::DeserializeOwned;
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 /// How all our RON files are read and written: `Some(…)` need not be written, nor the brackets of newtypes.
@@ -18,7 +19,8 @@ pub struct Document {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
-    tree: Node,
+    /// Made when the first place is asked for: it takes more memory than all that a large scene holds.
+    tree: OnceCell<Node>,
 }
 
 impl Document {
@@ -40,13 +42,16 @@ impl Document {
     pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(Self, T), FileError> {
         let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
         let value = ron_options().from_str(&text).map_err(|e| syntax_error(path, &text, e))?;
-        let tree = Node::parse(&text);
-        Ok((Self { path: path.to_owned(), text, tree }, value))
+        Ok((Self { path: path.to_owned(), text, tree: OnceCell::new() }, value))
     }
 
     /// Stands for a file whose values were made in memory: errors name the file and no place.
     pub fn in_memory(path: &Path) -> Self {
-        Self { path: path.to_owned(), text: String::new(), tree: Node::parse("") }
+        Self { path: path.to_owned(), text: String::new(), tree: OnceCell::new() }
+    }
+
+    fn tree(&self) -> &Node {
+        self.tree.get_or_init(|| Node::parse(&self.text))
     }
 
     /// An error about the value at the path.
@@ -54,14 +59,14 @@ impl Document {
         if self.text.is_empty() {
             return FileError::new(&self.path, kind, message);
         }
-        let place = Place::of(&self.text, self.tree.find(at).span.start);
+        let place = Place::of(&self.text, self.tree().find(at).span.start);
         FileError::new(&self.path, kind, message).at(&self.text, place)
     }
 
     /// An error within the value at the path, which was read by itself.
     pub(super) fn inner_error(&self, at: &[Step], value: &str, error: SpannedError) -> FileError {
         let inner = syntax_error(&self.path, value, error);
-        let start = self.tree.find(at).span.start;
+        let start = self.tree().find(at).span.start;
         let is_there = self.text.get(start..).is_some_and(|rest| rest.starts_with(value));
         let mut outer = match inner.place.filter(|_| is_there) {
             Some(place) => {
