@@ -16,7 +16,9 @@ pub fn section(results: &Results) -> Option<String> {
     let mut text = format!(
         "## Flicker\n\nOf {} successive frames: root mean square over pixels and frames of the change of indirect light from \
          frame to frame that the reference does not make, over the mean of that light. A method that shows none has the \
-         reference's own change; one that shows less follows the motion of the light; one that shows more adds unrest.\n\n",
+         reference's own change; one that shows less follows the motion of the light; one that shows more adds unrest. \
+         Frames are single ones, as they are played: where the camera moves, edges that jump by a pixel count for every \
+         method alike.\n\n",
         first.frames
     );
     text += &grid(results, &scenes, |f| Some(f.change), |f| Some(f.reference));
