@@ -3,7 +3,7 @@
 use super::markdown::{list, percent, table};
 use crate::bench::results::{Flicker, Results};
 
-/// From this share of trembling in the change on, noise is called its cause.
+/// From this share of trembling in the change on, it is called one to and fro.
 const NOISE: f64 = 0.7;
 /// Up to this share, the change is called steady.
 const STEADY: f64 = 0.35;
@@ -90,7 +90,7 @@ fn words(all: &[&Flicker]) -> Vec<String> {
         }
     };
     say(named(&|f| f.change > own), "More change of their own than the light has");
-    say(named(&|f| share(f).is_some_and(|s| s >= NOISE)), "Mostly noise that every frame has anew");
+    say(named(&|f| share(f).is_some_and(|s| s >= NOISE)), "Mostly to and fro, by noise or by edges that jump");
     say(
         named(&|f| share(f).is_some_and(|s| s < STEADY)),
         "Mostly light that moves evenly, but too far or not far enough",
