@@ -10,12 +10,12 @@ use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
-use lightwell::world::{Bounces, Clpv, Quality};
+use lightwell::world::{Bounces, Clpv, GatherRays, Quality};
 use std::f32::consts::PI;
 use support::{Stage, gpu};
 
 fn settings(bounces: Bounces) -> Clpv {
-    Clpv { bounces, quality: Quality::Low, gather_rays: 8, ..Default::default() }
+    Clpv { bounces, quality: Quality::Low, gather_rays: GatherRays::Count(8), ..Default::default() }
 }
 
 fn mean(image: &ImageF32) -> f32 {
@@ -135,7 +135,7 @@ fn one_bounce_is_that_of_the_path_tracer_and_nearer_than_the_volumes() {
         let stage = scene(Clpv { gather_filter: 4, ..settings(Bounces::Count(1)) });
         let expected = traced(&gpu, &stage, 1);
         let (nrmse, bias) = error(&averaged(&gpu, stage), &expected);
-        let looked_up = scene(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) });
+        let looked_up = scene(Clpv { gather_rays: GatherRays::Count(0), ..settings(Bounces::Count(1)) });
         let (volumes, _) = error(&averaged(&gpu, looked_up), &expected);
         assert!(bias.abs() < 0.01, "bias {bias}");
         assert!(nrmse < most * volumes, "gathered {nrmse}, looked up {volumes}");
@@ -174,7 +174,7 @@ fn one_bounce_needs_no_sweep_and_two_need_one() {
         assert!(report.ran("gather") && !report.ran("relight") && !report.ran("gloss"), "{report}");
         assert_eq!(sweeps, swept, "{report}");
     }
-    let (_, report) = room(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) }).render_with(
+    let (_, report) = room(Clpv { gather_rays: GatherRays::Count(0), ..settings(Bounces::Count(1)) }).render_with(
         &gpu,
         &mut Renderer::new(&gpu),
         &RenderSettings::default(),
@@ -222,7 +222,7 @@ fn light_scales_exactly_and_none_is_none() {
 #[test]
 fn shifted_images_have_rays_of_their_own() {
     let gpu = gpu();
-    let stage = room(Clpv { gather_rays: 1, gather_filter: 0, ..settings(Bounces::Count(1)) });
+    let stage = room(Clpv { gather_rays: GatherRays::Count(1), gather_filter: 0, ..settings(Bounces::Count(1)) });
     let expected = traced(&gpu, &stage, 1);
     let one = error(&indirect(&gpu, &stage), &expected).0;
     // Noise falls with the root of the number of rays, or faster.
@@ -234,7 +234,7 @@ fn shifted_images_have_rays_of_their_own() {
 fn a_scene_too_large_for_rays_is_looked_up_and_says_so() {
     let mut gpu = gpu();
     let stage = room(settings(Bounces::Count(1)));
-    let looked_up = room(Clpv { gather_rays: 0, ..settings(Bounces::Count(1)) });
+    let looked_up = room(Clpv { gather_rays: GatherRays::Count(0), ..settings(Bounces::Count(1)) });
     let expected = indirect(&gpu, &looked_up);
     // Less than one material takes.
     gpu.limits.max_storage_buffer_binding_size = 64;

@@ -19,7 +19,7 @@ use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::gpu_scene::GpuScene;
 use super::layers::Views;
-use super::lpv::sweep::GpuSurfels;
+use super::lpv::sweep::{GpuSurfels, gather};
 use super::post::mlaa;
 use super::post::tone_map::{self, DISPLAY};
 use super::ray_scene::{RayError, RayScene};
@@ -184,9 +184,6 @@ impl Renderer {
         if shows_indirect(settings) && sky_light::is_mirrored(scene) {
             self.gpu_scene.update_sky_reflections(gpu, scene);
         }
-        if let Some(cell) = finest_cell(scene, view, settings, &bounds)? {
-            self.surfels.update(gpu, scene, cell);
-        }
         if settings.gi == GiMethod::Vpl && settings.only.is_light() {
             self.virtual_lights.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?;
         }
@@ -194,6 +191,10 @@ impl Renderer {
             self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?;
         } else if gathers(scene, settings) {
             self.update_gathered(gpu, scene);
+        }
+        let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| gathers(scene, settings));
+        if let Some(cell) = finest_cell(scene, view, settings, &bounds, refused_rays.is_none())? {
+            self.surfels.update(gpu, scene, cell);
         }
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
         let tracer = match &beside {
@@ -204,7 +205,6 @@ impl Renderer {
             }
             None => None,
         };
-        let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| gathers(scene, settings));
         let frame = Frame {
             scene,
             gpu_scene: &self.gpu_scene,
@@ -447,8 +447,7 @@ fn finish<'a>(
 
 /// Whether indirect light is gathered by rays, where that can be done.
 fn gathers(scene: &Scene, settings: &RenderSettings) -> bool {
-    let is_wanted =
-        |clpv: &SceneClpv| clpv.settings.transport == Transport::Sweep && lpv::sweep::gather::is_wanted(&clpv.settings);
+    let is_wanted = |clpv: &SceneClpv| gather::is_wanted(&clpv.settings);
     shows_indirect(settings) && settings.gi == GiMethod::Clpv && scene.clpv.as_ref().is_some_and(is_wanted)
 }
 
@@ -471,13 +470,15 @@ fn finest_cell(
     view: &SceneView,
     settings: &RenderSettings,
     bounds: &Aabb,
+    has_rays: bool,
 ) -> Result<Option<f32>, RenderError> {
     if sky_light::is_needed(scene, settings) {
         return Ok(Some(lpv::sweep::sky::volume(bounds).cell));
     }
     let swept = scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
     let (Some(clpv), GiMethod::Clpv, true) = (swept, settings.gi, shows_indirect(settings)) else { return Ok(None) };
-    Ok(lpv::sweep::volumes(clpv, bounds, view)?.first().map(|volume| volume.cell))
+    let quality = gather::quality_of_volumes(&clpv.settings, has_rays && gather::is_wanted(&clpv.settings));
+    Ok(lpv::sweep::volumes(clpv, quality, bounds, view)?.first().map(|volume| volume.cell))
 }
 
 fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {

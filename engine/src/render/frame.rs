@@ -2,12 +2,13 @@
 
 use super::gpu_scene::GpuScene;
 use super::layers::Views;
-use super::lpv::sweep::GpuSurfels;
+use super::lpv::sweep::{GpuSurfels, gather};
 use super::ray_scene::RayScene;
 use super::settings::RenderSettings;
 use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
+use crate::world::{Clpv, Quality};
 use encase::ShaderType;
 use glam::{Mat4, UVec2, Vec4};
 
@@ -49,6 +50,11 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
+    /// What the volumes of these settings are swept with in this frame.
+    pub fn sweep_quality(&self, settings: &Clpv) -> Quality {
+        gather::quality_of_volumes(settings, gather::is_wanted(settings) && self.refused_rays.is_none())
+    }
+
     /// Changes with anything that a drawn surface depends on.
     pub fn geometry_key(&self) -> (u64, u64, u64) {
         (self.scene.identity, self.scene.revisions.geometry, self.scene.revisions.materials)

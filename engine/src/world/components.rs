@@ -207,18 +207,30 @@ pub enum Bounces {
     Count(u32),
 }
 
-/// Accuracy against cost (sweep transport): directions, and with [`CellSize::Auto`] the cells too.
+/// Accuracy against cost (sweep transport): directions, with [`CellSize::Auto`] the cells, and with
+/// [`GatherRays::Auto`] the rays too. Where rays gather the light, the volumes are those of the step below: errors of
+/// theirs are evened out over all that a pixel sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Quality {
-    /// 96 directions for the first bounce; Auto: 24³ cells.
+    /// 96 directions for the first bounce; Auto: 24³ cells, no rays.
     Low,
-    /// 192 directions; 40³ cells.
+    /// 4 rays. Without them 192 directions; 40³ cells.
     Medium,
-    /// 432 directions; 64³ cells.
+    /// 8 rays. Without them 432 directions; 64³ cells.
     #[default]
     High,
-    /// 768 directions; 88³ cells.
+    /// 16 rays. Without them 768 directions; 88³ cells.
     Ultra,
+}
+
+/// How many rays of a pixel gather light at the visible surfaces (sweep transport).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum GatherRays {
+    /// As many as the quality says.
+    #[default]
+    Auto,
+    /// So many, 0 to 16; 0: the volumes are looked up at the visible surfaces themselves.
+    Count(u32),
 }
 
 /// Cascaded light propagation volumes: indirect light for the scene that holds this component.
@@ -235,10 +247,9 @@ pub struct Clpv {
     pub quality: Quality,
     /// Where the volumes lie.
     pub placement: ClpvPlacement,
-    /// Rays of a pixel that gather light at the visible surfaces, 0 to 16; 0: the volumes are looked up there themselves.
-    /// The rays find what is smaller than a cell, glossy reflection included, and cost more the larger the image is. With
-    /// `transport: Sweep` alone.
-    pub gather_rays: u32,
+    /// Rays of a pixel that gather light at the visible surfaces. They find what is smaller than a cell, glossy reflection
+    /// included, and cost more the larger the image is. With `transport: Sweep` alone.
+    pub gather_rays: GatherRays,
     /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none.
     pub gather_filter: u32,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
@@ -274,7 +285,7 @@ impl Default for Clpv {
             bounces: Bounces::Converged,
             quality: Quality::High,
             placement: ClpvPlacement::Fixed,
-            gather_rays: 0,
+            gather_rays: GatherRays::Auto,
             gather_filter: 8,
             cascades: 1,
             cells: [16, 16, 16],

@@ -40,8 +40,8 @@ const MEDIUM: (&str, &str) = ("clpv.quality", "Medium");
 const HIGH: (&str, &str) = ("clpv.quality", "High");
 const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
 const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
-const FOUR_RAYS: (&str, &str) = ("clpv.gather_rays", "4");
-const MOST_RAYS: (&str, &str) = ("clpv.gather_rays", "16");
+const NO_RAYS: (&str, &str) = ("clpv.gather_rays", "Count(0)");
+const BY_QUALITY: (&str, &str) = ("clpv.gather_rays", "Auto");
 const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
@@ -49,15 +49,16 @@ const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 pub const METHODS: &[Method] = &[
     Method { name: "none", gi: Gi::None, sets: &[NO_SKY], what: "direct light alone", runs: Runs::Always },
     Method { name: "clpv", gi: Gi::Clpv, sets: &[DIFFUSION], what: "the thesis's propagation, in its settings for the scene if it has any", runs: Runs::Always },
-    Method { name: "sweep low", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW], what: "sweep transport, low", runs: Runs::Always },
-    Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM], what: "sweep transport, medium", runs: Runs::Always },
-    Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH], what: "sweep transport, high", runs: Runs::Always },
-    Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA], what: "sweep transport, ultra", runs: Runs::Thorough },
-    Method { name: "gather", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, FOUR_RAYS], what: "sweep transport, medium, gathered by 4 rays a pixel", runs: Runs::Always },
-    Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, MOST_RAYS], what: "sweep transport, high, gathered by 16 rays a pixel", runs: Runs::Thorough },
-    Method { name: "gather 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, FOUR_RAYS, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
-    Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
-    Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
+    Method { name: "sweep low", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS], what: "sweep transport, low, looked up at the visible surfaces", runs: Runs::Always },
+    Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, NO_RAYS], what: "sweep transport, medium, looked up", runs: Runs::Always },
+    Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS], what: "sweep transport, high, looked up", runs: Runs::Always },
+    Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, NO_RAYS], what: "sweep transport, ultra, looked up", runs: Runs::Thorough },
+    Method { name: "gather medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY], what: "medium quality: volumes of low quality, gathered by 4 rays a pixel", runs: Runs::Always },
+    Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, BY_QUALITY], what: "high quality: volumes of medium quality, gathered by 8 rays a pixel", runs: Runs::Always },
+    Method { name: "gather ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, BY_QUALITY], what: "ultra quality: volumes of high quality, gathered by 16 rays a pixel", runs: Runs::Thorough },
+    Method { name: "gather 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
+    Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
+    Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
     Method { name: "slc coarse", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-3)")], what: "stochastic light culling, shadow rays, error bound 1e-3 of the mean irradiance", runs: Runs::Always },
     Method { name: "slc", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling, shadow rays, error bound 3e-4", runs: Runs::Always },
     Method { name: "slc fine", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling, shadow rays, error bound 1e-4", runs: Runs::Thorough },

@@ -53,7 +53,8 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
     let start = Instant::now();
     let mut session = Session::open(gpu, scene, &LookArgs::default(), common)?;
     if session.scene().clpv.is_some() {
-        let sets = vec![("clpv.quality".to_owned(), "Low".to_owned())];
+        let coarsest = [("clpv.quality", "Low"), ("clpv.bounces", "Count(2)"), ("clpv.gather_rays", "Count(1)")];
+        let sets = coarsest.map(|(path, value)| (path.to_owned(), value.to_owned())).to_vec();
         session = session.again(&LookArgs { sets, ..LookArgs::default() })?;
     }
     let settings = session.settings();

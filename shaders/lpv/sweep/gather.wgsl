@@ -41,6 +41,7 @@ struct Gather {
     emitter_count: u32,
     seed: u32,
     first_row: u32,        // of this dispatch
+    nearest: f32,          // distance below which swept light is not known [m]
 }
 
 @group(0) @binding(0) var<uniform> gather: Gather;
@@ -59,11 +60,17 @@ const RAYS: u32 = #{RAYS}u;
 const RAYS: u32 = 1u;
 #endif
 
-// The visible surface, white: what it reflects diffusely is multiplied by its albedo once it was filtered.
-struct Seen {
+// Rays more that follow one another where surfaces are near.
+const MOST_NEAR: u32 = 2u;
+
+// Where a ray begins.
+struct Vertex {
     surface: Surface,
     to_eye: vec3f,
     to_specular: f32,      // chance of a ray to follow the specular lobe
+    throughput: vec3f,     // what the visible surface reflects of the light that this one does
+    seen_along: vec3f,     // direction in which the visible surface sees this one; zero: it is the visible one
+    depth: u32,            // rays between the two
 }
 
 struct Sums {
@@ -72,11 +79,18 @@ struct Sums {
     closeness: f32,        // of what the rays met: sum of 1/distance [1/m]
 }
 
-// A ray from the visible surface.
+// A ray from a vertex.
 struct GatherRay {
     ray: Ray,
     density: f32,          // [1/sr]
-    throughput: vec3f,     // reflected light over the light that arrives, over the density
+    throughput: vec3f,     // what the visible surface reflects over the light that arrives, over the density
+    seen_along: vec3f,
+}
+
+// Light of a lamp at the end of a ray, whose shadow ray waits for the next ray to be traced.
+struct Waiting {
+    sample: LightSample,
+    seen_along: vec3f,
 }
 
 // Bits of a coordinate, with a zero before each.
@@ -88,12 +102,13 @@ fn spread(value: u32) -> u32 {
     return (x | (x << 1u)) & 0x55555555u;
 }
 
-fn seen_at(pixel: vec2u, z: f32) -> Seen {
+// The visible surface, white: what it reflects diffusely is multiplied by its albedo once it was filtered.
+fn seen_at(pixel: vec2u, z: f32) -> Vertex {
     let position = world_position(pixel, gather.view.size, z, gather.view.world_from_clip);
     let s = decode_surface(
         textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );
-    var seen: Seen;
+    var seen: Vertex;
     seen.to_eye = normalize(toward_eye(gather.view, position));
     seen.surface.position = position;
     seen.surface.normal = s.normal;
@@ -107,11 +122,12 @@ fn seen_at(pixel: vec2u, z: f32) -> Seen {
     seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
     seen.to_specular = specular_share(seen.surface, seen.to_eye);
     seen.surface.albedo = vec3f(1.0);
+    seen.throughput = vec3f(1.0);
     return seen;
 }
 
 // Light that the white surface reflects, from a direction: to the diffuse and the specular sum by what each reflects.
-fn add(sums: ptr<function, Sums>, seen: Seen, direction: vec3f, light: vec3f) {
+fn add(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f) {
     let value = bounded(light);
 #ifdef DIFFUSE
     (*sums).diffuse += value;
@@ -126,44 +142,52 @@ fn add(sums: ptr<function, Sums>, seen: Seen, direction: vec3f, light: vec3f) {
 #endif
 }
 
-fn add_unless_blocked(sums: ptr<function, Sums>, seen: Seen, sample: LightSample) {
+// The direction in which the visible surface sees light that arrives at a vertex.
+fn seen_along(vertex: Vertex, direction: vec3f) -> vec3f {
+    return select(vertex.seen_along, direction, vertex.depth == 0u);
+}
+
+fn add_unless_blocked(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, sample: LightSample) {
     if sample.reach > 0.0 && trace(gather.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
-        add(sums, seen, normalize(sample.ray.direction), sample.light);
+        add(sums, seen, seen_along(vertex, normalize(sample.ray.direction)), vertex.throughput * bounded(sample.light));
     }
 }
 
-// Emissive surfaces and the sky, sampled from the visible surface.
-fn add_sampled(sums: ptr<function, Sums>, seen: Seen, random: ptr<function, Sampler>) {
+// Emissive surfaces and the sky, sampled from a vertex.
+fn add_sampled(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, random: ptr<function, Sampler>) {
 #ifndef UNLIT
     let emitter = next_pair(random);
     let place = next_pair(random);
     add_unless_blocked(
-        sums, seen, sample_emitter(seen.surface, seen.to_eye, seen.to_specular, gather.emitter_count, emitter, place),
+        sums, seen, vertex,
+        sample_emitter(vertex.surface, vertex.to_eye, vertex.to_specular, gather.emitter_count, emitter, place),
     );
 #endif
 #ifndef EVEN_SKY
     let texel = next_pair(random);
     let within = next_pair(random);
     add_unless_blocked(
-        sums, seen, sample_sky_light(sky, gather.sky_turn, seen.surface, seen.to_eye, seen.to_specular, texel, within),
+        sums, seen, vertex,
+        sample_sky_light(sky, gather.sky_turn, vertex.surface, vertex.to_eye, vertex.to_specular, texel, within),
     );
 #endif
 }
 
 // The next ray; without throughput it need not be traced.
-fn next_ray(seen: Seen, random: ptr<function, Sampler>) -> GatherRay {
+fn next_ray(vertex: Vertex, random: ptr<function, Sampler>) -> GatherRay {
     // Without a specular lobe there is no choice, and the first pair gives the direction.
     var choice = 1.0;
-    if seen.to_specular > 0.0 {
+    if vertex.to_specular > 0.0 {
         choice = next_pair(random).x;
     }
-    let direction = sample_direction(seen.surface, seen.to_eye, seen.to_specular, choice, next_pair(random));
-    let density = direction_density(seen.surface, seen.to_eye, direction, seen.to_specular);
+    let direction = sample_direction(vertex.surface, vertex.to_eye, vertex.to_specular, choice, next_pair(random));
+    let density = direction_density(vertex.surface, vertex.to_eye, direction, vertex.to_specular);
     var throughput = vec3f(0.0);
     if density > 0.0 {
-        throughput = reflected(seen.surface, seen.to_eye, direction) / density;
+        throughput = vertex.throughput * reflected(vertex.surface, vertex.to_eye, direction) / density;
     }
-    return GatherRay(Ray(leave_surface(seen.surface, direction), direction), density, throughput);
+    let ray = Ray(leave_surface(vertex.surface, direction), direction);
+    return GatherRay(ray, density, throughput, seen_along(vertex, direction));
 }
 
 fn sky_light(ray: GatherRay) -> vec3f {
@@ -184,22 +208,34 @@ fn swept_light(surface: Surface, direction: vec3f) -> vec3f {
 #endif
 }
 
-// Adds what a ray has found, but for the light from a lamp, whose shadow ray waits for the next ray to be traced.
+// Adds what a ray has found, but for the light from a lamp. Swept light is not known where surfaces are nearer to each
+// other than cells: from what is met there `vertex` goes on with a ray more (Jensen 1996, section 4).
 fn arrive(
-    sums: ptr<function, Sums>, seen: Seen, ray: GatherRay, hit: Hit, random: ptr<function, Sampler>,
-) -> LightSample {
+    sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, ray: GatherRay, hit: Hit,
+    random: ptr<function, Sampler>,
+) -> Waiting {
+    let depth = (*vertex).depth;
+    (*vertex).depth = 0u;
     let direction = ray.ray.direction;
     if hit.triangle == NONE {
-        add(sums, seen, direction, ray.throughput * sky_light(ray));
-        return no_light();
+        add(sums, seen, ray.seen_along, ray.throughput * sky_light(ray));
+        return Waiting(no_light(), ray.seen_along);
     }
-    (*sums).closeness += 1.0 / max(hit.t, 1e-30);
+    if depth == 0u {
+        (*sums).closeness += 1.0 / max(hit.t, 1e-30);
+    }
     let surface = surface_at(hit, direction);
     if !surface.visible {
-        return no_light();
+        return Waiting(no_light(), ray.seen_along);
     }
     var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
-    light += swept_light(surface, direction);
+    if hit.t < gather.nearest && depth < MOST_NEAR {
+        *vertex = Vertex(surface, -direction, 0.0, ray.throughput, ray.seen_along, depth + 1u);
+        (*vertex).surface.normal_reflectance = vec3f(0.0);
+        (*vertex).surface.grazing_reflectance = 0.0;
+    } else {
+        light += swept_light(surface, direction);
+    }
     var pick = 0.0;
     if gather.light_count > 1u {
         pick = next_pair(random).x;
@@ -210,8 +246,8 @@ fn arrive(
     if sample.reach <= 0.0 {
         light += sample.light;
     }
-    add(sums, seen, direction, light);
-    return sample;
+    add(sums, seen, ray.seen_along, light);
+    return Waiting(sample, ray.seen_along);
 }
 
 // Whether the light that waited arrives, and what the next ray meets.
@@ -238,29 +274,38 @@ fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met 
     return Met(is_lit, walk.hit);
 }
 
-fn gathered(pixel: vec2u, seen: Seen) -> Sums {
+fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     let frame = load_frame(gather.root);
     var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
-    var waiting = no_light();
-    var came_from = vec3f(0.0);
+    var waiting = Waiting(no_light(), vec3f(0.0));
+    var vertex = seen;
     let first = (spread(pixel.x) | (spread(pixel.y) << 1u)) * RAYS;
+    var begun = 0u;
+    var random = Sampler(gather.seed, first, 0u);
     // A turn more than there are rays: in the last one only the last shadow ray is left.
-    for (var i = 0u; i <= RAYS; i++) {
-        var random = Sampler(gather.seed, first + i, 0u);
-        var ray = GatherRay(Ray(seen.surface.position, seen.surface.normal), 0.0, vec3f(0.0));
-        if i < RAYS {
-            ray = next_ray(seen, &random);
-            add_sampled(&sums, seen, &random);
+    for (var turn = 0u; turn <= RAYS * (1u + MOST_NEAR); turn++) {
+        if vertex.depth == 0u {
+            vertex = seen;
+            random = Sampler(gather.seed, first + begun, 0u);
+            begun++;
+        }
+        var ray = GatherRay(Ray(seen.surface.position, seen.surface.normal), 0.0, vec3f(0.0), vec3f(0.0));
+        if begun <= RAYS {
+            ray = next_ray(vertex, &random);
+            add_sampled(&sums, seen, vertex, &random);
         }
         let reach = select(0.0, 3e38, any(ray.throughput > vec3f(0.0)));
-        let met = trace_both(frame, waiting, ray.ray, reach);
+        let met = trace_both(frame, waiting.sample, ray.ray, reach);
         if met.is_lit {
-            add(&sums, seen, came_from, waiting.light);
+            add(&sums, seen, waiting.seen_along, waiting.sample.light);
         }
-        waiting.reach = 0.0;
+        if begun > RAYS {
+            break;
+        }
+        waiting.sample.reach = 0.0;
+        vertex.depth = select(0u, vertex.depth, reach > 0.0);
         if reach > 0.0 {
-            waiting = arrive(&sums, seen, ray, met.hit, &random);
-            came_from = ray.ray.direction;
+            waiting = arrive(&sums, seen, &vertex, ray, met.hit, &random);
         }
     }
     return Sums(sums.diffuse / f32(RAYS), sums.specular / f32(RAYS), sums.closeness / f32(RAYS));

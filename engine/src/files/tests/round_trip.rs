@@ -6,7 +6,7 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Light, LightBounds, LightCulling, LightKind,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling, LightKind,
     LightVisibility, Projection, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
 };
 use glam::{Quat, Vec3};
@@ -220,12 +220,14 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     let transport = prop_oneof![Just(Transport::Sweep), Just(Transport::Diffusion)];
     let bounces = prop_oneof![Just(Bounces::Converged), (1u32..=32).prop_map(Bounces::Count)];
     let quality = prop_oneof![Just(Quality::Low), Just(Quality::Medium), Just(Quality::High), Just(Quality::Ultra)];
-    let method = (transport, bounces, quality);
+    let rays = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
+    let method = (transport, bounces, quality, rays);
     (method, placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
-        |((transport, bounces, quality), placement, cascades, cells, cell_size, steps)| Clpv {
+        |((transport, bounces, quality, gather_rays), placement, cascades, cells, cell_size, steps)| Clpv {
             transport,
             bounces,
             quality,
+            gather_rays,
             placement,
             cascades,
             cells,

@@ -6,7 +6,7 @@ use crate::files::format::{Rotation, Scale, TransformFile};
 use crate::files::tree::Step;
 use crate::world::animation::AnimationError;
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, InstantRadiosity, Light, LightKind, Projection,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightKind, Projection,
     StochasticLightCulling,
 };
 
@@ -150,8 +150,9 @@ impl Validator {
                 "use Count(1) to Count(32), or Converged",
             )?;
         }
-        let rays = format!("`gather_rays` is {}", c.gather_rays);
-        self.require(c.gather_rays <= 16, "gather_rays", rays, "use 0 to 16")?;
+        if let GatherRays::Count(n) = c.gather_rays {
+            self.require(n <= 16, "gather_rays", format!("{n} rays"), "use Count(0) to Count(16), or Auto")?;
+        }
         let filter = format!("`gather_filter` is {}", c.gather_filter);
         self.require(c.gather_filter <= 32, "gather_filter", filter, "use 0 to 32 pixels")?;
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;

@@ -191,7 +191,7 @@ fn skip(graph: &mut Graph, view: DebugView, why: &str, display: Handle<Texture>)
 fn volumes(frame: &Frame) -> (Vec<Volume>, &'static str) {
     let Some(clpv) = &frame.scene.clpv else { return (Vec::new(), "the scene has no light volumes") };
     let found = match clpv.settings.transport {
-        Transport::Sweep => lpv::sweep::volumes(clpv, &frame.bounds, frame.view),
+        Transport::Sweep => lpv::sweep::volumes(clpv, frame.sweep_quality(&clpv.settings), &frame.bounds, frame.view),
         Transport::Diffusion => lpv::volumes(clpv, &frame.bounds, frame.view),
     };
     (found.unwrap_or_default(), "the settings of the light volumes make none")

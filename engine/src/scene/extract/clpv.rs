@@ -2,7 +2,7 @@
 
 use super::Context;
 use crate::scene::{Scene, SceneClpv};
-use crate::world::{Bounces, CellSize, Clpv, ClpvPlacement, GlobalTransform, Identity, Name};
+use crate::world::{Bounces, CellSize, Clpv, ClpvPlacement, GatherRays, GlobalTransform, Identity, Name};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 
@@ -67,7 +67,10 @@ fn sanitized(clpv: &Clpv) -> Clpv {
             ClpvPlacement::Camera { ahead } => ClpvPlacement::Camera { ahead: positive(ahead, 0.0).min(1.0) },
         },
         cascades: clpv.cascades.clamp(1, 4),
-        gather_rays: clpv.gather_rays.min(16),
+        gather_rays: match clpv.gather_rays {
+            GatherRays::Auto => GatherRays::Auto,
+            GatherRays::Count(count) => GatherRays::Count(count.min(16)),
+        },
         gather_filter: clpv.gather_filter.min(32),
         cells: clpv.cells.map(|n| n.clamp(1, 128)),
         cell_size: match clpv.cell_size {

@@ -9,7 +9,7 @@ use crate::render::gbuffer::GBuffer;
 use crate::render::lpv::volume::{Volume, VolumeUniform};
 use crate::render::ray_scene::RayScene;
 use crate::render::reference::dispatch_rays;
-use crate::world::Clpv;
+use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
 use encase::ShaderType;
 use glam::Vec3;
 
@@ -20,6 +20,10 @@ const MAX_RAYS: u32 = 16;
 const MAX_FILTER: u32 = 32;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
+
+/// Distance within which swept light is not known [cells]. From there rays go on, which takes a bounce more than was
+/// swept: only where all are counted.
+const NEAR: f32 = 1.5;
 
 /// `Gather` of `lpv/sweep/gather.wgsl`.
 #[derive(ShaderType)]
@@ -33,6 +37,7 @@ pub(crate) struct GatherUniform {
     emitter_count: u32,
     seed: u32,
     first_row: u32,
+    nearest: f32,
 }
 
 /// Swept light where rays end.
@@ -40,6 +45,8 @@ pub(crate) struct GatherUniform {
 struct Swept {
     volume: Volume,
     buffers: [Handle<Buffer>; 3],
+    /// Distance \[m\] from the beginning of a ray within which it is not known.
+    nearest: f32,
 }
 
 /// Declares the gather and its filter; the result is reflected radiance. `level` is what was swept, if anything was that
@@ -55,17 +62,22 @@ pub(super) fn declare<'a>(
         diffuse: graph.retained_texture("gathered diffuse", image_desc(frame)),
         specular: graph.retained_texture("gathered specular", image_desc(frame)),
     };
-    let swept =
-        level.map(|level| Swept { volume: level.volume, buffers: [level.sum.axes, level.sum.facing, level.opacity] });
+    let swept = level.map(|level| Swept {
+        volume: level.volume,
+        buffers: [level.sum.axes, level.sum.facing, level.opacity],
+        nearest: if settings.bounces == Bounces::Converged { NEAR * level.volume.cell } else { 0.0 },
+    });
     let mut pass = graph.pass("gather");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     swept.iter().flat_map(|swept| swept.buffers).for_each(|handle| pass.read(handle));
     let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
     let scene = frame.scene;
-    pass.key(&(settings.gather_rays, seed(frame), frame.view_key(), swept.map(|swept| swept.volume.key())));
+    let rays = rays(settings);
+    let is_near = swept.map(|swept| swept.nearest.to_bits());
+    pass.key(&(rays, seed(frame), frame.view_key(), swept.map(|swept| swept.volume.key()), is_near));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, swept, gathered, rays: settings.gather_rays.min(MAX_RAYS) };
+    let work = Work { frame: frame.clone(), inputs, swept, gathered, rays };
     pass.execute(move |cx| work.run(cx));
     gather_filter::declare(graph, frame, gbuffer, gathered, settings.gather_filter.min(MAX_FILTER))
 }
@@ -167,6 +179,7 @@ impl Work<'_> {
             emitter_count: rays.emitter_count,
             seed: seed(&self.frame),
             first_row,
+            nearest: self.swept.map_or(0.0, |swept| swept.nearest),
         }
     }
 }
@@ -174,7 +187,7 @@ impl Work<'_> {
 /// Whether the light is gathered; else the reason is in the report.
 pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> bool {
     match (is_wanted(settings), frame.refused_rays) {
-        (false, _) => graph.skip("gather", "`gather_rays` is 0: surfaces look the volumes up themselves"),
+        (false, _) => graph.skip("gather", "no rays are asked for: surfaces look the volumes up themselves"),
         (true, Some(why)) => graph.skip("gather", why),
         (true, None) => return true,
     }
@@ -183,5 +196,27 @@ pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> 
 
 /// Whether rays are wanted.
 pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
-    settings.gather_rays > 0
+    settings.transport == Transport::Sweep && rays(settings) > 0
+}
+
+/// Rays of a pixel.
+fn rays(settings: &Clpv) -> u32 {
+    match (settings.gather_rays, settings.quality) {
+        (GatherRays::Count(count), _) => count.min(MAX_RAYS),
+        (GatherRays::Auto, Quality::Low) => 0,
+        (GatherRays::Auto, Quality::Medium) => 4,
+        (GatherRays::Auto, Quality::High) => 8,
+        (GatherRays::Auto, Quality::Ultra) => 16,
+    }
+}
+
+/// What the volumes are swept with. Light that rays gather needs less: what the volumes get wrong is evened out over all that a
+/// pixel sees, and where surfaces are nearer to each other than cells they are not looked up.
+pub(in crate::render) fn quality_of_volumes(settings: &Clpv, is_gathered: bool) -> Quality {
+    match settings.quality {
+        quality if !is_gathered => quality,
+        Quality::Low | Quality::Medium => Quality::Low,
+        Quality::High => Quality::Medium,
+        Quality::Ultra => Quality::High,
+    }
 }

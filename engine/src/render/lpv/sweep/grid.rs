@@ -5,7 +5,7 @@ use super::directions::Directions;
 use super::transport;
 use crate::render::RenderError;
 use crate::scene::{Aabb, SceneClpv, SceneView};
-use crate::world::{CellSize, Clpv, ClpvPlacement, Quality};
+use crate::world::{CellSize, ClpvPlacement, Quality};
 use glam::{U64Vec3, UVec3, Vec3};
 
 /// Cells on each side beyond the scene's bounds: for what stops light behind its surfaces.
@@ -19,15 +19,20 @@ const MAX_CELLS: u32 = BINDING as u32 / 176;
 /// Most cells along an axis: a texture that walls are drawn into has a texel for each, and this is the portable limit.
 const MAX_EDGE: u32 = 8192;
 
-/// The cascades of the settings for this view, finest first.
+/// The cascades of the settings for this view, finest first; `quality` is that of the volumes.
 ///
 /// # Errors
 /// Settings that make no volume; the message names the field, its value and the range.
-pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<Volume>, RenderError> {
+pub fn volumes(
+    clpv: &SceneClpv,
+    quality: Quality,
+    bounds: &Aabb,
+    view: &SceneView,
+) -> Result<Vec<Volume>, RenderError> {
     let settings = &clpv.settings;
     if settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed {
         let forward = -Vec3::from(view.camera.world_from_view.matrix3.z_axis).normalize_or_zero();
-        return Ok(around_camera(around_scene(bounds, settings.quality), settings, view.eye(), forward));
+        return Ok(around_camera(around_scene(bounds, quality), quality, settings.cascades, view.eye(), forward));
     }
     let cells: u32 = settings.cells.iter().product();
     if cells > MAX_CELLS {
@@ -38,11 +43,11 @@ pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<
 }
 
 /// A grid over the scene with finer ones before the camera in it, finest first.
-fn around_camera(scene: Volume, settings: &Clpv, eye: Vec3, forward: Vec3) -> Vec<Volume> {
+fn around_camera(scene: Volume, quality: Quality, count: u32, eye: Vec3, forward: Vec3) -> Vec<Volume> {
     let mut cascades = vec![scene];
-    for _ in 1..settings.cascades {
+    for _ in 1..count {
         let outer = cascades[cascades.len() - 1];
-        let Some(size) = finer_size(outer.cells, settings.quality) else { break };
+        let Some(size) = finer_size(outer.cells, quality) else { break };
         let half = 0.5 * outer.cell * size.as_vec3();
         let center = eye + AHEAD * half * forward;
         let finer = Volume {
@@ -196,8 +201,7 @@ mod tests {
         for (scene, quality) in [(around_scene(&bounds, Quality::Low), Quality::Low), (coarse, Quality::Medium)] {
             for eye in eyes {
                 for forward in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
-                    let settings = Clpv { cascades: 4, quality, ..Clpv::default() };
-                    let cascades = around_camera(scene, &settings, eye, forward);
+                    let cascades = around_camera(scene, quality, 4, eye, forward);
                     assert!(cascades.len() >= 2, "{cascades:?}");
                     for pair in cascades.windows(2) {
                         let (finer, outer) = (pair[0], pair[1]);
@@ -232,9 +236,7 @@ mod tests {
                 let n = volume.cells;
                 assert!(n.element_product() <= most.cells && (n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice);
                 assert!(n.max_element() <= MAX_EDGE, "{volume:?}");
-                for finer in
-                    around_camera(volume, &Clpv { cascades: 4, quality, ..Clpv::default() }, Vec3::ZERO, Vec3::X)
-                {
+                for finer in around_camera(volume, quality, 4, Vec3::ZERO, Vec3::X) {
                     let n = finer.cells;
                     assert!((n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice, "{finer:?}");
                     assert!(n.max_element() <= MAX_EDGE, "{finer:?}");

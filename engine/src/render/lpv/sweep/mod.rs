@@ -87,16 +87,17 @@ pub(super) fn declare<'a>(
     gbuffer: &GBuffer,
     clpv: &'a SceneClpv,
 ) -> Result<Option<Indirect>, RenderError> {
-    let volumes = volumes(clpv, &frame.bounds, frame.view)?;
+    let settings = &clpv.settings;
+    let quality = frame.sweep_quality(settings);
+    let volumes = volumes(clpv, quality, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let rsms = rsms(graph, frame, &volumes, &reach);
     let cloud = frame.surfels;
-    let settings = &clpv.settings;
     if rsms.is_empty() && !cloud.is_emissive() && frame.scene.sky == Vec3::ZERO {
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);
     }
-    let directions = [Directions::of(settings.quality), Directions::of_further_bounces(settings.quality)];
+    let directions = [Directions::of(quality), Directions::of_further_bounces(quality)];
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
