@@ -6,7 +6,7 @@
 
 use lightwell::measure::{Image, compare, read_image};
 use lightwell::render::{Layer, RenderSettings};
-use lightwell::world::{Bounces, Quality};
+use lightwell::world::{Bounces, GatherRays, Quality};
 use lightwell_tests::{Stage, folder_from_env};
 
 const EDGE: u32 = 256;
@@ -25,7 +25,15 @@ fn halved(image: &Image) -> Image {
     half
 }
 
-fn indirect_light_of(scene: &str, bounces: Bounces, quality: Quality, most: (f64, f64)) {
+struct Case {
+    scene: &'static str,
+    bounces: Bounces,
+    quality: Quality,
+    rays: GatherRays,
+}
+
+/// Most nrmse and bias.
+fn check(Case { scene, bounces, quality, rays }: Case, most: (f64, f64)) {
     let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
     let folder = folder.join(scene);
     let name = if bounces == Bounces::Converged { "indirect_inf.exr" } else { "indirect_k1.exr" };
@@ -33,31 +41,47 @@ fn indirect_light_of(scene: &str, bounces: Bounces, quality: Quality, most: (f64
     assert_eq!(reference.size(), [EDGE; 2]);
     let mut stage = Stage::open(&folder.join("scene.glb"), None, [EDGE; 2]);
     let clpv = &mut stage.scene.clpv.as_mut().expect("a model gets a light volume").settings;
-    (clpv.bounces, clpv.quality) = (bounces, quality);
+    (clpv.bounces, clpv.quality, clpv.gather_rays) = (bounces, quality, rays);
     let settings = RenderSettings { only: Layer::Indirect, display: false, ..RenderSettings::default() };
     let image = stage.averaged(&settings, 4);
     let comparison = compare(&image, &reference).unwrap_or_else(|error| panic!("{error}"));
     let (nrmse, bias) = (comparison.nrmse, comparison.bias);
-    eprintln!("{scene}, {bounces:?}, {quality:?}: nrmse {nrmse:.4}, bias {bias:.4}");
-    assert!(nrmse < most.0 && bias.abs() < most.1, "{scene}, {quality:?}: nrmse {nrmse:.4}, bias {bias:.4}");
+    eprintln!("{scene}, {bounces:?}, {quality:?}, {rays:?}: nrmse {nrmse:.4}, bias {bias:.4}");
+    assert!(nrmse < most.0 && bias.abs() < most.1, "{scene}, {quality:?}, {rays:?}: nrmse {nrmse:.4}, bias {bias:.4}");
+}
+
+/// The volumes alone, of high quality.
+fn looked_up(scene: &'static str, bounces: Bounces, most: (f64, f64)) {
+    check(Case { scene, bounces, quality: Quality::High, rays: GatherRays::Count(0) }, most);
+}
+
+/// A quality as it is.
+fn of_quality(scene: &'static str, bounces: Bounces, quality: Quality, most: (f64, f64)) {
+    check(Case { scene, bounces, quality, rays: GatherRays::Auto }, most);
 }
 
 #[test]
 fn one_bounce_in_the_cornell_box() {
-    indirect_light_of("cornell", Bounces::Count(1), Quality::High, (0.1, 0.03));
+    looked_up("cornell", Bounces::Count(1), (0.1, 0.03));
+    of_quality("cornell", Bounces::Count(1), Quality::High, (0.07, 0.02));
 }
 
 #[test]
 fn all_bounces_in_the_cornell_box() {
-    indirect_light_of("cornell", Bounces::Converged, Quality::High, (0.07, 0.03));
+    looked_up("cornell", Bounces::Converged, (0.07, 0.03));
+    of_quality("cornell", Bounces::Converged, Quality::Medium, (0.055, 0.02));
+    of_quality("cornell", Bounces::Converged, Quality::High, (0.05, 0.02));
 }
 
 #[test]
 fn one_bounce_among_the_cubes() {
-    indirect_light_of("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.17, 0.05));
+    looked_up("bleeding_diffuse", Bounces::Count(1), (0.17, 0.05));
+    of_quality("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.08, 0.02));
 }
 
 #[test]
 fn all_bounces_among_the_cubes() {
-    indirect_light_of("bleeding_diffuse", Bounces::Converged, Quality::High, (0.17, 0.04));
+    looked_up("bleeding_diffuse", Bounces::Converged, (0.17, 0.04));
+    of_quality("bleeding_diffuse", Bounces::Converged, Quality::Medium, (0.08, 0.02));
+    of_quality("bleeding_diffuse", Bounces::Converged, Quality::High, (0.07, 0.02));
 }

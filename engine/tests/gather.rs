@@ -5,7 +5,7 @@ mod support;
 use glam::{Affine3A, Vec3};
 use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, ImageF32};
-use lightwell::graph::{FrameReport, PassState};
+use lightwell::graph::{Counts, FrameReport, PassState};
 use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
@@ -150,6 +150,15 @@ fn two_bounces_are_those_of_the_path_tracer() {
     assert!(nrmse < 0.08 && bias.abs() < 0.02, "nrmse {nrmse}, bias {bias}");
 }
 
+/// Between boxes that are smaller than a cell and stand closer together the volumes know no light: rays go on from there.
+#[test]
+fn all_bounces_are_right_where_surfaces_are_nearer_than_cells() {
+    let gpu = gpu();
+    let stage = || cluttered(settings(Bounces::Converged));
+    let (nrmse, bias) = error(&averaged(&gpu, stage()), &traced(&gpu, &stage(), 16));
+    assert!(nrmse < 0.1 && bias.abs() < 0.03, "nrmse {nrmse}, bias {bias}");
+}
+
 /// A rough metal floor and a glossy box reflect what the rays find.
 #[test]
 fn glossy_surfaces_reflect_as_in_the_path_tracer() {
@@ -203,6 +212,25 @@ fn nothing_is_gathered_twice_and_reuse_changes_no_bit() {
     let (dimmed, report) = draw(&mut renderer, &stage);
     assert!(report.ran("gather"), "{report}");
     assert_eq!(dimmed, stage.render(&gpu, GiMethod::Clpv, Layer::Total));
+}
+
+/// Rays and cells follow from the quality.
+#[test]
+fn the_quality_chooses_rays_and_volumes() {
+    let gpu = gpu();
+    let counts = |quality, gather_rays| {
+        let stage = room(Clpv { quality, gather_rays, ..Clpv::default() });
+        let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &RenderSettings::default());
+        let sum = |of: fn(&Counts) -> u64| report.passes.iter().map(|pass| of(&pass.counts)).sum::<u64>();
+        (sum(|counts| counts.paths), sum(|counts| counts.cells))
+    };
+    let pixels = 64 * 64;
+    let (rays, cells) = counts(Quality::Low, GatherRays::Auto);
+    assert_eq!(rays, 0);
+    assert_eq!(counts(Quality::Medium, GatherRays::Auto), (4 * pixels, cells));
+    assert_eq!(counts(Quality::Low, GatherRays::Count(2)), (2 * pixels, cells));
+    assert!(counts(Quality::Medium, GatherRays::Count(0)).1 > cells);
+    assert_eq!(counts(Quality::High, GatherRays::Auto).0, 8 * pixels);
 }
 
 #[test]

@@ -360,13 +360,15 @@ fn coverage(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
 #endif
 }
 
-// A number in [0, 1) for a ray and a triangle: of all rays through a blended surface the share 1 − alpha passes
-// (stochastic transparency, Enderton et al. 2010), which is the mean that blending computes.
-fn pass_chance(ray: Ray, triangle: u32) -> f32 {
+// A number in [0, 1) for a ray and a point of a triangle: of all rays through a blended surface the share 1 − alpha
+// passes (stochastic transparency, Enderton et al. 2010), which is the mean that blending computes. Triangles are told
+// apart by the point: their numbers follow the hierarchy, which depends on the frames before.
+fn pass_chance(ray: Ray, barycentric: vec2f) -> f32 {
     let o = bitcast<vec3u>(ray.origin);
     let d = bitcast<vec3u>(ray.direction);
     let a = hash_pair(o.x ^ (o.y * 0x9e3779b9u), o.z ^ (d.x * 0x85ebca6bu));
-    let b = hash_pair(d.y ^ (d.z * 0xc2b2ae35u), triangle);
+    let at = bitcast<vec2u>(barycentric);
+    let b = hash_pair(d.y ^ (d.z * 0xc2b2ae35u), hash_pair(at.x, at.y));
     return f32((hash_pair(a, b)) >> 8u) * 0x1p-24f;
 }
 
@@ -374,7 +376,7 @@ fn is_transparent(triangle: u32, material: u32, barycentric: vec2f, ray: Ray) ->
     let alpha = alpha_at(triangle, material, barycentric);
     let cutoff = materials[material].alpha_cutoff;
     if cutoff >= BLENDED {
-        return alpha <= pass_chance(ray, triangle);
+        return alpha <= pass_chance(ray, barycentric);
     }
     return alpha < cutoff;
 }

@@ -21,6 +21,7 @@
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #import lightwell::sky::sky_radiance
 #endif
+#import lightwell::nearness::{encode_nearness, nearness_around}
 #import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, leave_surface, load_frame, surface_at, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
 #ifndef UNSWEPT
@@ -76,7 +77,8 @@ struct Vertex {
 struct Sums {
     diffuse: vec3f,
     specular: vec3f,
-    closeness: f32,        // of what the rays met: sum of 1/distance [1/m]
+    toward: vec3f,         // what the rays met: direction/distance [1/m]
+    nearness: f32,         // the same: 1/distance [1/m]
 }
 
 // A ray from a vertex.
@@ -222,7 +224,9 @@ fn arrive(
         return Waiting(no_light(), ray.seen_along);
     }
     if depth == 0u {
-        (*sums).closeness += 1.0 / max(hit.t, 1e-30);
+        let near = 1.0 / max(hit.t, 1e-20);
+        (*sums).toward += direction * near;
+        (*sums).nearness += near;
     }
     let surface = surface_at(hit, direction);
     if !surface.visible {
@@ -276,7 +280,7 @@ fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met 
 
 fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     let frame = load_frame(gather.root);
-    var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
+    var sums: Sums;
     var waiting = Waiting(no_light(), vec3f(0.0));
     var vertex = seen;
     let first = (spread(pixel.x) | (spread(pixel.y) << 1u)) * RAYS;
@@ -308,7 +312,8 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
             waiting = arrive(&sums, seen, &vertex, ray, met.hit, &random);
         }
     }
-    return Sums(sums.diffuse / f32(RAYS), sums.specular / f32(RAYS), sums.closeness / f32(RAYS));
+    let share = 1.0 / f32(RAYS);
+    return Sums(share * sums.diffuse, share * sums.specular, share * sums.toward, share * sums.nearness);
 }
 
 @compute @workgroup_size(8, 8)
@@ -318,10 +323,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let z = textureLoad(depth, pixel, 0);
-    var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
+    var sums: Sums;
+    var nearness = vec2f(0.0);
     if z > 0.0 {
-        sums = gathered(pixel, seen_at(pixel, z));
+        let seen = seen_at(pixel, z);
+        sums = gathered(pixel, seen);
+        nearness = encode_nearness(nearness_around(sums.toward, sums.nearness, seen.surface.normal));
     }
-    textureStore(diffuse, pixel, vec4f(sums.diffuse, sums.closeness));
-    textureStore(specular, pixel, vec4f(sums.specular, 0.0));
+    textureStore(diffuse, pixel, vec4f(sums.diffuse, nearness.x));
+    textureStore(specular, pixel, vec4f(sums.specular, nearness.y));
 }

@@ -3,18 +3,21 @@
 // smooth surfaces less far, since it is an image.
 //
 // Irradiance changes over a distance d by about d/R of itself, with the harmonic mean R of the distances of all that a
-// point sees (Ward, Rubinstein and Clear 1988): weights fall off with d/R, so that corners and contact shadows stay sharp
-// and open walls are smooth.
+// point sees (Ward, Rubinstein and Clear 1988), and mostly towards the side where the near surfaces are (Ward and Heckbert
+// 1992, "Irradiance gradients"): weights fall off quickly with d/R to that side and slowly along, so that corners and
+// contact shadows stay sharp without noise in them, and open walls are smooth.
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::nearness::{decode_nearness, encode_nearness}
+#import lightwell::sampling::basis
 #import lightwell::view::View
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
 @group(0) @binding(4) var depth: texture_depth_2d;
-// Alpha: closeness of what the rays met, 1/distance in the mean [1/m].
+// Alpha of both: how near and to which side is what the rays met, see lib/nearness.wgsl.
 @group(0) @binding(5) var diffuse: texture_2d<f32>;
 @group(0) @binding(6) var specular: texture_2d<f32>;
 @group(0) @binding(7) var diffuse_out: texture_storage_2d<rgba32float, write>;
@@ -27,8 +30,10 @@ const RADIUS: i32 = #{RADIUS};
 const RADIUS: i32 = 1;
 #endif
 
-// d/R at which a neighbour's weight has fallen to 1/e; but within LEAST pixels all count, or corners would be noise.
-const TOLERANCE: f32 = 0.2;
+// d/R at which a neighbour's weight has fallen to 1/e, towards near surfaces and along them; but within LEAST pixels all
+// count, or corners would be noise.
+const TOLERANCE: f32 = 0.15;
+const TOLERANCE_ALONG: f32 = 0.8;
 const LEAST: f32 = 2.0;
 
 struct Filtered {
@@ -36,24 +41,26 @@ struct Filtered {
     specular: vec3f,
 }
 
-// Mean closeness 1/R of what the pixels around see [1/m]: that of few rays is noise.
-fn mean_closeness(pixel: vec2u) -> f32 {
-    var sum = 0.0;
+// How near and to which side is what the pixels around see: that of few rays is noise. See lib/nearness.wgsl.
+fn mean_nearness(pixel: vec2u) -> vec3f {
+    var sum = vec3f(0.0);
     var count = 0.0;
     for (var i = 0; i < 25; i++) {
         let at = clamp(vec2i(pixel) + 2 * vec2i(i % 5 - 2, i / 5 - 2), vec2i(0), vec2i(view.size) - 1);
         if textureLoad(depth, at, 0) > 0.0 {
-            sum += textureLoad(diffuse, at, 0).a;
+            let code = vec2f(textureLoad(diffuse, at, 0).a, textureLoad(specular, at, 0).a);
+            sum += decode_nearness(code);
             count += 1.0;
         }
     }
     return sum / max(count, 1.0);
 }
 
-fn filtered(pixel: vec2u, z: f32, along: vec2i, closeness: f32) -> Filtered {
+fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let texel = textureLoad(normal, pixel, 0);
     let n = decode_normal(texel);
+    let toward_near = (basis(n) * vec3f(nearness.xy, 0.0)) / TOLERANCE;
     let roughness = f32(texel.z) / 65535.0;
     // Of the specular lobe: about its width over that of the diffuse one.
     let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(RADIUS));
@@ -71,8 +78,10 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i, closeness: f32) -> Filtered {
         }
         let other_position = world_position(other, view.size, other_z, view.world_from_clip);
         let like = likeness(position, n, other_position, decode_normal(textureLoad(normal, other, 0)));
-        let off = (other_position - position) * (closeness / TOLERANCE);
-        let near = exp(-min(dot(off, off), f32(d * d) / (LEAST * LEAST)));
+        let off = other_position - position;
+        let across = dot(off, toward_near);
+        let any_way = length(off) * (nearness.z / TOLERANCE_ALONG);
+        let near = exp(-min(across * across + any_way * any_way, f32(d * d) / (LEAST * LEAST)));
         let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(RADIUS), lobe)) * like;
         sum.diffuse += weight.x * textureLoad(diffuse, other, 0).rgb;
         sum.specular += weight.y * textureLoad(specular, other, 0).rgb;
@@ -88,13 +97,14 @@ fn horizontal(@builtin(global_invocation_id) thread: vec3u) {
     }
     let z = textureLoad(depth, thread.xy, 0);
     var result = Filtered(vec3f(0.0), vec3f(0.0));
-    var closeness = 0.0;
+    var nearness = vec3f(0.0);
     if z > 0.0 {
-        closeness = mean_closeness(thread.xy);
-        result = filtered(thread.xy, z, vec2i(1, 0), closeness);
+        nearness = mean_nearness(thread.xy);
+        result = filtered(thread.xy, z, vec2i(1, 0), nearness);
     }
-    textureStore(diffuse_out, thread.xy, vec4f(result.diffuse, closeness));
-    textureStore(specular_out, thread.xy, vec4f(result.specular, 0.0));
+    let code = encode_nearness(nearness);
+    textureStore(diffuse_out, thread.xy, vec4f(result.diffuse, code.x));
+    textureStore(specular_out, thread.xy, vec4f(result.specular, code.y));
 }
 
 @compute @workgroup_size(8, 8)
@@ -105,7 +115,8 @@ fn vertical(@builtin(global_invocation_id) thread: vec3u) {
     let z = textureLoad(depth, thread.xy, 0);
     var radiance = vec3f(0.0);
     if z > 0.0 {
-        let light = filtered(thread.xy, z, vec2i(0, 1), textureLoad(diffuse, thread.xy, 0).a);
+        let code = vec2f(textureLoad(diffuse, thread.xy, 0).a, textureLoad(specular, thread.xy, 0).a);
+        let light = filtered(thread.xy, z, vec2i(0, 1), decode_nearness(code));
         let albedo = decode_albedo(textureLoad(base_color, thread.xy, 0));
         radiance = min(albedo * light.diffuse + light.specular, vec3f(1e32));
     }
