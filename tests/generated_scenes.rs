@@ -103,7 +103,12 @@ fn volume() -> impl Strategy<Value = String> {
     let placement = one_of(&["Fixed", "Camera(ahead: 0.5)"]);
     let transport = one_of(&["Sweep", "Sweep", "Diffusion"]);
     let bounces = one_of(&["Converged", "Count(1)", "Count(8)"]);
-    let gather = one_of(&["gather_rays: Auto", "gather_rays: Count(0)", "gather_rays: Count(1), gather_filter: 0", "gather_rays: Count(3), gather_filter: 32"]);
+    let gather = one_of(&[
+        "gather_rays: Auto",
+        "gather_rays: Count(0)",
+        "gather_rays: Count(1), gather_filter: 0",
+        "gather_rays: Count(3), gather_filter: 32",
+    ]);
     (transport, cells, size, placement, 1..5_u32, bounces, gather).prop_map(
         |(transport, cells, size, placement, cascades, bounces, gather)| {
             format!(

@@ -275,8 +275,17 @@ mod tests {
     fn the_whole_plan() {
         let plan = Plan::of(&args(&[])).unwrap();
         let traced = [1, 4, 16, 64, 256].map(|spp| format!("path tracing {spp} spp"));
-        let sweeps =
-            ["none", "clpv", "sweep low", "sweep medium", "sweep high", "sweep ultra", "gather medium", "gather high", "gather ultra"];
+        let sweeps = [
+            "none",
+            "clpv",
+            "sweep low",
+            "sweep medium",
+            "sweep high",
+            "sweep ultra",
+            "gather medium",
+            "gather high",
+            "gather ultra",
+        ];
         let sweeps = sweeps.map(str::to_owned);
         let culled = ["slc coarse", "slc", "slc fine", "slc no visibility"].map(str::to_owned);
         let radiosity = [64, 256, 1024, 4096].map(|particles| format!("vpl {particles}"));

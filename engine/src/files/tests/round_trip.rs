@@ -6,8 +6,8 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling, LightKind,
-    LightVisibility, Projection, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling,
+    LightKind, LightVisibility, Projection, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;

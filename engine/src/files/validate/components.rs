@@ -6,8 +6,8 @@ use crate::files::format::{Rotation, Scale, TransformFile};
 use crate::files::tree::Step;
 use crate::world::animation::AnimationError;
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightKind, Projection,
-    StochasticLightCulling,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightKind,
+    Projection, StochasticLightCulling,
 };
 
 impl Validator {

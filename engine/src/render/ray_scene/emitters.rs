@@ -24,7 +24,7 @@ pub(crate) struct Emitter {
 
 /// All emitters of a scene.
 pub(super) struct Emitters {
-    /// In the order of the leaves.
+    /// In the order of the scene: that of the leaves depends on the frames before, and the same frame would draw others.
     pub(super) list: Vec<Emitter>,
     /// For each triangle in the order of the leaves its emitter, or [`NONE`].
     pub(super) of_triangle: Vec<u32>,
@@ -37,8 +37,12 @@ pub(super) fn collect(scene: &Scene, bvh: &SceneBvh, mean_colors: &mut HashMap<A
     let mut found = Vec::new();
     let mut of_triangle = vec![NONE; bvh.bvh.order.len()];
     let mut total = 0.0_f64;
+    let mut places = vec![None; bvh.triangles.len()];
     for (place, &index) in bvh.bvh.order.iter().enumerate() {
-        let triangle = &bvh.triangles[index as usize];
+        places[index as usize] = Some(place);
+    }
+    for (triangle, place) in bvh.triangles.iter().zip(places) {
+        let Some(place) = place else { continue };
         let area = 0.5 * triangle.area_normal().length();
         let radiance = radiance[triangle.primitive as usize];
         let flux = f64::from(radiance) * f64::from(area);
