@@ -9,7 +9,7 @@ use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer};
 use lightwell::scene::{LightShape, SurfelCloud};
-use lightwell::world::{Bounces, CellSize, Clpv, Quality};
+use lightwell::world::{Bounces, CellSize, Clpv, GatherRays, Quality};
 use std::f32::consts::PI;
 use support::{Stage, gpu};
 
@@ -136,7 +136,9 @@ fn a_sphere_of_few_cells_is_lit_within_whichever_way_it_faces() {
 #[test]
 fn all_methods_light_a_back_as_they_light_a_front() {
     let gpu = gpu();
-    let of = |kind| room(kind, 0.5, Vec3::splat(4.0), Clpv { gather_rays: 2, ..settings(Bounces::Count(1)) });
+    let of = |kind| {
+        room(kind, 0.5, Vec3::splat(4.0), Clpv { gather_rays: GatherRays::Count(2), ..settings(Bounces::Count(1)) })
+    };
     for method in [GiMethod::None, GiMethod::Clpv, GiMethod::Vpl, GiMethod::Slc] {
         let [outward, inward] = ["outward", "inward"].map(|kind| of(kind).render(&gpu, method, Layer::Total));
         let (outward, inward) = (mean(&outward), mean(&inward));
