@@ -24,6 +24,7 @@ struct Brought {
 // A ray from the visible surface; without throughput it need not be traced.
 struct SeenRay {
     ray: Ray,
+    density: f32,          // with which its direction is chosen [1/sr]
     throughput: vec3f,     // reflected light over the light that arrives, over the density
 }
 
@@ -57,7 +58,7 @@ fn ray_from(seen: Seen, random: ptr<function, Sampler>) -> SeenRay {
     if density > 0.0 {
         throughput = reflected(seen.surface, seen.to_eye, direction) / density;
     }
-    return SeenRay(Ray(leave_surface(seen.surface, direction), direction), throughput);
+    return SeenRay(Ray(leave_surface(seen.surface, direction), direction), density, throughput);
 }
 
 // Light that the white surface reflects, from a direction, by what reflects it.

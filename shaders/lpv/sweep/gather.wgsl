@@ -6,14 +6,9 @@
 //   RAYS      rays of a pixel
 //   UNSWEPT   nothing was swept: one bounce
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
-//
-// Neighbouring pixels have neighbouring numbers of one sequence, along Morton's curve: any square block of 2ⁿ×2ⁿ pixels
-// has a well distributed set of rays together, which the filter averages (Ahmed and Wonka 2020, "Screen-space blue-noise
-// diffusion of Monte Carlo sampling error via hierarchical ordering of pixels").
 
-#import lightwell::brdf::fresnel_schlick
 #import lightwell::gbuffer::{decode_surface, world_position}
-#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, no_light, reflected, sample_direction, sample_light, specular_share}
+#import lightwell::next_event::{LightSample, bounded, emission_weight, no_light, sample_light}
 #ifndef UNLIT
 #import lightwell::next_event::sample_emitter
 #endif
@@ -22,12 +17,13 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::nearness::{encode_nearness, nearness_around}
-#import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, leave_surface, load_frame, surface_at, trace}
+#import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
+#import lightwell::seen::{Seen, by_lobe, number_of, ray_from, seen_surface}
 #ifndef UNSWEPT
 #import lightwell::sweep_lookup::irradiance
 #endif
-#import lightwell::view::{View, eye_offset, toward_eye}
+#import lightwell::view::View
 #import lightwell::volume::Volume
 
 // One block of uniforms: where there are several and a branch hangs on one of them alone, Mesa's software driver (22.3)
@@ -66,9 +62,7 @@ const MOST_NEAR: u32 = 2u;
 
 // Where a ray begins.
 struct Vertex {
-    surface: Surface,
-    to_eye: vec3f,
-    to_specular: f32,      // chance of a ray to follow the specular lobe
+    start: Seen,
     throughput: vec3f,     // what the visible surface reflects of the light that this one does
     seen_along: vec3f,     // direction in which the visible surface sees this one; zero: it is the visible one
     depth: u32,            // rays between the two
@@ -95,53 +89,18 @@ struct Waiting {
     seen_along: vec3f,
 }
 
-// Bits of a coordinate, with a zero before each.
-fn spread(value: u32) -> u32 {
-    var x = value & 0xffffu;
-    x = (x | (x << 8u)) & 0x00ff00ffu;
-    x = (x | (x << 4u)) & 0x0f0f0f0fu;
-    x = (x | (x << 2u)) & 0x33333333u;
-    return (x | (x << 1u)) & 0x55555555u;
-}
-
-// The visible surface, white: what it reflects diffusely is multiplied by its albedo once it was filtered.
 fn seen_at(pixel: vec2u, z: f32) -> Vertex {
     let position = world_position(pixel, gather.view.size, z, gather.view.world_from_clip);
-    let s = decode_surface(
+    let drawn = decode_surface(
         textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );
-    var seen: Vertex;
-    seen.to_eye = normalize(toward_eye(gather.view, position));
-    seen.surface.position = position;
-    seen.surface.normal = s.normal;
-    seen.surface.geometric_normal = s.normal;
-    seen.surface.albedo = s.albedo;
-    seen.surface.normal_reflectance = s.normal_reflectance;
-    seen.surface.grazing_reflectance = s.grazing_reflectance;
-    seen.surface.alpha = max(s.roughness * s.roughness, 1e-3);
-    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
-    let p = max(abs(position), abs(eye_offset(gather.view, position)));
-    seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
-    seen.to_specular = specular_share(seen.surface, seen.to_eye);
-    seen.surface.albedo = vec3f(1.0);
-    seen.throughput = vec3f(1.0);
-    return seen;
+    return Vertex(seen_surface(gather.view, drawn), vec3f(1.0), vec3f(0.0), 0u);
 }
 
-// Light that the white surface reflects, from a direction: to the diffuse and the specular sum by what each reflects.
 fn add(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f) {
-    let value = bounded(light);
-#ifdef DIFFUSE
-    (*sums).diffuse += value;
-#else
-    let h = normalize(direction + seen.to_eye);
-    let f = fresnel_schlick(seen.surface.normal_reflectance, seen.surface.grazing_reflectance, dot(seen.to_eye, h));
-    let of_diffuse = (1.0 - max(f.r, max(f.g, f.b))) * max(0.0, dot(seen.surface.normal, direction)) * INVERSE_PI;
-    let all = max(reflected(seen.surface, seen.to_eye, direction), vec3f(1e-20));
-    let share = saturate(vec3f(of_diffuse) / all);
-    (*sums).diffuse += value * share;
-    (*sums).specular += value * (1.0 - share);
-#endif
+    let brought = by_lobe(seen.start, direction, light);
+    (*sums).diffuse += brought.diffuse;
+    (*sums).specular += brought.specular;
 }
 
 // The direction in which the visible surface sees light that arrives at a vertex.
@@ -162,7 +121,7 @@ fn add_sampled(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, random: 
     let place = next_pair(random);
     add_unless_blocked(
         sums, seen, vertex,
-        sample_emitter(vertex.surface, vertex.to_eye, vertex.to_specular, gather.emitter_count, emitter, place),
+        sample_emitter(vertex.start.surface, vertex.start.to_eye, vertex.start.to_specular, gather.emitter_count, emitter, place),
     );
 #endif
 #ifndef EVEN_SKY
@@ -170,26 +129,18 @@ fn add_sampled(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, random: 
     let within = next_pair(random);
     add_unless_blocked(
         sums, seen, vertex,
-        sample_sky_light(sky, gather.sky_turn, vertex.surface, vertex.to_eye, vertex.to_specular, texel, within),
+        sample_sky_light(
+            sky, gather.sky_turn, vertex.start.surface, vertex.start.to_eye, vertex.start.to_specular, texel, within,
+        ),
     );
 #endif
 }
 
 // The next ray; without throughput it need not be traced.
 fn next_ray(vertex: Vertex, random: ptr<function, Sampler>) -> GatherRay {
-    // Without a specular lobe there is no choice, and the first pair gives the direction.
-    var choice = 1.0;
-    if vertex.to_specular > 0.0 {
-        choice = next_pair(random).x;
-    }
-    let direction = sample_direction(vertex.surface, vertex.to_eye, vertex.to_specular, choice, next_pair(random));
-    let density = direction_density(vertex.surface, vertex.to_eye, direction, vertex.to_specular);
-    var throughput = vec3f(0.0);
-    if density > 0.0 {
-        throughput = vertex.throughput * reflected(vertex.surface, vertex.to_eye, direction) / density;
-    }
-    let ray = Ray(leave_surface(vertex.surface, direction), direction);
-    return GatherRay(ray, density, throughput, seen_along(vertex, direction));
+    let next = ray_from(vertex.start, random);
+    let along = seen_along(vertex, next.ray.direction);
+    return GatherRay(next.ray, next.density, vertex.throughput * next.throughput, along);
 }
 
 fn sky_light(ray: GatherRay) -> vec3f {
@@ -234,9 +185,10 @@ fn arrive(
     }
     var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
     if hit.t < gather.nearest && depth < MOST_NEAR {
-        *vertex = Vertex(surface, -direction, 0.0, ray.throughput, ray.seen_along, depth + 1u);
-        (*vertex).surface.normal_reflectance = vec3f(0.0);
-        (*vertex).surface.grazing_reflectance = 0.0;
+        // Diffuse, as in the sweep.
+        *vertex = Vertex(Seen(surface, -direction, 0.0), ray.throughput, ray.seen_along, depth + 1u);
+        (*vertex).start.surface.normal_reflectance = vec3f(0.0);
+        (*vertex).start.surface.grazing_reflectance = 0.0;
     } else {
         light += swept_light(surface, direction);
     }
@@ -283,7 +235,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     var sums: Sums;
     var waiting = Waiting(no_light(), vec3f(0.0));
     var vertex = seen;
-    let first = (spread(pixel.x) | (spread(pixel.y) << 1u)) * RAYS;
+    let first = number_of(pixel) * RAYS;
     var begun = 0u;
     var random = Sampler(gather.seed, first, 0u);
     // A turn more than there are rays: in the last one only the last shadow ray is left.
@@ -293,7 +245,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
             random = Sampler(gather.seed, first + begun, 0u);
             begun++;
         }
-        var ray = GatherRay(Ray(seen.surface.position, seen.surface.normal), 0.0, vec3f(0.0), vec3f(0.0));
+        var ray = GatherRay(Ray(seen.start.surface.position, seen.start.surface.normal), 0.0, vec3f(0.0), vec3f(0.0));
         if begun <= RAYS {
             ray = next_ray(vertex, &random);
             add_sampled(&sums, seen, vertex, &random);
@@ -328,7 +280,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 {
         let seen = seen_at(pixel, z);
         sums = gathered(pixel, seen);
-        nearness = encode_nearness(nearness_around(sums.toward, sums.nearness, seen.surface.normal));
+        nearness = encode_nearness(nearness_around(sums.toward, sums.nearness, seen.start.surface.normal));
     }
     textureStore(diffuse, pixel, vec4f(sums.diffuse, nearness.x));
     textureStore(specular, pixel, vec4f(sums.specular, nearness.y));
