@@ -33,6 +33,11 @@ pub const STAGES: &[Stage] = &[
     },
     Stage { name: "SHV", what: "shade by virtual lights", passes: &["vpl"] },
     Stage {
+        name: "NEA",
+        what: "light near a surface that virtual lights leave out, and its filter",
+        passes: &["near"],
+    },
+    Stage {
         name: "RNG",
         what: "ranges of stochastically culled lights, by the error bound",
         passes: &["slc error bound", "slc ranges"],
