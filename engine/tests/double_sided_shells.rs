@@ -11,7 +11,7 @@ use lightwell::render::{GiMethod, Layer};
 use lightwell::scene::{LightShape, SurfelCloud};
 use lightwell::world::{Bounces, CellSize, Clpv, GatherRays, Quality};
 use std::f32::consts::PI;
-use support::{Stage, gpu};
+use support::{Stage, error, gpu};
 
 fn paint(albedo: Vec3) -> Material {
     Material { double_sided: true, ..Material::diffuse("both sides", albedo) }
@@ -43,21 +43,6 @@ fn traced(gpu: &Gpu, stage: &Stage, bounces: Option<u32>) -> Image {
     tracer.begin(gpu, &stage.scene, &stage.view, &settings).expect("a scene that can be traced");
     tracer.advance(gpu, 128).expect("a device");
     tracer.estimate(gpu).expect("an image").indirect()
-}
-
-/// Root of the mean square difference over the mean, and the difference of the means over it.
-fn error(found: &ImageF32, expected: &Image) -> (f64, f64) {
-    let (mut square, mut difference, mut total) = (0.0, 0.0, 0.0);
-    for (a, b) in found.rgba.iter().zip(expected.pixels()) {
-        for channel in 0..3 {
-            let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
-            square += (a - b).powi(2);
-            difference += a - b;
-            total += b;
-        }
-    }
-    let values = 3.0 * found.rgba.len() as f64;
-    ((square / values).sqrt() / (total / values), difference / total)
 }
 
 fn sphere(cell: Option<f32>, albedo: f32, inward: bool, bounces: Bounces) -> Stage {

@@ -12,7 +12,7 @@ use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
 use lightwell::world::{Bounces, CellSize, Clpv, GatherRays, Quality};
 use std::f32::consts::PI;
-use support::{Stage, gpu};
+use support::{Stage, error, gpu};
 
 fn settings(bounces: Bounces) -> Clpv {
     Clpv { bounces, quality: Quality::Low, gather_rays: GatherRays::Count(8), ..Default::default() }
@@ -65,21 +65,6 @@ fn traced(gpu: &Gpu, stage: &Stage, bounces: u32) -> Image {
         (0..3).for_each(|channel| pixel[channel] = 0.5 * (pixel[channel] + other[channel]));
     }
     image
-}
-
-/// Root of the mean square difference over the mean, and the difference of the means over it.
-fn error(found: &ImageF32, expected: &Image) -> (f64, f64) {
-    let (mut square, mut difference, mut total) = (0.0, 0.0, 0.0);
-    for (a, b) in found.rgba.iter().zip(expected.pixels()) {
-        for channel in 0..3 {
-            let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
-            square += (a - b).powi(2);
-            difference += a - b;
-            total += b;
-        }
-    }
-    let values = 3.0 * found.rgba.len() as f64;
-    ((square / values).sqrt() / (total / values), difference / total)
 }
 
 fn ran(report: &FrameReport) -> Vec<&str> {

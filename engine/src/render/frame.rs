@@ -7,6 +7,7 @@ use super::ray_scene::RayScene;
 use super::settings::RenderSettings;
 use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
+use crate::graph::TextureDesc;
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
 use crate::world::{Clpv, Quality};
 use encase::ShaderType;
@@ -53,6 +54,19 @@ impl Frame<'_> {
     /// What the volumes of these settings are swept with in this frame.
     pub fn sweep_quality(&self, settings: &Clpv) -> Quality {
         gather::quality_of_volumes(settings, gather::is_wanted(settings) && self.refused_rays.is_none())
+    }
+
+    /// An image of linear values for the pixels of the frame, rgba32float.
+    pub fn image_desc(&self) -> TextureDesc {
+        let [width, height] = self.view.size;
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
+    }
+
+    /// Of random numbers: other ones for each of the shifted images that are averaged. Shaders hash it.
+    pub fn seed(&self) -> u32 {
+        let [x, y] = self.view.jitter.map(f32::to_bits);
+        x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9)
     }
 
     /// Changes with anything that a drawn surface depends on.

@@ -7,6 +7,7 @@ use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::{Material, Mesh, Shape};
 use lightwell::gpu::{Gpu, GpuOptions, ImageF32, default_shader_dir, read_texture_f32};
 use lightwell::graph::FrameReport;
+use lightwell::measure::Image;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{
     LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView, ViewProjection,
@@ -162,4 +163,19 @@ impl Stage {
 pub fn rgb(image: &ImageF32, x: u32, y: u32) -> Vec3 {
     let [r, g, b, _] = image.rgba[(x + y * image.width) as usize];
     Vec3::new(r, g, b)
+}
+
+/// Root of the mean square difference over the mean, and the difference of the means over it.
+pub fn error(found: &ImageF32, expected: &Image) -> (f64, f64) {
+    let (mut square, mut difference, mut total) = (0.0, 0.0, 0.0);
+    for (a, b) in found.rgba.iter().zip(expected.pixels()) {
+        for channel in 0..3 {
+            let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
+            square += (a - b).powi(2);
+            difference += a - b;
+            total += b;
+        }
+    }
+    let values = 3.0 * found.rgba.len() as f64;
+    ((square / values).sqrt() / (total / values), difference / total)
 }

@@ -53,6 +53,7 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
     let start = Instant::now();
     let mut session = Session::open(gpu, scene, &LookArgs::default(), common)?;
     if session.scene().clpv.is_some() {
+        // A ray a pixel, so that the hierarchy of the rays is followed too.
         let coarsest = [("clpv.quality", "Low"), ("clpv.bounces", "Count(2)"), ("clpv.gather_rays", "Count(1)")];
         let sets = coarsest.map(|(path, value)| (path.to_owned(), value.to_owned())).to_vec();
         session = session.again(&LookArgs { sets, ..LookArgs::default() })?;

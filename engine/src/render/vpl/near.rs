@@ -3,7 +3,7 @@
 use super::particles::{Lights, VirtualLights};
 use super::simulate::{Particles, VirtualLight};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::gbuffer::GBuffer;
 use crate::render::gloss;
@@ -73,19 +73,6 @@ fn why_not(frame: &Frame, state: &VirtualLights) -> Option<&'static str> {
     }
 }
 
-/// An image of linear values for the pixels of the frame.
-fn image_desc(frame: &Frame) -> TextureDesc {
-    let [width, height] = frame.view.size;
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-    TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
-}
-
-/// Of the random numbers: other ones for each of the shifted images that are averaged. The shader hashes it.
-fn seed(frame: &Frame) -> u32 {
-    let [x, y] = frame.view.jitter.map(f32::to_bits);
-    x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9)
-}
-
 #[derive(Clone)]
 struct Work<'a> {
     frame: Frame<'a>,
@@ -99,15 +86,15 @@ impl<'a> Work<'a> {
     fn cast(&self, graph: &mut Graph<'a>) -> Brought {
         let frame = &self.frame;
         let brought = Brought {
-            diffuse: graph.texture("near diffuse", image_desc(frame)),
-            specular: graph.texture("near specular", image_desc(frame)),
+            diffuse: graph.texture("near diffuse", frame.image_desc()),
+            specular: graph.texture("near specular", frame.image_desc()),
         };
         let mut pass = graph.pass("near light");
         let inputs = [self.gbuffer.base_color, self.gbuffer.normal, self.gbuffer.object, self.gbuffer.depth];
         inputs.into_iter().for_each(|handle| pass.read(handle));
         pass.read(self.lights.all);
         let brought = Brought { diffuse: pass.write(brought.diffuse), specular: pass.write(brought.specular) };
-        pass.key(&(self.state.settings.near_rays, seed(frame), frame.view_key(), frame.geometry_key()));
+        pass.key(&(self.state.settings.near_rays, frame.seed(), frame.view_key(), frame.geometry_key()));
         pass.key(&frame.scene.revisions.lights);
         let work = self.clone();
         pass.execute(move |cx| work.run(cx, inputs, brought));
@@ -180,7 +167,7 @@ impl<'a> Work<'a> {
             root: self.state.rays.root(),
             light_count: self.state.rays.light_count,
             virtual_count: if next > 0.0 { count } else { 0 },
-            seed: seed(&self.frame),
+            seed: self.frame.seed(),
             reach: first.max(next),
             glow: particles.nearest_glow,
             first_row,
@@ -193,8 +180,8 @@ impl<'a> Work<'a> {
         let radius = self.state.settings.near_filter.max(1);
         let key = (radius, frame.view_key());
         let half = Brought {
-            diffuse: graph.texture("near diffuse, filtered along rows", image_desc(frame)),
-            specular: graph.texture("near specular, filtered along rows", image_desc(frame)),
+            diffuse: graph.texture("near diffuse, filtered along rows", frame.image_desc()),
+            specular: graph.texture("near specular, filtered along rows", frame.image_desc()),
         };
         let mut pass = graph.pass("near filter, horizontal");
         let inputs = [gbuffer.normal, gbuffer.depth, brought.diffuse, brought.specular];
@@ -210,7 +197,7 @@ impl<'a> Work<'a> {
                 names.into_iter().zip(inputs).chain([("diffuse_out", half.diffuse), ("specular_out", half.specular)]),
             )
         });
-        let indirect = graph.retained_texture("indirect radiance, near light added", image_desc(frame));
+        let indirect = graph.retained_texture("indirect radiance, near light added", frame.image_desc());
         let mut pass = graph.pass("near filter, vertical");
         let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, half.diffuse, half.specular, summed];
         inputs.into_iter().for_each(|handle| pass.read(handle));

@@ -3,7 +3,7 @@
 use super::Level;
 use super::gather_filter::{self, Gathered};
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::gbuffer::GBuffer;
 use crate::render::lpv::volume::{Volume, VolumeUniform};
@@ -59,8 +59,8 @@ pub(super) fn declare<'a>(
     level: Option<&Level>,
 ) -> Handle<Texture> {
     let gathered = Gathered {
-        diffuse: graph.retained_texture("gathered diffuse", image_desc(frame)),
-        specular: graph.retained_texture("gathered specular", image_desc(frame)),
+        diffuse: graph.retained_texture("gathered diffuse", frame.image_desc()),
+        specular: graph.retained_texture("gathered specular", frame.image_desc()),
     };
     let swept = level.map(|level| Swept {
         volume: level.volume,
@@ -75,24 +75,11 @@ pub(super) fn declare<'a>(
     let scene = frame.scene;
     let rays = rays(settings);
     let is_near = swept.map(|swept| swept.nearest.to_bits());
-    pass.key(&(rays, seed(frame), frame.view_key(), swept.map(|swept| swept.volume.key()), is_near));
+    pass.key(&(rays, frame.seed(), frame.view_key(), swept.map(|swept| swept.volume.key()), is_near));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
     let work = Work { frame: frame.clone(), inputs, swept, gathered, rays };
     pass.execute(move |cx| work.run(cx));
     gather_filter::declare(graph, frame, gbuffer, gathered, settings.gather_filter.min(MAX_FILTER))
-}
-
-/// An image of linear values for the pixels of the frame.
-pub(super) fn image_desc(frame: &Frame) -> TextureDesc {
-    let [width, height] = frame.view.size;
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-    TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
-}
-
-/// Of the random numbers: other ones for each of the shifted images that are averaged. The shader hashes it.
-fn seed(frame: &Frame) -> u32 {
-    let [x, y] = frame.view.jitter.map(f32::to_bits);
-    x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9)
 }
 
 struct Work<'a> {
@@ -177,7 +164,7 @@ impl Work<'_> {
             root: rays.root(),
             light_count: rays.light_count,
             emitter_count: rays.emitter_count,
-            seed: seed(&self.frame),
+            seed: self.frame.seed(),
             first_row,
             nearest: self.swept.map_or(0.0, |swept| swept.nearest),
         }

@@ -1,6 +1,5 @@
 //! The cross bilateral filter over what was gathered, and the reflected radiance. See `lpv/sweep/gather_filter.wgsl`.
 
-use super::gather::image_desc;
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
@@ -21,7 +20,7 @@ pub(super) fn declare<'a>(
     gathered: Gathered,
     radius: u32,
 ) -> Handle<Texture> {
-    let indirect = graph.retained_texture("indirect radiance", image_desc(frame));
+    let indirect = graph.retained_texture("indirect radiance", frame.image_desc());
     let half = match radius {
         0 | 1 => gathered,
         _ => horizontal(graph, frame, gbuffer, gathered, radius),
@@ -61,8 +60,8 @@ fn horizontal<'a>(
     radius: u32,
 ) -> Gathered {
     let half = Gathered {
-        diffuse: graph.texture("gathered diffuse, filtered along rows", image_desc(frame)),
-        specular: graph.texture("gathered specular, filtered along rows", image_desc(frame)),
+        diffuse: graph.texture("gathered diffuse, filtered along rows", frame.image_desc()),
+        specular: graph.texture("gathered specular, filtered along rows", frame.image_desc()),
     };
     let mut pass = graph.pass("gather filter, horizontal");
     let inputs = [gbuffer.normal, gbuffer.depth, gathered.diffuse, gathered.specular];
