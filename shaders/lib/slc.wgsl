@@ -4,6 +4,7 @@
 // they reach. The same functions on the host: engine/src/render/slc/lobe.rs.
 
 #import lightwell::brdf::{PI, distribution_ggx, visibility_smith, fresnel_schlick}
+#import lightwell::view::View
 
 // A texel of a reflective shadow map as a point light with the reflection of its surface.
 struct VirtualLight {
@@ -47,8 +48,10 @@ const GRAZING_FLUX: u32 = 5u; // Φ·F90 [W]
 const SPHEROID: u32 = 6u;  // centre [m] and radius across [m] of the specular range
 const AXIS: u32 = 7u;      // its axis; squeeze
 
-// All settings of the passes.
+// All settings of the passes, in one block: where there are several, Mesa's software driver (22.3) makes a shader anew
+// in every frame, and keeps all.
 struct Culling {
+    view: View,
     lights: u32,           // of a subset
     interleave: u32,       // subsets along an edge
     slices: u32,           // of depth in a tile

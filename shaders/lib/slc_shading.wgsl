@@ -10,12 +10,11 @@
 #import lightwell::slc::{LightRange, Culling, DIFFUSE_LOBE, acceptance, brightest, diffuse_share, grazing_weight}
 #import lightwell::slc::{specular_factor, squeezed}
 #import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
-#import lightwell::view::{View, depth_error, toward_eye}
+#import lightwell::view::{depth_error, toward_eye}
 #ifdef RAYS
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
 #endif
 
-@group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
@@ -150,17 +149,17 @@ fn take_light(pixel: ptr<function, Pixel>, index: u32, lobe: u32) {
 
 fn load_pixel(at: vec2u, z: f32) -> Pixel {
     var pixel: Pixel;
-    let position = world_position(at, view.size, z, view.world_from_clip);
+    let position = world_position(at, culling.view.size, z, culling.view.world_from_clip);
     pixel.surface = decode_surface(
         textureLoad(base_color, at, 0), textureLoad(normal, at, 0), textureLoad(object, at, 0).xy, z, position,
     );
-    pixel.to_eye = normalize(toward_eye(view, position));
+    pixel.to_eye = normalize(toward_eye(culling.view, position));
     pixel.n_dot_v = max(dot(pixel.surface.normal, pixel.to_eye), 1e-4);
     pixel.alpha = max(pixel.surface.roughness * pixel.surface.roughness, 1e-3);
     pixel.is_glossy = pixel.surface.grazing_reflectance > 0.0 || any(pixel.surface.normal_reflectance > vec3f(0.0));
     pixel.delta = bound.x;
     let c = abs(position);
-    let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), depth_error(view, position));
+    let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), depth_error(culling.view, position));
     pixel.origin = position + pixel.surface.normal * error;
     return pixel;
 }

@@ -9,9 +9,8 @@
 
 #import lightwell::gbuffer::world_position
 #import lightwell::slc::{LightRange, Culling, mask_stride, squeezed}
-#import lightwell::view::{View, toward_eye, view_depth}
+#import lightwell::view::{toward_eye, view_depth}
 
-@group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var depth: texture_depth_2d;
 @group(0) @binding(3) var<storage, read> ranges: array<LightRange>;
@@ -52,8 +51,8 @@ fn slice_at(w: f32, near: f32, far: f32) -> u32 {
 fn corner(tile: vec2u, subset: vec2u, which: u32, z: f32) -> vec3f {
     let n = culling.interleave;
     let step = vec2u(which & 1u, which >> 1u) * 15u;
-    let pixel = min((16u * tile + step) * n + subset, view.size - 1u);
-    return world_position(pixel, view.size, z, view.world_from_clip);
+    let pixel = min((16u * tile + step) * n + subset, culling.view.size - 1u);
+    return world_position(pixel, culling.view.size, z, culling.view.world_from_clip);
 }
 
 struct Frame {
@@ -65,7 +64,7 @@ struct Frame {
 // Axes of the box: the tile's own, in squeezed space.
 fn box_frame(axis: vec3f, squeeze: f32) -> Frame {
     let middle = 0.25 * (far_corners[0] + far_corners[1] + far_corners[2] + far_corners[3]);
-    let forward = normalize(squeezed(-toward_eye(view, middle), axis, squeeze));
+    let forward = normalize(squeezed(-toward_eye(culling.view, middle), axis, squeeze));
     // A tile at the image's border may be one pixel wide: then any perpendicular does.
     let wide = squeezed(far_corners[1] + far_corners[3] - far_corners[0] - far_corners[2], axis, squeeze);
     let tall = squeezed(far_corners[2] + far_corners[3] - far_corners[0] - far_corners[1], axis, squeeze);
@@ -157,13 +156,13 @@ fn main(
     workgroupBarrier();
 
     var z = 0.0;
-    if all(pixel < view.size) {
+    if all(pixel < culling.view.size) {
         z = textureLoad(depth, pixel, 0);
     }
     var w = 0.0;
     if z > 0.0 {
         // Bits of what is above zero are ordered as the numbers are.
-        w = max(view_depth(view, world_position(pixel, view.size, z, view.world_from_clip)), 1e-30);
+        w = max(view_depth(culling.view, world_position(pixel, culling.view.size, z, culling.view.world_from_clip)), 1e-30);
         atomicMin(&nearest, bitcast<u32>(w));
         atomicMax(&farthest, bitcast<u32>(w));
         atomicMin(&shallowest, bitcast<u32>(z));
@@ -175,7 +174,7 @@ fn main(
     let far = bitcast<f32>(atomicLoad(&farthest));
     if z > 0.0 {
         let slice = slice_at(w, near, far);
-        slices[pixel.y * view.size.x + pixel.x] = slice;
+        slices[pixel.y * culling.view.size.x + pixel.x] = slice;
         atomicMin(&slice_near[slice], bitcast<u32>(w));
         atomicMax(&slice_far[slice], bitcast<u32>(w));
     }

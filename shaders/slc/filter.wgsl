@@ -6,9 +6,7 @@
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::slc::Culling
-#import lightwell::view::View
 
-@group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
@@ -33,14 +31,14 @@ struct Filtered {
 }
 
 fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {
-    let position = world_position(pixel, view.size, z, view.world_from_clip);
+    let position = world_position(pixel, culling.view.size, z, culling.view.world_from_clip);
     let n = decode_normal(textureLoad(normal, pixel, 0));
     var sum = Filtered(textureLoad(diffuse, pixel, 0).rgb, textureLoad(specular, pixel, 0).rgb);
     var weights = 1.0;
     let radius = i32(culling.filter_radius);
     for (var d = 1 - radius; d < radius; d++) {
         let at = vec2i(pixel) + d * along;
-        if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(view.size)) {
+        if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(culling.view.size)) {
             continue;
         }
         let other = vec2u(at);
@@ -48,7 +46,7 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {
         if other_z <= 0.0 {
             continue;
         }
-        let other_position = world_position(other, view.size, other_z, view.world_from_clip);
+        let other_position = world_position(other, culling.view.size, other_z, culling.view.world_from_clip);
         let other_n = decode_normal(textureLoad(normal, other, 0));
         let weight = (1.0 - f32(abs(d)) / f32(radius)) * likeness(position, n, other_position, other_n);
         sum.diffuse += weight * textureLoad(diffuse, other, 0).rgb;
@@ -60,7 +58,7 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i) -> Filtered {
 
 @compute @workgroup_size(8, 8)
 fn horizontal(@builtin(global_invocation_id) thread: vec3u) {
-    if any(thread.xy >= view.size) {
+    if any(thread.xy >= culling.view.size) {
         return;
     }
     let z = textureLoad(depth, thread.xy, 0);
@@ -81,7 +79,7 @@ fn heat(count: f32) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn vertical(@builtin(global_invocation_id) thread: vec3u) {
     let pixel = thread.xy;
-    if any(pixel >= view.size) {
+    if any(pixel >= culling.view.size) {
         return;
     }
     let z = textureLoad(depth, pixel, 0);

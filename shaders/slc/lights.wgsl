@@ -6,7 +6,10 @@
 #import lightwell::rsm::{RsmLayer, texel_received}
 #import lightwell::slc::VirtualLight
 
+// One block, see lib/slc.wgsl.
 struct Place {
+    light: Light,
+    rsm: RsmLayer,
     first: u32,            // light of the layer in each subset
     lights: u32,           // of a subset
     interleave: u32,
@@ -14,8 +17,6 @@ struct Place {
 }
 
 @group(0) @binding(0) var<uniform> place: Place;
-@group(0) @binding(1) var<uniform> light: Light;
-@group(0) @binding(2) var<uniform> rsm: RsmLayer;
 @group(0) @binding(3) var base_color: texture_2d_array<u32>;
 @group(0) @binding(4) var normal: texture_2d_array<u32>;
 @group(0) @binding(5) var specular: texture_2d_array<u32>;
@@ -27,10 +28,10 @@ const MAX_STRETCH: f32 = 16.0;
 
 fn virtual_light(texel: vec2u, z: f32) -> VirtualLight {
     var result: VirtualLight;
-    let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
-    let received = texel_received(rsm, light, texel, position);
-    let base = textureLoad(base_color, texel, rsm.layer, 0);
-    let surface = textureLoad(normal, texel, rsm.layer, 0);
+    let position = world_position(texel, vec2u(place.rsm.size), z, place.rsm.world_from_clip);
+    let received = texel_received(place.rsm, place.light, texel, position);
+    let base = textureLoad(base_color, texel, place.rsm.layer, 0);
+    let surface = textureLoad(normal, texel, place.rsm.layer, 0);
     let n = decode_normal(surface);
     let cosine = dot(n, received.to_light);
     if cosine <= 0.0 || all(received.flux <= vec3f(0.0)) {
@@ -46,20 +47,20 @@ fn virtual_light(texel: vec2u, z: f32) -> VirtualLight {
     result.grazing_reflectance = f32(surface.w) / 65535.0;
     result.flux = min(received.flux, vec3f(1e30));
     result.albedo = decode_albedo(base);
-    result.normal_reflectance = decode_normal_reflectance(vec2u(0u, textureLoad(specular, texel, rsm.layer, 0).x));
+    result.normal_reflectance = decode_normal_reflectance(vec2u(0u, textureLoad(specular, texel, place.rsm.layer, 0).x));
     return result;
 }
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
     let texel = thread.xy;
-    if any(texel >= vec2u(rsm.size)) {
+    if any(texel >= vec2u(place.rsm.size)) {
         return;
     }
     let n = place.interleave;
     let subset = (texel.y % n) * n + texel.x % n;
-    let index = subset * place.lights + place.first + (texel.y / n) * (rsm.size / n) + texel.x / n;
-    let z = textureLoad(depth, texel, rsm.layer, 0);
+    let index = subset * place.lights + place.first + (texel.y / n) * (place.rsm.size / n) + texel.x / n;
+    let z = textureLoad(depth, texel, place.rsm.layer, 0);
     var result: VirtualLight;
     if z > 0.0 {
         result = virtual_light(texel, z);

@@ -8,7 +8,7 @@
 #import lightwell::sampling::{cosine_direction, hash, unit_float}
 #import lightwell::slc::brightest
 #endif
-#import lightwell::slc_shading::{Pixel, MAX_RADIANCE, view, culling, depth, load_pixel, may_accept, take_light}
+#import lightwell::slc_shading::{Pixel, MAX_RADIANCE, culling, depth, load_pixel, may_accept, take_light}
 
 @group(0) @binding(9) var<storage, read> masks: array<u32>;
 @group(0) @binding(10) var<storage, read> slices: array<u32>;
@@ -92,7 +92,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     // Eight threads that run together take 4 × 2 pixels, which have more lights in common than eight in a row.
     let place = vec2u((thread & 3u) | ((thread >> 1u) & 12u), ((thread >> 2u) & 1u) | ((thread >> 4u) & 14u));
     let at = (16u * group.xy + place) * n + vec2u(subset % n, subset / n);
-    if any(at >= view.size) {
+    if any(at >= culling.view.size) {
         return;
     }
     let z = textureLoad(depth, at, 0);
@@ -110,7 +110,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
 #else
     let tile = (subset * culling.tiles.y + group.y) * culling.tiles.x + group.x;
     let stride = mask_stride(culling.words);
-    let mask = 2u * (tile * culling.slices + slices[at.y * view.size.x + at.x]) * stride;
+    let mask = 2u * (tile * culling.slices + slices[at.y * culling.view.size.x + at.x]) * stride;
     shade(&pixel, first, DIFFUSE_LOBE, mask, thread);
     shade(&pixel, first, SPECULAR_LOBE, mask + stride, thread);
 #endif

@@ -3,7 +3,7 @@
 // that the eye is in has them too, and a pixel is covered once.
 
 #import lightwell::slc::squeezed
-#import lightwell::slc_shading::{MAX_RADIANCE, view, culling, depth, ranges, load_pixel, may_accept, take_light}
+#import lightwell::slc_shading::{MAX_RADIANCE, culling, depth, ranges, load_pixel, may_accept, take_light}
 
 // The atlas, for the way back.
 @group(0) @binding(9) var diffuse_atlas: texture_2d<f32>;
@@ -67,11 +67,11 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
     splat.position = vec4f(2.0, 2.0, 2.0, 1.0);
     if radius > 0.0 {
         let offset = squeezed(icosahedron(index) * (AROUND * radius), range.axis, 1.0 / squeeze);
-        var clip = view.clip_from_world * vec4f(center + offset, 1.0);
+        var clip = culling.view.clip_from_world * vec4f(center + offset, 1.0);
         // From the pixels of the image to those of the subset: X = x·n + i, both counted at their middles.
         let n = f32(culling.interleave);
         let subset = vec2f(f32(culling.first_subset % culling.interleave), f32(culling.first_subset / culling.interleave));
-        let size = vec2f(view.size);
+        let size = vec2f(culling.view.size);
         let part = ceil(size / n);
         let pixel = (vec2f(clip.x, -clip.y) + clip.w) * 0.5 * size;
         let place = (pixel - (subset + 0.5) * clip.w) / n + 0.5 * clip.w;
@@ -85,10 +85,10 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
 @fragment
 fn fragment(splat: Splat) -> Sum {
     let n = culling.interleave;
-    let part = (view.size + n - 1u) / n;
+    let part = (culling.view.size + n - 1u) / n;
     let at = (vec2u(splat.position.xy) % part) * n + vec2u(culling.first_subset % n, culling.first_subset / n);
     var z = 0.0;
-    if all(at < view.size) {
+    if all(at < culling.view.size) {
         z = textureLoad(depth, at, 0);
     }
     if z <= 0.0 {
@@ -106,11 +106,11 @@ fn fragment(splat: Splat) -> Sum {
 @compute @workgroup_size(8, 8)
 fn gather(@builtin(global_invocation_id) thread: vec3u) {
     let at = thread.xy;
-    if any(at >= view.size) {
+    if any(at >= culling.view.size) {
         return;
     }
     let n = culling.interleave;
-    let part = (view.size + n - 1u) / n;
+    let part = (culling.view.size + n - 1u) / n;
     let place = at / n + (at % n) * part;
     let share = vec4f(vec3f(f32(n * n)), 1.0);
     let limit = vec4f(MAX_RADIANCE);

@@ -46,8 +46,7 @@ pub(super) fn declare<'a>(
         cx.dispatch(
             &ComputeKey::new("slc/cull.wgsl", "main"),
             &[
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("culling", Binding::Buffer(&method.uniform(gpu, 0))),
+                ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
                 ("depth", Binding::Texture(&depth)),
                 ("ranges", Binding::Buffer(&ranges)),
                 ("masks", Binding::Buffer(&masks)),

@@ -34,8 +34,7 @@ pub(super) fn declare<'a>(
         cx.dispatch(
             &ComputeKey::new("slc/filter.wgsl", "horizontal"),
             &[
-                ("view", Binding::Buffer(&of_frame.view_uniform(gpu))),
-                ("culling", Binding::Buffer(&settings.uniform(gpu, 0))),
+                ("culling", Binding::Buffer(&settings.uniform(gpu, &of_frame, 0))),
                 ("normal", Binding::Texture(&normal)),
                 ("depth", Binding::Texture(&depth)),
                 ("diffuse", Binding::Texture(&diffuse)),
@@ -64,8 +63,7 @@ pub(super) fn declare<'a>(
         cx.dispatch(
             &ComputeKey::new("slc/filter.wgsl", "vertical"),
             &[
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("culling", Binding::Buffer(&method.uniform(gpu, 0))),
+                ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("depth", Binding::Texture(&depth)),

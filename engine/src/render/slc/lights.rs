@@ -3,10 +3,10 @@
 use super::{Method, Sources};
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
-use crate::render::frame::Frame;
+use crate::render::frame::{Frame, ViewUniform};
 use crate::render::light_uniform::LightUniform;
 use crate::render::light_view::light_views;
-use crate::render::rsm::{self, Rsm};
+use crate::render::rsm::{self, Rsm, RsmLayerUniform};
 use crate::scene::SceneLight;
 use crate::world::{Delta, LightBounds, LightShow, StochasticLightCulling};
 use encase::ShaderType;
@@ -26,6 +26,8 @@ const SKY_RAYS: u32 = 256;
 /// `Place` of `slc/lights.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct PlaceUniform {
+    light: LightUniform,
+    rsm: RsmLayerUniform,
     first: u32,
     lights: u32,
     interleave: u32,
@@ -35,6 +37,7 @@ pub(crate) struct PlaceUniform {
 /// `Culling` of `lib/slc.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct CullingUniform {
+    view: ViewUniform,
     lights: u32,
     interleave: u32,
     slices: u32,
@@ -56,7 +59,7 @@ pub(crate) struct CullingUniform {
 
 impl Method {
     /// The settings for the shaders; `first_subset` is where a dispatch begins.
-    pub(super) fn uniform(&self, gpu: &Gpu, first_subset: u32) -> wgpu::Buffer {
+    pub(super) fn uniform(&self, gpu: &Gpu, frame: &Frame, first_subset: u32) -> wgpu::Buffer {
         let s = &self.settings;
         let (relative, absolute) = match s.delta {
             Delta::Relative(share) => (share, 0.0),
@@ -73,6 +76,7 @@ impl Method {
             LightShow::FalsePositives => 2,
         };
         let uniform = CullingUniform {
+            view: frame.view_values(),
             lights: self.lights,
             interleave: s.interleave,
             slices: self.slices,
@@ -120,8 +124,8 @@ pub(super) fn lights_of(map: &Rsm, interleave: u32) -> u64 {
 /// Declares the lights, the error bound and the ranges.
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Sources {
     let lights = declare_lights(graph, frame, maps, method);
-    let bound = declare_bound(graph, method, lights);
-    let (ranges, texels) = declare_ranges(graph, method, lights, bound);
+    let bound = declare_bound(graph, frame, method, lights);
+    let (ranges, texels) = declare_ranges(graph, frame, method, lights, bound);
     Sources { ranges, texels, bound }
 }
 
@@ -144,8 +148,10 @@ fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>]
         let mut first = 0;
         for map in &maps {
             for layer in 0..map.views.len() {
-                let place = PlaceUniform { first, lights, interleave: n, pad: 0 };
-                take_layer(cx, map, layer, &place, &target)?;
+                let light = LightUniform::new(map.light, map.index);
+                let rsm = map.layer_uniform(layer, 1.0);
+                let place = PlaceUniform { light, rsm, first, lights, interleave: n, pad: 0 };
+                take_layer(cx, map, &place, &target)?;
                 first += (map.size / n) * (map.size / n);
             }
         }
@@ -154,13 +160,7 @@ fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>]
     buffer
 }
 
-fn take_layer(
-    cx: &mut PassContext,
-    map: &Rsm,
-    layer: usize,
-    place: &PlaceUniform,
-    target: &wgpu::Buffer,
-) -> Result<(), PassError> {
+fn take_layer(cx: &mut PassContext, map: &Rsm, place: &PlaceUniform, target: &wgpu::Buffer) -> Result<(), PassError> {
     let gpu = cx.gpu;
     let [base_color, normal, specular, depth] =
         [map.base_color, map.normal, map.specular, map.depth].map(|handle| cx.view(handle));
@@ -170,8 +170,6 @@ fn take_layer(
         &ComputeKey::new("slc/lights.wgsl", "main"),
         &[
             ("place", Binding::Buffer(&gpu.uniform("place", place))),
-            ("light", Binding::Buffer(&LightUniform::buffer(gpu, map.light, map.index))),
-            ("rsm", Binding::Buffer(&gpu.uniform("rsm", &map.layer_uniform(layer, 1.0)))),
             ("base_color", Binding::Texture(&base_color)),
             ("normal", Binding::Texture(&normal)),
             ("specular", Binding::Texture(&specular)),
@@ -189,19 +187,24 @@ fn delta_key(delta: Delta) -> (bool, u32) {
     }
 }
 
-fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> Handle<Buffer> {
+fn declare_bound<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    method: &Method,
+    lights: Handle<Buffer>,
+) -> Handle<Buffer> {
     let bound = graph.retained_buffer("slc error bound", BufferDesc::new(16, BufferUsages::STORAGE));
     let mut pass = graph.pass("slc error bound");
     pass.read(lights);
     let bound = pass.write(bound);
     pass.key(&delta_key(method.settings.delta));
-    let method = method.clone();
+    let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let [lights, target] = [lights, bound].map(|handle| cx.buffer(handle).clone());
         cx.dispatch(
             &ComputeKey::new("slc/delta.wgsl", "main"),
             &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, 0))),
+                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
                 ("virtual_lights", Binding::Buffer(&lights)),
                 ("bound", Binding::Buffer(&target)),
             ],
@@ -211,8 +214,9 @@ fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> 
     bound
 }
 
-fn declare_ranges(
-    graph: &mut Graph,
+fn declare_ranges<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
     method: &Method,
     lights: Handle<Buffer>,
     bound: Handle<Buffer>,
@@ -229,7 +233,7 @@ fn declare_ranges(
     pass.read(bound);
     let (ranges, texels) = (pass.write(ranges), pass.write(texels));
     pass.key(&(method.settings.bounds, method.seed, method.lights));
-    let method = method.clone();
+    let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
         cx.counts().lights += u64::from(count);
@@ -239,7 +243,7 @@ fn declare_ranges(
         cx.dispatch(
             &ComputeKey::new("slc/range.wgsl", "main"),
             &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, 0))),
+                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
                 ("virtual_lights", Binding::Buffer(&lights)),
                 ("bound", Binding::Buffer(&bound)),
                 ("ranges", Binding::Buffer(&target)),

@@ -21,7 +21,7 @@ mod splat;
 #[cfg(test)]
 pub(crate) use lights::{CullingUniform, PlaceUniform};
 
-use super::deferred::RenderError;
+use super::error::RenderError;
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use crate::gpu::Gpu;
@@ -124,7 +124,7 @@ pub(super) fn declare<'a>(
         lights: u32::try_from(lights).unwrap_or(u32::MAX).max(1),
         slices: if settings.culling == LightCulling::Clustered { 32 } else { 2 },
         tiles: [width.div_ceil(covered), height.div_ceil(covered)],
-        seed: seed(&settings, frame.view.jitter),
+        seed: settings.seed ^ frame.seed(),
         root: frame.rays.map_or(0, |rays| rays.root()),
         sky,
         settings,
@@ -145,12 +145,6 @@ pub(super) fn declare<'a>(
         }
     };
     Ok(Some(filter::declare(graph, frame, gbuffer, &method, shaded)))
-}
-
-/// Shifted pixel grids take further ξ, so that averaging frames averages the noise too.
-fn seed(settings: &StochasticLightCulling, jitter: [f32; 2]) -> u32 {
-    let [x, y] = jitter.map(f32::to_bits);
-    settings.seed ^ x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b).rotate_left(16)
 }
 
 /// Whether all buffers can be bound.

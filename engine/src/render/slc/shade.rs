@@ -41,7 +41,6 @@ pub(super) fn declare<'a>(
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let gpu = cx.gpu;
-        let view = frame.view_uniform(gpu);
         let views = surfaces.map(|handle| cx.view(handle));
         let targets = [shaded.diffuse, shaded.specular].map(|handle| cx.view(handle));
         let (texels, bound) = (cx.view(texels), cx.buffer(bound).clone());
@@ -61,9 +60,8 @@ pub(super) fn declare<'a>(
         let mut first = 0;
         while first < method.subsets() {
             let count = batch.min(method.subsets() - first);
-            let culling = method.uniform(gpu, first);
+            let culling = method.uniform(gpu, &frame, first);
             let mut group = vec![
-                ("view", Binding::Buffer(&view)),
                 ("culling", Binding::Buffer(&culling)),
                 ("base_color", Binding::Texture(&views[0])),
                 ("normal", Binding::Texture(&views[1])),

@@ -38,8 +38,7 @@ pub(super) fn declare<'a>(
         cx.dispatch(
             &ComputeKey::new("slc/splat.wgsl", "gather"),
             &[
-                ("view", Binding::Buffer(&frame.view_uniform(cx.gpu))),
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, 0))),
+                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
                 ("diffuse_atlas", Binding::Texture(&images[0])),
                 ("specular_atlas", Binding::Texture(&images[1])),
                 ("diffuse", Binding::Texture(&images[2])),
@@ -96,7 +95,6 @@ fn draw_row(
 ) -> Result<(), PassError> {
     let gpu = cx.gpu;
     let n = method.settings.interleave;
-    let view = frame.view_uniform(gpu);
     let surfaces: Vec<wgpu::TextureView> = surfaces.iter().map(|handle| cx.view(*handle)).collect();
     let targets: Vec<wgpu::TextureView> = targets.iter().map(|handle| cx.view(*handle)).collect();
     let buffers = buffers.map(|handle| cx.buffer(handle).clone());
@@ -106,9 +104,8 @@ fn draw_row(
     };
     let mut groups = Vec::new();
     for column in 0..n {
-        let culling = method.uniform(gpu, row * n + column);
+        let culling = method.uniform(gpu, &frame, row * n + column);
         let group = [
-            ("view", Binding::Buffer(&view)),
             ("culling", Binding::Buffer(&culling)),
             ("base_color", Binding::Texture(&surfaces[0])),
             ("normal", Binding::Texture(&surfaces[1])),
