@@ -1,6 +1,7 @@
 //! Progress of long work.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle, TermLike};
+use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,17 +13,29 @@ pub fn bar(steps: u64, what: &str) -> ProgressBar {
     }
     // The error stream: the output stream may be piped on.
     let (target, shape) = if io::stderr().is_terminal() {
-        (ProgressDrawTarget::stderr(), "{msg} [{bar:32}] {pos}/{len}  {elapsed} (about {eta} left)")
+        (ProgressDrawTarget::stderr(), "{msg} [{bar:32}] {pos}/{len}  {elapsed} ({left} left)")
     } else {
         let lines = ProgressDrawTarget::term_like_with_hz(Box::new(Lines::default()), 1);
-        (lines, "{msg}: {pos} of {len}, {elapsed} (about {eta} left)")
+        (lines, "{msg}: {pos} of {len}, {elapsed} ({left} left)")
     };
     let bar = ProgressBar::with_draw_target(Some(steps), target);
     if let Ok(style) = ProgressStyle::with_template(shape) {
-        bar.set_style(style.progress_chars("=> "));
+        bar.set_style(style.progress_chars("=> ").with_key("left", left));
     }
     bar.set_message(what.to_owned());
     bar
+}
+
+/// The time that is left if work goes on as it did so far. The bar's own estimate follows the speed of the last moments,
+/// which says nothing where steps take from milliseconds to minutes.
+fn left(state: &ProgressState, text: &mut dyn fmt::Write) {
+    let rest = state.len().unwrap_or(0).saturating_sub(state.pos());
+    let seconds = state.elapsed().as_secs_f64() * rest as f64 / state.pos() as f64;
+    // A bar cannot fail; what cannot be written is not there.
+    let _ = match Duration::try_from_secs_f64(seconds) {
+        Ok(time) if state.pos() > 0 => write!(text, "about {}", HumanDuration(time)),
+        _ => text.write_str("some time"),
+    };
 }
 
 /// Time between two lines in a log.
