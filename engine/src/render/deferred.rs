@@ -10,78 +10,32 @@
 //! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
 
+use super::average::{self, History};
 use super::blend::{self, Source};
 use super::compare;
 use super::compose::{self, Lights, RADIANCE};
-use super::debug::{self, DebugView};
+use super::debug;
+use super::error::RenderError;
 use super::extra::{self, ExtraPass, Picture};
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::gpu_scene::GpuScene;
 use super::layers::Views;
-use super::lpv::sweep::{GpuSurfels, gather};
+use super::lpv::sweep::GpuSurfels;
 use super::post::mlaa;
 use super::post::tone_map::{self, DISPLAY};
-use super::ray_scene::{RayError, RayScene};
-use super::reference::{self, PathTracer, TraceError};
+use super::ray_scene::RayScene;
+use super::reference::{self, PathTracer};
 use super::settings::{Beside, GiMethod, Layer, ReferenceSettings, RenderSettings};
-use super::vpl::{self, VirtualLights, VplError};
-use super::{ambient, direct, gbuffer, gloss, lpv, sky_light, slc};
+use super::vpl::{self, VirtualLights};
+use super::{ambient, direct, gbuffer, gloss, lpv, needs, sky_light, slc};
 use crate::gpu::{Gpu, ReadbackError, read_buffer};
-use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, GraphError, Handle, Pace, TargetCache, Texture};
-use crate::scene::{Aabb, ProbePoint, Scene, SceneClpv, SceneView, ViewProjection};
-use crate::world::Transport;
+use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, TargetCache, Texture};
+use crate::scene::{ProbePoint, Scene, SceneView, ViewProjection};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
-
-/// Why a frame could not be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    /// The image has no pixels, or more than the device can hold.
-    #[error("image size {width}x{height} is not between 1x1 and {limit}x{limit}, the limit of this adapter")]
-    Size {
-        /// Asked for.
-        width: u32,
-        /// Asked for.
-        height: u32,
-        /// Largest edge that the adapter can do.
-        limit: u32,
-    },
-    /// The camera's numbers make no picture.
-    #[error("camera `{camera}`: {what}")]
-    Camera {
-        /// Its name.
-        camera: String,
-        /// What is wrong and what would be right.
-        what: String,
-    },
-    /// CLPV settings that make no volume.
-    #[error("Clpv component: {0}")]
-    Clpv(String),
-    /// Virtual lights that cannot be made.
-    #[error("virtual lights cannot be made")]
-    Vpl(#[from] VplError),
-    /// Settings of stochastic light culling that do not fit the device.
-    #[error("stochastic light culling: {0}")]
-    LightCulling(String),
-    /// The scene does not fit the device as rays need it.
-    #[error(transparent)]
-    Rays(#[from] RayError),
-    /// A pass failed, or the frame was put together wrongly.
-    #[error(transparent)]
-    Graph(#[from] GraphError),
-    /// The reference cannot be traced.
-    #[error("path tracing: {0}")]
-    Trace(#[from] TraceError),
-    /// The device is gone: it was taken away, or its driver has failed.
-    #[error("the graphics device was lost: {0}; open the scene again to take up another one")]
-    Lost(String),
-    /// The device reported errors while drawing.
-    #[error("the graphics device reported: {0}")]
-    Device(String),
-}
 
 /// Draws scenes. Keeps what may be used again: the scene on the device, and the targets of earlier frames.
 pub struct Renderer {
@@ -103,6 +57,7 @@ pub struct Renderer {
     /// Whether the last frame looked up their light.
     has_probe_light: bool,
     extra: Vec<ExtraPass>,
+    history: History,
 }
 
 impl Renderer {
@@ -121,6 +76,7 @@ impl Renderer {
             probes: Vec::new(),
             has_probe_light: false,
             extra: Vec::new(),
+            history: History::default(),
         }
     }
 
@@ -161,6 +117,12 @@ impl Renderer {
         }
     }
 
+    /// Whether further frames of the same view would make its picture better, since frames are averaged; see
+    /// [`RenderSettings::average`].
+    pub fn is_settling(&self) -> bool {
+        self.history.is_settling()
+    }
+
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
     /// what was kept and what was skipped, and why.
     ///
@@ -174,26 +136,47 @@ impl Renderer {
         view: &SceneView,
         settings: &RenderSettings,
     ) -> Result<FrameReport, RenderError> {
+        let result = self.render_frame(gpu, scene, view, settings);
+        if result.is_err() {
+            self.history.forget();
+        }
+        result
+    }
+
+    fn render_frame(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        view: &SceneView,
+        settings: &RenderSettings,
+    ) -> Result<FrameReport, RenderError> {
         check_view(gpu, view)?;
+        match (needs::averages(scene, settings), needs::shows_indirect(settings)) {
+            (true, true) => self.history.begin(gpu, scene, view, settings),
+            // Its frames go on when it is shown again.
+            (true, false) => {}
+            (false, _) => self.history.forget(),
+        }
         if let (GiMethod::Reference(reference), true) = (settings.gi, settings.only.is_light()) {
             return self.render_reference(gpu, scene, view, settings, &reference);
         }
         self.gpu_scene.update(gpu, scene);
         self.views.begin_frame();
         let bounds = self.gpu_scene.bounds(scene);
-        if shows_indirect(settings) && sky_light::is_mirrored(scene) {
+        if needs::shows_indirect(settings) && sky_light::is_mirrored(scene) {
             self.gpu_scene.update_sky_reflections(gpu, scene);
         }
         if settings.gi == GiMethod::Vpl && settings.only.is_light() {
             self.virtual_lights.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?;
         }
-        if casts_rays(scene, settings) {
+        if needs::casts_rays(scene, settings) {
             self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?;
-        } else if gathers(scene, settings) {
+        } else if needs::gathers(scene, settings) {
             self.update_gathered(gpu, scene);
         }
-        let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| gathers(scene, settings));
-        if let Some(cell) = finest_cell(scene, view, settings, &bounds, refused_rays.is_none())? {
+        let refused_rays =
+            self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| needs::gathers(scene, settings));
+        if let Some(cell) = needs::finest_cell(scene, view, settings, &bounds, refused_rays.is_none())? {
             self.surfels.update(gpu, scene, cell);
         }
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
@@ -217,6 +200,7 @@ impl Renderer {
             bounds,
             probes: &self.probes,
             views: &self.views,
+            history: &self.history,
         };
         let mut graph = Graph::new(seed(gpu));
         let Drawn { gbuffer, radiance, has_blended } = declare(&mut graph, &frame, gpu)?;
@@ -368,7 +352,7 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Dr
     } else {
         graph.skip("direct", "the layer that is shown holds no direct light");
     }
-    if !shows_indirect(frame.settings) {
+    if !needs::shows_indirect(frame.settings) {
         graph.skip("clpv", "the layer that is shown holds no indirect light");
     } else if frame.settings.gi == GiMethod::None {
         graph.skip("clpv", "indirect light is switched off");
@@ -383,6 +367,7 @@ fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gpu: &Gpu) -> Result<Dr
         lights.indirect = indirect.as_ref().map(|i| gloss::declare(graph, frame, &gbuffer, i, gloss::Names::ALL));
         field = indirect.map(|indirect| indirect.field);
     }
+    lights.indirect = lights.indirect.map(|light| average::declare(graph, frame, &gbuffer, light));
     let sky = sky_light::declare(graph, frame, &gbuffer);
     lights.sky = sky.as_ref().map(|sky| sky.radiance);
     if has_blended {
@@ -443,42 +428,6 @@ fn finish<'a>(
     } else {
         graph.skip("tone map", "no display image is wanted");
     }
-}
-
-/// Whether indirect light is gathered by rays, where that can be done.
-fn gathers(scene: &Scene, settings: &RenderSettings) -> bool {
-    let is_wanted = |clpv: &SceneClpv| gather::is_wanted(&clpv.settings);
-    shows_indirect(settings) && settings.gi == GiMethod::Clpv && scene.clpv.as_ref().is_some_and(is_wanted)
-}
-
-/// Whether indirect light casts shadow rays, or the ray hierarchy is shown.
-fn casts_rays(scene: &Scene, settings: &RenderSettings) -> bool {
-    if settings.display && settings.debug.shows(DebugView::Bvh) {
-        return true;
-    }
-    shows_indirect(settings) && settings.gi == GiMethod::Slc && slc::casts_rays(&slc::settings(scene))
-}
-
-/// Whether the layer that is shown holds indirect light.
-fn shows_indirect(settings: &RenderSettings) -> bool {
-    matches!(settings.only, Layer::Total | Layer::Indirect)
-}
-
-/// Edge of the finest cells that light is swept through, if it is \[m\].
-fn finest_cell(
-    scene: &Scene,
-    view: &SceneView,
-    settings: &RenderSettings,
-    bounds: &Aabb,
-    has_rays: bool,
-) -> Result<Option<f32>, RenderError> {
-    if sky_light::is_needed(scene, settings) {
-        return Ok(Some(lpv::sweep::sky::volume(bounds).cell));
-    }
-    let swept = scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
-    let (Some(clpv), GiMethod::Clpv, true) = (swept, settings.gi, shows_indirect(settings)) else { return Ok(None) };
-    let quality = gather::quality_of_volumes(&clpv.settings, has_rays && gather::is_wanted(&clpv.settings));
-    Ok(lpv::sweep::volumes(clpv, quality, bounds, view)?.first().map(|volume| volume.cell))
 }
 
 fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {

@@ -1,5 +1,6 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
+use super::average::History;
 use super::gpu_scene::GpuScene;
 use super::layers::Views;
 use super::lpv::sweep::{GpuSurfels, gather};
@@ -48,6 +49,8 @@ pub struct Frame<'a> {
     pub probes: &'a [ProbePoint],
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
+    /// The frames before, whose light this one's is averaged with.
+    pub(super) history: &'a History,
 }
 
 impl Frame<'_> {
@@ -63,10 +66,17 @@ impl Frame<'_> {
         TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
     }
 
-    /// Of random numbers: other ones for each of the shifted images that are averaged. Shaders hash it.
+    /// Of random numbers: other ones for each of the shifted images, and of the frames, that are averaged. Shaders hash
+    /// it.
     pub fn seed(&self) -> u32 {
         let [x, y] = self.view.jitter.map(f32::to_bits);
-        x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9)
+        let number = self.number().map_or(0, |number| number.wrapping_mul(0x85eb_ca6b));
+        x ^ y.rotate_left(16).wrapping_mul(0x9e37_79b9) ^ number
+    }
+
+    /// Of this frame among those that are averaged; none: it stands for itself.
+    pub fn number(&self) -> Option<u32> {
+        self.history.step().map(|step| step.number)
     }
 
     /// Changes with anything that a drawn surface depends on.

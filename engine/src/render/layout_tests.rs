@@ -1,5 +1,6 @@
 //! Structs that Rust writes and WGSL reads are the same size on both sides.
 
+use super::average::AverageUniform;
 use super::blend::BlendUniform;
 use super::compare::CompareUniform;
 use super::compose::ComposeUniform;
@@ -46,6 +47,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightsUniform::min_size().get(), "direct_tiled.wgsl", "Lights");
     check(&gpu, LightUniform::min_size().get(), "direct_tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "compose.wgsl", "Compose");
+    check(&gpu, AverageUniform::min_size().get(), "average.wgsl", "Average");
     check(&gpu, ReflectionUniform::min_size().get(), "sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "blend.wgsl", "Blend");
     check(&gpu, RsmViewUniform::min_size().get(), "rsm.wgsl", "RsmView");

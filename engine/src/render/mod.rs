@@ -1,6 +1,7 @@
 //! The passes of a frame, one Rust file beside one WGSL file of the same name.
 
 mod ambient;
+mod average;
 mod blend;
 mod compare;
 mod compose;
@@ -9,6 +10,7 @@ mod deferred;
 mod direct;
 mod direct_tiled;
 mod environment;
+mod error;
 mod extra;
 pub mod frame;
 mod gbuffer;
@@ -20,6 +22,7 @@ mod layout_tests;
 mod light_uniform;
 mod light_view;
 pub mod lpv;
+mod needs;
 mod post;
 mod ray_scene;
 pub mod reference;
@@ -31,7 +34,9 @@ mod sky_light;
 pub mod slc;
 pub mod vpl;
 
-pub use deferred::{RenderError, Renderer};
+pub use average::MOST_FRAMES;
+pub use deferred::Renderer;
+pub use error::RenderError;
 pub use extra::Picture;
 pub use gbuffer::GBuffer;
 pub use light_view::{LightView, light_views};

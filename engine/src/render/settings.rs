@@ -141,6 +141,9 @@ pub struct RenderSettings {
     pub mlaa_edges: MlaaEdges,
     /// How the display image is made.
     pub show: DisplaySettings,
+    /// Averages indirect light with that of the frames before, each with other random numbers: for interactive views. The
+    /// image then depends on what was drawn before it. See [`Renderer::is_settling`](super::Renderer::is_settling).
+    pub average: bool,
     /// Goes on tracing the reference with every frame, and shows it beside what is drawn. Never touches the radiance
     /// image.
     pub beside: Option<Beside>,
@@ -162,6 +165,7 @@ impl Default for RenderSettings {
             mlaa: false,
             mlaa_edges: MlaaEdges::default(),
             show: DisplaySettings::default(),
+            average: false,
             beside: None,
             debug: DebugSettings::default(),
         }

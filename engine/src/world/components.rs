@@ -252,6 +252,9 @@ pub struct Clpv {
     pub gather_rays: GatherRays,
     /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none.
     pub gather_filter: u32,
+    /// Sweeps light along other directions in each frame where frames are averaged, as windows do: single small emitters
+    /// then show no rays, and every frame sweeps. With `transport: Sweep` alone.
+    pub vary_directions: bool,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
     /// sweep's coarsest covers the scene and the finer ones lie before the camera. Each costs about as much as the first.
     pub cascades: u32,
@@ -287,6 +290,7 @@ impl Default for Clpv {
             placement: ClpvPlacement::Fixed,
             gather_rays: GatherRays::Auto,
             gather_filter: 8,
+            vary_directions: false,
             cascades: 1,
             cells: [16, 16, 16],
             cell_size: CellSize::Auto,

@@ -86,7 +86,7 @@ impl Handler<'_> {
             window,
             screen,
             ui,
-            drawn: Drawn::new(game, Arc::new(gpu), self.args.look(), &self.passes),
+            drawn: Drawn::new(game, Arc::new(gpu), self.args.look().in_window(), &self.passes),
             reloader,
             input: Gathered::default(),
             #[cfg(feature = "gamepad")]

@@ -45,6 +45,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "CUL", what: "cull lights to tiles or clusters", passes: &["slc cull"] },
     Stage { name: "SHS", what: "shade by the lights of a tile", passes: &["slc shade", "slc splat", "slc gather"] },
     Stage { name: "FLT", what: "cross bilateral filter", passes: &["slc filter"] },
+    Stage { name: "AVG", what: "average over frames", passes: &["average"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },

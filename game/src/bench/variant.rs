@@ -1,6 +1,6 @@
 //! What is compared: methods of indirect light with their settings.
 
-use crate::cli::{self, Gi, LookArgs, TraceArgs};
+use crate::cli::{self, Gi, LookArgs, Switch, TraceArgs};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -85,6 +85,8 @@ pub struct Variant {
     pub spp: u32,
     /// Path tracing: indirect bounces, none: unlimited.
     pub bounces: Option<u32>,
+    /// Where frames follow each other, each is averaged with those before; `None`: it is not.
+    pub average: Option<Switch>,
     /// What is changed in the scene.
     pub sets: Vec<(String, String)>,
     /// What the variant is, in words.
@@ -111,7 +113,7 @@ impl Variant {
 
     /// A variant by its parts.
     pub fn new(name: &str, gi: Gi, sets: Vec<(String, String)>) -> Self {
-        Self { name: name.to_owned(), gi, spp: 1, bounces: None, sets, what: String::new(), sweep: None }
+        Self { name: name.to_owned(), gi, spp: 1, bounces: None, average: None, sets, what: String::new(), sweep: None }
     }
 
     /// Path tracing with so many samples a pixel.
@@ -120,8 +122,8 @@ impl Variant {
         Self { spp, what, ..Self::new(&format!("path tracing {spp} spp"), Gi::Reference, Vec::new()) }
     }
 
-    /// Reads `NAME: PATH=VALUE, …`. Beside the paths of `--set` there are `gi`, `spp` and `bounces`; the method is
-    /// `clpv` where none is given.
+    /// Reads `NAME: PATH=VALUE, …`. Beside the paths of `--set` there are `gi`, `spp`, `bounces` and `average`; the method
+    /// is `clpv` where none is given.
     ///
     /// # Errors
     /// If there is no name, or an entry is no assignment.
@@ -139,6 +141,7 @@ impl Variant {
             match path.as_str() {
                 "gi" => variant.gi = method(&value)?,
                 "spp" => variant.spp = number(&path, &value)?.max(1),
+                "average" => variant.average = Some(switch(&value)?),
                 "bounces" => variant.bounces = Some(number(&path, &value)?),
                 _ => variant.sets.push((path, value)),
             }
@@ -158,6 +161,7 @@ impl Variant {
             gi: Some(self.gi),
             only: cli::Only::Total,
             no_mlaa: true,
+            average: self.average,
             each_light_alone: false,
             mlaa_edges: cli::Edges::default(),
             virtual_light: None,
@@ -171,7 +175,8 @@ impl Variant {
 
     /// All that makes it what it is, for keys.
     pub fn identity(&self) -> String {
-        format!("{:?} spp={} bounces={:?} {:?}", self.gi, self.spp, self.bounces, self.sets)
+        let average = if self.average == Some(Switch::On) { " averaged" } else { "" };
+        format!("{:?} spp={} bounces={:?} {:?}{average}", self.gi, self.spp, self.bounces, self.sets)
     }
 }
 
@@ -184,6 +189,10 @@ fn method(value: &str) -> Result<Gi> {
             .collect();
         anyhow!("there is no method `{value}`; there are {}", known.join(", "))
     })
+}
+
+fn switch(value: &str) -> Result<Switch> {
+    Switch::from_str(value, true).map_err(|_| anyhow!("`average={value}`: give `on` or `off`"))
 }
 
 fn number(path: &str, value: &str) -> Result<u32> {
@@ -219,6 +228,9 @@ mod tests {
         assert_eq!((variant.name.as_str(), variant.gi), ("fine", Gi::Clpv));
         let sets = [("clpv.cells", "(16, 16, 14)"), ("clpv.cell_size", "Meters(0.15)")];
         assert_eq!(variant.sets, sets.map(|(path, value)| (path.to_owned(), value.to_owned())));
+        let averaged = Variant::parse("calm: average=on, clpv.quality=High").unwrap();
+        assert_eq!((averaged.average, averaged.sets.len()), (Some(Switch::On), 1));
+        assert!(averaged.identity() != Variant::parse("calm: clpv.quality=High").unwrap().identity());
         let traced = Variant::parse("one bounce: gi=reference, spp=64, bounces=1").unwrap();
         assert_eq!((traced.gi, traced.spp, traced.bounces, traced.sets.len()), (Gi::Reference, 64, Some(1), 0));
     }
@@ -231,6 +243,7 @@ mod tests {
             ("a: clpv.steps", "clpv.steps"),
             ("a: gi=magic", "magic"),
             ("a: spp=many", "many"),
+            ("a: average=much", "much"),
         ] {
             let message = format!("{:#}", Variant::parse(text).unwrap_err());
             assert!(message.contains(what), "{text}: {message}");

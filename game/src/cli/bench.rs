@@ -17,7 +17,8 @@ Examples:
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
-A variant is 'NAME: PATH=VALUE, ...' with the paths of --set; beside them there are gi, spp and bounces.
+A variant is 'NAME: PATH=VALUE, ...' with the paths of --set; beside them there are gi, spp, bounces, and average=on:
+flicker is then that of frames that are averaged with those before.
 Times and errors of all variants of a scene are taken in turns, so that a machine that drifts favours none.";
 
 /// Arguments of `bench`.

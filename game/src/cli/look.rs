@@ -57,6 +57,15 @@ pub enum Edges {
     Normal,
 }
 
+/// Whether something is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// It is
+    On,
+    /// It is not
+    Off,
+}
+
 /// Choices that change the picture.
 #[derive(Args, Clone, Debug, Default)]
 pub struct LookArgs {
@@ -72,6 +81,10 @@ pub struct LookArgs {
     /// What tells the edges that are smoothed
     #[arg(long, value_enum, default_value_t = Edges::Color)]
     pub mlaa_edges: Edges,
+    /// Average indirect light with that of the frames before: a view that rests comes to rest after 64 frames, moving
+    /// light is followed within 8. An image then depends on those before it [default: on in windows, off elsewhere]
+    #[arg(long, value_enum)]
+    pub average: Option<Switch>,
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,
@@ -111,6 +124,13 @@ pub struct DebugArgs {
     /// Level of the ray hierarchy that `bvh` shows; 0 is the box around everything
     #[arg(long = "debug-level", value_name = "N", default_value_t = 8)]
     pub bvh_level: u32,
+}
+
+impl LookArgs {
+    /// As windows take them: frames are averaged unless that is not wanted.
+    pub fn in_window(&self) -> Self {
+        Self { average: self.average.or(Some(Switch::On)), ..self.clone() }
+    }
 }
 
 impl Default for DebugArgs {

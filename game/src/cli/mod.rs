@@ -11,7 +11,7 @@ mod test;
 
 pub use bench::{BenchArgs, Bounces, Grows, Sweep};
 pub use compare::{CompareArgs, Metric};
-pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, TraceArgs};
+pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, Switch, TraceArgs};
 pub use parse::parse_assignment;
 pub(crate) use parse::parse_size;
 pub use render::RenderArgs;

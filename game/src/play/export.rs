@@ -58,7 +58,7 @@ impl Job {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         session.set_seconds(self.next as f64 / f64::from(self.export.rate.max(1)));
         let view = SceneView { camera: eye(session)?, size: self.export.size, jitter: [0.0; 2] };
-        let settings = RenderSettings { beside: None, ..session.display_settings() };
+        let settings = RenderSettings { beside: None, average: false, ..session.display_settings() };
         Ok(Next::Frame(Box::new((view, settings))))
     }
 

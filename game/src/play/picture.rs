@@ -21,6 +21,8 @@ pub struct Picture {
     pub objects: Option<Objects>,
     /// Samples of the path tracer, so far and when it is finished.
     pub tracing: Option<(u32, u32)>,
+    /// Whether it gets better with further frames.
+    is_settling: bool,
     /// What it was made of; empty: it is to be drawn anew.
     key: String,
     view: Option<SceneView>,
@@ -37,8 +39,9 @@ impl Picture {
         self.key.clear();
     }
 
-    fn is_half_traced(&self) -> bool {
-        self.tracing.is_some_and(|(samples, target)| samples < target)
+    /// Whether it is drawn again though nothing changed.
+    pub(super) fn gets_better(&self) -> bool {
+        self.is_settling || self.tracing.is_some_and(|(samples, target)| samples < target)
     }
 }
 
@@ -68,7 +71,7 @@ impl Player {
             "{shaders} {} {:?} {:?} {:?} {settings:?} {view:?}",
             scene.identity, scene.revisions, scene.vpl, scene.slc
         );
-        if key == self.picture.key && !self.picture.is_half_traced() {
+        if key == self.picture.key && !self.picture.gets_better() {
             return self.measure_late();
         }
         self.artist.begin(&mut self.session, view.clone(), settings, Purpose::View)?;
@@ -144,6 +147,7 @@ impl Player {
     fn show_picture(&mut self) {
         self.picture.objects = self.session.painter.objects();
         self.picture.tracing = self.session.tracing();
+        self.picture.is_settling = self.session.painter.renderer.is_settling();
         let gpu = self.session.gpu.clone();
         let Some(display) = self.session.display_texture() else { return };
         let size = display.size();

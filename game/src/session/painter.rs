@@ -1,6 +1,6 @@
 //! What draws a world: the scene as the renderer sees it, the renderer, and the choices of how.
 
-use crate::cli::{Edges, Gi, LookArgs, Only};
+use crate::cli::{Edges, Gi, LookArgs, Only, Switch};
 use anyhow::{Context, Result, bail};
 use lightwell::files::{self, SceneInfo};
 use lightwell::gpu::Gpu;
@@ -86,6 +86,7 @@ impl Painter {
                 Edges::Normal => MlaaEdges::Normal,
             },
             show: self.display,
+            average: self.look.average == Some(Switch::On),
             beside: None,
             debug: DebugSettings {
                 views: self.look.debug.views.iter().copied().collect(),

@@ -20,7 +20,7 @@ pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 pub(crate) use self::{blockers::CameraSamplesUniform, propagate::PropagationUniform};
 pub(crate) use relight::RelightUniform;
 
-use super::deferred::RenderError;
+use super::error::RenderError;
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
 use super::light_uniform::LightUniform;

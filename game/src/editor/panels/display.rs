@@ -1,6 +1,6 @@
 //! Method of light, layer, exposure and tone map.
 
-use crate::cli::{Edges, Gi, Only};
+use crate::cli::{Edges, Gi, Only, Switch};
 use crate::editor::stage::Stage;
 use clap::ValueEnum;
 use egui::{Slider, Ui};
@@ -44,6 +44,12 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     let mut smooth = !look.no_mlaa;
     ui.checkbox(&mut smooth, "Smooth edges").on_hover_text("morphological anti-aliasing of the picture");
     look.no_mlaa = !smooth;
+    let mut averages = look.average == Some(Switch::On);
+    ui.checkbox(&mut averages, "Average frames").on_hover_text(
+        "averages indirect light with that of the frames before: a view that rests loses its noise within 64 frames, and \
+         light that moves is followed within 8",
+    );
+    look.average = Some(if averages { Switch::On } else { Switch::Off });
     let shown = word_of(look.mlaa_edges);
     choice(ui, "Edges by", &shown, |ui| {
         for edges in Edges::value_variants() {

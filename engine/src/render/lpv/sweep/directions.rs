@@ -25,6 +25,8 @@ pub(super) struct Directions {
     pub values: Vec<[f32; 4]>,
     /// Directions of one quadrant of one sense of one axis.
     pub quarter: u32,
+    /// Which of the sets of that many it is; none: the fixed one.
+    number: Option<u32>,
 }
 
 impl Directions {
@@ -47,6 +49,22 @@ impl Directions {
         }
     }
 
+    /// Another set of as many directions for each number: each lies anywhere in its part of the sphere, so that over many
+    /// sets light comes from everywhere.
+    pub fn varied(&self, number: u32) -> Self {
+        let parts = bisected(self.quarter / 2);
+        let orbits = parts.into_iter().zip(0..).map(|(triangle, index)| {
+            let weight = solid_angle(triangle) / (4.0 * std::f64::consts::PI);
+            (point_within(triangle, low_discrepancy(number, index)).to_array(), weight)
+        });
+        Self { number: Some(number), ..Self::from_orbits(&orbits.collect::<Vec<_>>()) }
+    }
+
+    /// Of two sets with the same key light is the same.
+    pub fn key(&self) -> (usize, Option<u32>) {
+        (self.values.len(), self.number)
+    }
+
     fn from_orbits(orbits: &[([f64; 3], f64)]) -> Self {
         let mut values = Vec::with_capacity(48 * orbits.len());
         for axis in 0..3 {
@@ -67,7 +85,7 @@ impl Directions {
                 }
             }
         }
-        Self { values, quarter: 2 * orbits.len() as u32 }
+        Self { values, quarter: 2 * orbits.len() as u32, number: None }
     }
 
     /// Radiance that enters along each direction from a sky: the mean of the part that lies nearest to where the light
@@ -83,9 +101,14 @@ impl Directions {
     }
 }
 
-/// The triangle x > y > z > 0 of the sphere, a 48th of it, in k² parts: their centroids and areas.
+/// The corners of the triangle x > y > z > 0 of the sphere, a 48th of it.
+fn corners() -> [DVec3; 3] {
+    [DVec3::X, DVec3::new(1.0, 1.0, 0.0).normalize(), DVec3::ONE.normalize()]
+}
+
+/// That triangle in k² parts: their centroids and areas.
 fn subdivided(parts: u32) -> Vec<([f64; 3], f64)> {
-    let corners = [DVec3::X, DVec3::new(1.0, 1.0, 0.0).normalize(), DVec3::ONE.normalize()];
+    let corners = corners();
     let k = f64::from(parts);
     let at = |i: u32, j: u32| {
         let (b, c) = (f64::from(i) / k, f64::from(j) / k);
@@ -105,6 +128,45 @@ fn subdivided(parts: u32) -> Vec<([f64; 3], f64)> {
         }
     }
     orbits
+}
+
+/// That triangle in so many parts: the largest is halved across its longest edge until there are.
+fn bisected(parts: u32) -> Vec<[DVec3; 3]> {
+    let mut triangles = vec![corners()];
+    while triangles.len() < parts as usize {
+        let area = |&(_, triangle): &(usize, &[DVec3; 3])| solid_angle(*triangle);
+        let largest = triangles.iter().enumerate().max_by(|a, b| area(a).total_cmp(&area(b)));
+        let [a, b, c] = triangles.remove(largest.map_or(0, |(index, _)| index));
+        // The edge from the first to the second is the longest.
+        let turned = [[a, b, c], [b, c, a], [c, a, b]];
+        let longest = turned.into_iter().min_by(|t, u| t[0].dot(t[1]).total_cmp(&u[0].dot(u[1])));
+        let [a, b, c] = longest.unwrap_or([a, b, c]);
+        let middle = (a + b).normalize();
+        triangles.extend([[a, middle, c], [middle, b, c]]);
+    }
+    triangles
+}
+
+/// A point of a spherical triangle, evenly by two numbers of 0..1 (Arvo 1995, "Stratified sampling of spherical
+/// triangles").
+fn point_within([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
+    // The angle at a corner is that between the planes of its edges.
+    let angle = |at: DVec3, to: DVec3, other: DVec3| at.cross(to).angle_between(at.cross(other));
+    let alpha = angle(a, b, c);
+    let area = u * solid_angle([a, b, c]);
+    let (s, t) = (area - alpha).sin_cos();
+    let across = t - alpha.cos();
+    let along = s + alpha.sin() * a.dot(b);
+    let q = ((along * t - across * s) * alpha.cos() - along) / ((along * s + across * t) * alpha.sin());
+    let on_edge = q.clamp(-1.0, 1.0) * a + (1.0 - q * q).max(0.0).sqrt() * (c - a * a.dot(c)).normalize();
+    let z = 1.0 - v * (1.0 - on_edge.dot(b));
+    (z * b + (1.0 - z * z).max(0.0).sqrt() * (on_edge - b * b.dot(on_edge)).normalize_or_zero()).normalize()
+}
+
+/// The point of a row of evenly spread ones in the unit square (Roberts 2018, the R₂ sequence), shifted by the index.
+fn low_discrepancy(number: u32, index: u32) -> [f64; 2] {
+    let at = |step: f64| (0.5 + step * f64::from(number) + 0.381_966 * f64::from(index) / step).fract();
+    [at(0.754_877_666_246_693), at(0.569_840_290_998_053_2)]
 }
 
 /// Solid angle of a spherical triangle (Van Oosterom and Strackee 1983).
@@ -155,6 +217,31 @@ mod tests {
         for parts in 1..6 {
             let sum: f64 = subdivided(parts).iter().map(|(_, weight)| weight).sum();
             assert!((48.0 * sum - 1.0).abs() < 1e-12, "{parts}: {sum}");
+        }
+    }
+
+    #[test]
+    fn sets_that_vary_are_those_of_the_sphere_in_the_mean() {
+        for (name, set, _) in all() {
+            let sets: Vec<Directions> = (0..256).map(|number| set.varied(number)).collect();
+            for set in &sets {
+                assert_eq!((set.values.len(), set.quarter), (48 * set.quarter as usize / 2, sets[0].quarter), "{name}");
+                let total: f32 = set.values.iter().map(|v| v[3]).sum();
+                assert!((total / (4.0 * std::f32::consts::PI) - 1.0).abs() < 1e-5, "{name}: {total}");
+                // The first generator's axis is the dominant one, and the sense positive.
+                for v in &set.values[..set.quarter as usize] {
+                    assert!(v[0] >= v[1].abs() && v[0] >= v[2].abs(), "{name}: {v:?}");
+                }
+            }
+            assert!(sets[1].values != sets[2].values && sets[1].key() != sets[2].key());
+            for (f, exact) in [
+                ((|d| d.x.powi(4)) as fn(DVec3) -> f64, 4.0 * PI / 5.0),
+                (|d| (d.x * d.y).powi(2), 4.0 * PI / 15.0),
+                (|d| d.x.powi(6), 4.0 * PI / 7.0),
+            ] {
+                let mean = sets.iter().map(|set| integral(set, f)).sum::<f64>() / sets.len() as f64;
+                assert!((mean / exact - 1.0).abs() < 2e-3, "{name}: {mean} for {exact}");
+            }
         }
     }
 

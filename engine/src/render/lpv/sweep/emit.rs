@@ -156,7 +156,7 @@ pub(super) fn declare<'a>(
         sky_bits,
         sources.scale.to_bits(),
         step.bounce,
-        directions.values.len(),
+        directions.key(),
         frame.scene.identity,
     ));
     let in_cells = |point: Vec3| (point - volume.origin) / volume.cell;

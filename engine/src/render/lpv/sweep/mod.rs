@@ -39,7 +39,7 @@ use crate::render::gbuffer::GBuffer;
 use crate::render::rsm::{self, Rsm};
 use crate::render::sky_light;
 use crate::scene::{Aabb, SceneClpv, SceneLight};
-use crate::world::{Bounces, Clpv, Quality};
+use crate::world::{Bounces, Clpv, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
 
@@ -98,6 +98,10 @@ pub(super) fn declare<'a>(
         return Ok(None);
     }
     let directions = [Directions::of(quality), Directions::of_further_bounces(quality)];
+    let directions = match frame.number().filter(|_| varies(settings)) {
+        Some(number) => directions.map(|set| set.varied(number)),
+        None => directions,
+    };
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
@@ -143,6 +147,11 @@ pub(super) fn declare<'a>(
         .map(|level| (level.opacity, level.volume));
     let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
     Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
+}
+
+/// Whether light is swept along other directions in each of the frames that are averaged.
+pub(in crate::render) fn varies(settings: &Clpv) -> bool {
+    settings.transport == Transport::Sweep && settings.vary_directions
 }
 
 /// What the surfels have of a bounce.

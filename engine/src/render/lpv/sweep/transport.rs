@@ -120,7 +120,7 @@ pub(super) fn declare<'a>(
     let map = frame.scene.sky_map.as_deref().filter(|_| step.bounce == 0);
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
     let inner_key = inner.map(|inner| inner.key());
-    pass.key(&(volume.key(), inner_key, directions.values.len(), sky, step.bounce, step.bounces));
+    pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces));
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {

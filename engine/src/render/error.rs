@@ -1,0 +1,53 @@
+//! What can go wrong with a frame.
+
+use super::ray_scene::RayError;
+use super::reference::TraceError;
+use super::vpl::VplError;
+use crate::graph::GraphError;
+
+/// Why a frame could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The image has no pixels, or more than the device can hold.
+    #[error("image size {width}x{height} is not between 1x1 and {limit}x{limit}, the limit of this adapter")]
+    Size {
+        /// Asked for.
+        width: u32,
+        /// Asked for.
+        height: u32,
+        /// Largest edge that the adapter can do.
+        limit: u32,
+    },
+    /// The camera's numbers make no picture.
+    #[error("camera `{camera}`: {what}")]
+    Camera {
+        /// Its name.
+        camera: String,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// CLPV settings that make no volume.
+    #[error("Clpv component: {0}")]
+    Clpv(String),
+    /// Virtual lights that cannot be made.
+    #[error("virtual lights cannot be made")]
+    Vpl(#[from] VplError),
+    /// Settings of stochastic light culling that do not fit the device.
+    #[error("stochastic light culling: {0}")]
+    LightCulling(String),
+    /// The scene does not fit the device as rays need it.
+    #[error(transparent)]
+    Rays(#[from] RayError),
+    /// A pass failed, or the frame was put together wrongly.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The reference cannot be traced.
+    #[error("path tracing: {0}")]
+    Trace(#[from] TraceError),
+    /// The device is gone: it was taken away, or its driver has failed.
+    #[error("the graphics device was lost: {0}; open the scene again to take up another one")]
+    Lost(String),
+    /// The device reported errors while drawing.
+    #[error("the graphics device reported: {0}")]
+    Device(String),
+}
