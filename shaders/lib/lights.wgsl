@@ -28,21 +28,15 @@ struct Incidence {
 
 // Radiant intensity [W/sr] (directional: irradiance) in a unit direction seen from the light.
 fn light_intensity_towards(light: Light, from_light: vec3f) -> vec3f {
-    if light.shape != SPOT {
-        return light.intensity;
-    }
     // glTF's quadratic smoothing between the inner and the outer cone.
     let t = saturate(dot(light.direction, from_light) * light.cone_scale + light.cone_offset);
-    return light.intensity * (t * t);
+    return light.intensity * select(1.0, t * t, light.shape == SPOT);
 }
 
 // KHR_lights_punctual's window: falls to zero at the range, with a smooth end.
 fn range_window(light: Light, distance: f32) -> f32 {
-    if light.range <= 0.0 {
-        return 1.0;
-    }
-    let ratio = distance / light.range;
-    return saturate(1.0 - ratio * ratio * ratio * ratio);
+    let ratio = distance / max(light.range, 1e-30);
+    return select(1.0, saturate(1.0 - ratio * ratio * ratio * ratio), light.range > 0.0);
 }
 
 // What arrives at a point, before any shadow.

@@ -31,20 +31,19 @@ fn texel_solid_angle(low: vec2f, high: vec2f) -> f32 {
 // What the surface in a texel receives from the light: Φ_in = I·Δω or E·A_⊥. No cosine: the texel is what the
 // light sees of the surface.
 fn texel_received(rsm: RsmLayer, light: Light, texel: vec2u, position: vec3f) -> Received {
-    var received: Received;
     let step = 2.0 * rsm.half_extent / f32(rsm.size);
-    if light.shape == DIRECTIONAL {
-        received.to_light = -light.direction;
-        received.area = step * step;
-        received.flux = light.intensity * received.area;
-        return received;
-    }
     let offset = light.position - position;
     let d = length(offset);
-    received.to_light = select(vec3f(0.0, 1.0, 0.0), offset / d, d > 1e-18);
+    let to_light = select(vec3f(0.0, 1.0, 0.0), offset / d, d > 1e-18);
     let low = vec2f(texel) * step - rsm.half_extent;
     let solid_angle = texel_solid_angle(low, low + step);
-    received.area = solid_angle * d * d;
-    received.flux = light_intensity_towards(light, -received.to_light) * range_window(light, d) * solid_angle;
-    return received;
+    let flux = light_intensity_towards(light, -to_light) * range_window(light, d) * solid_angle;
+    // Both are computed: Mesa's software driver (22.3) makes shaders anew in every frame whose branches hang on values of
+    // uniforms alone that stand beside others that change.
+    let is_directional = light.shape == DIRECTIONAL;
+    return Received(
+        select(flux, light.intensity * (step * step), is_directional),
+        select(to_light, -light.direction, is_directional),
+        select(solid_angle * d * d, step * step, is_directional),
+    );
 }

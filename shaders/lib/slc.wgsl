@@ -48,8 +48,8 @@ const GRAZING_FLUX: u32 = 5u; // Φ·F90 [W]
 const SPHEROID: u32 = 6u;  // centre [m] and radius across [m] of the specular range
 const AXIS: u32 = 7u;      // its axis; squeeze
 
-// All settings of the passes, in one block: where there are several, Mesa's software driver (22.3) makes a shader anew
-// in every frame, and keeps all.
+// All settings of the passes, in one block. Where there are several, or where branches hang on more than three values of
+// uniforms, Mesa's software driver (22.3) makes a shader anew in every frame, and keeps all.
 struct Culling {
     view: View,
     lights: u32,           // of a subset

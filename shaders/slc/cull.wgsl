@@ -19,7 +19,11 @@
 // The slice of every pixel.
 @group(0) @binding(5) var<storage, read_write> slices: array<u32>;
 
-const MAX_SLICES: u32 = 32u;
+#ifdef SLICES
+const SLICES: u32 = #{SLICES}u; // as `culling` has it
+#else
+const SLICES: u32 = 2u;
+#endif
 const GROUP_WORDS: u32 = 8u; // of the lights that a workgroup tests at once
 
 var<workgroup> nearest: atomic<u32>;
@@ -27,8 +31,8 @@ var<workgroup> farthest: atomic<u32>;
 var<workgroup> deepest: atomic<u32>;
 var<workgroup> shallowest: atomic<u32>;
 // Depths as integers, which are ordered as the floats are.
-var<workgroup> slice_near: array<atomic<u32>, MAX_SLICES>;
-var<workgroup> slice_far: array<atomic<u32>, MAX_SLICES>;
+var<workgroup> slice_near: array<atomic<u32>, SLICES>;
+var<workgroup> slice_far: array<atomic<u32>, SLICES>;
 var<workgroup> found: array<atomic<u32>, 512>;
 // Which words of 32 of a mask are not zero.
 var<workgroup> summaries: array<atomic<u32>, 64>;
@@ -40,11 +44,11 @@ fn slice_at(w: f32, near: f32, far: f32) -> u32 {
     if !(far > near) {
         return 0u;
     }
-    if culling.slices == 2u {
+    if SLICES == 2u {
         return select(0u, 1u, w > 0.5 * (near + far));
     }
     let t = log(w / near) / log(far / near);
-    return min(u32(max(t, 0.0) * f32(culling.slices)), culling.slices - 1u);
+    return min(u32(max(t, 0.0) * f32(SLICES)), SLICES - 1u);
 }
 
 // A corner of the tile at a stored depth.
@@ -95,7 +99,7 @@ fn touched(center: vec3f, radius: f32, axis: vec3f, squeeze: f32, near: f32, far
     let margin = 4e-6 * largest;
     let scale = select(0.0, 1.0 / (far - near), far > near);
     var bits = 0u;
-    for (var s = 0u; s < culling.slices; s++) {
+    for (var s = 0u; s < SLICES; s++) {
         let first = bitcast<f32>(atomicLoad(&slice_near[s]));
         let last = bitcast<f32>(atomicLoad(&slice_far[s]));
         if last < first {
@@ -144,10 +148,10 @@ fn main(
         atomicStore(&farthest, 0u);
         atomicStore(&deepest, 0u);
     }
-    if thread < 2u * MAX_SLICES {
+    if thread < 2u * SLICES {
         atomicStore(&summaries[thread], 0u);
     }
-    if thread < MAX_SLICES {
+    if thread < SLICES {
         atomicStore(&slice_near[thread], 0x7f7fffffu);
         atomicStore(&slice_far[thread], 0u);
     }
@@ -187,7 +191,7 @@ fn main(
 
     let tile = (subset_index * culling.tiles.y + group.y) * culling.tiles.x + group.x;
     let stride = mask_stride(culling.words);
-    let first_word = tile * culling.slices * 2u * stride;
+    let first_word = tile * SLICES * 2u * stride;
     for (var chunk = 0u; chunk < culling.words; chunk += GROUP_WORDS) {
         let index = 32u * chunk + thread;
         if index < culling.lights && far > 0.0 {
@@ -202,7 +206,7 @@ fn main(
             }
         }
         workgroupBarrier();
-        for (var i = thread; i < 2u * culling.slices * GROUP_WORDS; i += 256u) {
+        for (var i = thread; i < 2u * SLICES * GROUP_WORDS; i += 256u) {
             let word = chunk + i % GROUP_WORDS;
             let bits = atomicLoad(&found[i]);
             masks[first_word + (i / GROUP_WORDS) * stride + word] = bits;
@@ -211,7 +215,7 @@ fn main(
         }
         workgroupBarrier();
         let end = chunk + GROUP_WORDS;
-        if (end % 32u == 0u || end == culling.words) && thread < 2u * culling.slices {
+        if (end % 32u == 0u || end == culling.words) && thread < 2u * SLICES {
             masks[first_word + thread * stride + culling.words + chunk / 32u] = atomicExchange(&summaries[thread], 0u);
         }
         workgroupBarrier();

@@ -82,11 +82,12 @@ impl Handler<'_> {
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(&self.args.common)?)?;
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::with_context(&gpu, &window, screen.format(), context);
+        let look = self.args.look().in_window(&gpu);
         Ok(Open {
             window,
             screen,
             ui,
-            drawn: Drawn::new(game, Arc::new(gpu), self.args.look().in_window(), &self.passes),
+            drawn: Drawn::new(game, Arc::new(gpu), look, &self.passes),
             reloader,
             input: Gathered::default(),
             #[cfg(feature = "gamepad")]

@@ -81,7 +81,8 @@ impl Player {
         let window = Arc::new(window);
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
         let ui = UiSurface::new(&gpu, &window, screen.format());
-        let session = Session::open_with(gpu, &args.scene, &args.look.in_window(), common, own.types.clone())?;
+        let look = args.look.in_window(&gpu);
+        let session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
         lightwell::files::remove_leftovers(session.path());
         let artist = Artist::new(&session.gpu);
         let mut player = Self {

@@ -1,7 +1,7 @@
 //! Which lights may reach which part of which tile.
 
 use super::{Method, Sources};
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
@@ -44,7 +44,7 @@ pub(super) fn declare<'a>(
         let counts = cx.counts();
         counts.cells += u64::from(x) * u64::from(y) * u64::from(method.subsets()) * u64::from(method.slices);
         cx.dispatch(
-            &ComputeKey::new("slc/cull.wgsl", "main"),
+            &ComputeKey::new("slc/cull.wgsl", "main").def("SLICES", ShaderDef::Uint(method.slices)),
             &[
                 ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
                 ("depth", Binding::Texture(&depth)),

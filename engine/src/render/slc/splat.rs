@@ -104,7 +104,7 @@ fn draw_row(
     };
     let mut groups = Vec::new();
     for column in 0..n {
-        let culling = method.uniform(gpu, &frame, row * n + column);
+        let culling = method.uniform(gpu, frame, row * n + column);
         let group = [
             ("culling", Binding::Buffer(&culling)),
             ("base_color", Binding::Texture(&surfaces[0])),

@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn sets_that_vary_are_those_of_the_sphere_in_the_mean() {
         for (name, set, _) in all() {
-            let sets: Vec<Directions> = (0..256).map(|number| set.varied(number)).collect();
+            let sets: Vec<Directions> = (0..4096).map(|number| set.varied(number)).collect();
             for set in &sets {
                 assert_eq!((set.values.len(), set.quarter), (48 * set.quarter as usize / 2, sets[0].quarter), "{name}");
                 let total: f32 = set.values.iter().map(|v| v[3]).sum();
@@ -240,7 +240,7 @@ mod tests {
                 (|d| d.x.powi(6), 4.0 * PI / 7.0),
             ] {
                 let mean = sets.iter().map(|set| integral(set, f)).sum::<f64>() / sets.len() as f64;
-                assert!((mean / exact - 1.0).abs() < 2e-3, "{name}: {mean} for {exact}");
+                assert!((mean / exact - 1.0).abs() < 5e-4, "{name}: {mean} for {exact}");
             }
         }
     }
