@@ -36,9 +36,9 @@ const LEAST: f32 = 0.01;
 // Roughness below which a surface shows an image, which does not stay where it is when the camera moves.
 const GLOSSY: f32 = 0.5;
 // How far off the plane of a surface, in pixels at its distance, a point still belongs to it; and the least cosine
-// between their normals.
+// between their normals, 6°: an object that turns by more from frame to frame has light of its own in each.
 const OFF_PLANE: f32 = 1.5;
-const LEAST_COSINE: f32 = 0.9;
+const LEAST_COSINE: f32 = 0.995;
 
 // What was seen before: light, and the number of frames in it; none: 0.
 fn recalled(at: vec2i, position: vec3f, n: vec3f, pixel: f32) -> vec4f {
