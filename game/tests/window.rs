@@ -192,11 +192,11 @@ fn an_animation_is_exported_and_another_export_cancelled() {
         window.click(window.place("Path").at(0.5, 0.5));
         window.key("ctrl+a");
         window.xdotool(&["type", into.to_str().unwrap()]);
-        // At 30 frames a second. What was typed before it has arrived then too.
-        let length = format!("{:.2} s of the animation", f64::from(frames) / 30.0);
+        // At 30 frames a second.
+        let wanted = format!("64 × 48 pixels, {:.2} s of the animation", f64::from(frames) / 30.0);
         let start = Instant::now();
         // A slow interface may miss a key that comes before its field is open: then whoever sits there types again.
-        while !window.widgets().iter().any(|(_, text)| *text == length) {
+        while !window.widgets().iter().any(|(_, text)| *text == wanted) {
             assert!(start.elapsed() < PATIENCE, "the fields take nothing; it said {}", window.said());
             for (field, value) in [("Width", "64"), ("Height", "48"), ("Frames", &frames.to_string())] {
                 window.click(window.place(field).at(0.5, 0.5));

@@ -3,7 +3,7 @@
 //! ```text
 //! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
 //!      ├─ shadow (a map a light) ┘                           │
-//!      ├─ rsm ─ inject ─ propagate ─────────────── relight ──┤
+//!      ├─ rsm ─ inject ─ propagate ────── relight ─ average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      └─ blend (blended surfaces, over all others) ─────────┘
 //! ```

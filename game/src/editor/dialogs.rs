@@ -203,7 +203,8 @@ fn export_ui(ui: &mut Ui, editor: &mut Editor, export: &mut Export, folder: &mut
         ui.horizontal(|ui| {
             let response = ui.add(egui::DragValue::new(&mut export.frames).range(1..=100_000));
             super::widgets::named(&response, "Frames");
-            ui.weak(format!("{:.2} s of the animation", export.frames as f64 / f64::from(export.rate.max(1))));
+            let ([width, height], seconds) = (export.size, export.frames as f64 / f64::from(export.rate.max(1)));
+            ui.weak(format!("{width} × {height} pixels, {seconds:.2} s of the animation"));
         });
         ui.end_row();
         ui.label("Video");
