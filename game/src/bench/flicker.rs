@@ -5,6 +5,7 @@ use super::picture;
 use super::reference::{References, Wanted};
 use super::results::Flicker;
 use super::variant::Variant;
+use crate::cli::Switch;
 use anyhow::{Context, Result};
 use lightwell::measure::Image;
 use lightwell::render::Layer;
@@ -13,6 +14,9 @@ use std::path::Path;
 
 /// Change of a tenth of the mean light that is shown as middle grey.
 const EXPOSURE: f64 = 10.0;
+
+/// Frames after which nothing is left of those before that.
+const LEAD_IN: u32 = 20;
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +145,7 @@ pub fn measure(
     let mut own = Sums::new(size);
     let mut halves = [Trail::default(), Trail::default()];
     let mut mean = 0.0;
+    lead_in(lab, which, course)?;
     for frame in course.first..course.first + course.frames {
         let time = f64::from(frame) / f64::from(rate.max(1));
         lab.set_seconds(time);
@@ -173,6 +178,20 @@ pub fn measure(
         all.push(flicker);
     }
     Ok(all)
+}
+
+/// Draws the frames that come before, for variants that average theirs: what they drew last may be of another time.
+fn lead_in(lab: &mut Lab, which: &[usize], course: &Course) -> Result<()> {
+    let (_, rate) = lab.clock();
+    let averaged = |&index: &usize| lab.runners[index].0.average == Some(Switch::On);
+    let which: Vec<usize> = which.iter().copied().filter(averaged).collect();
+    for frame in course.first.saturating_sub(LEAD_IN)..course.first {
+        lab.set_seconds(f64::from(frame) / f64::from(rate.max(1)));
+        for &index in &which {
+            lab.draw(index, course.size, course.aa)?;
+        }
+    }
+    Ok(())
 }
 
 /// Draws the reference's change, that beyond it and its trembling side by side; gives the file's name.
