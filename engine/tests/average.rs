@@ -143,6 +143,12 @@ fn frames_that_are_not_averaged_know_nothing_of_others() {
     let (alone, _) = stage.render_with(&gpu, &mut renderer, &settings(false));
     assert_eq!(bits(&alone), bits(&fresh), "a frame that stands for itself has something of those before");
     assert!(!renderer.is_settling());
+    // A layer without indirect light gets no better, however often it is drawn.
+    frames(&gpu, &mut renderer, &stage, 3);
+    let direct = RenderSettings { only: Layer::Direct, ..settings(true) };
+    stage.render_with(&gpu, &mut renderer, &direct);
+    assert!(!renderer.is_settling());
+    stage.render_with(&gpu, &mut renderer, &settings(false));
     // The first of a new row knows nothing of the last one's either, nor does one of another size.
     let (first, _) = frames(&gpu, &mut renderer, &stage, 1);
     assert_eq!(bits(&first), bits(&frames(&gpu, &mut Renderer::new(&gpu), &stage, 1).0));

@@ -62,6 +62,8 @@ pub(crate) struct History {
     rested: u32,
     even: u32,
     row: u64,
+    /// Whether the last frame showed no indirect light.
+    is_idle: bool,
     /// Written in turns: this frame's, and that of the frame before.
     targets: Option<[Target; 2]>,
 }
@@ -87,6 +89,7 @@ struct Target {
 impl History {
     /// Begins a frame whose light is averaged with that of the frames before.
     pub fn begin(&mut self, gpu: &Gpu, scene: &Scene, view: &SceneView, settings: &RenderSettings) {
+        self.is_idle = false;
         let seen = Seen::new(scene, view, settings, gpu.shaders.revision());
         let before = self.last.filter(|last| last.subject == seen.subject).zip(self.step);
         let Some((last, step)) = before.filter(|_| self.targets.is_some()) else {
@@ -113,6 +116,11 @@ impl History {
         self.last = Some(seen);
     }
 
+    /// Takes note of a frame that shows no indirect light: those that do go on after it.
+    pub fn skip(&mut self) {
+        self.is_idle = true;
+    }
+
     /// What the frame that was begun does; none: it is not averaged.
     pub fn step(&self) -> Option<Step> {
         self.step
@@ -120,7 +128,7 @@ impl History {
 
     /// Whether more frames would make the picture better.
     pub fn is_settling(&self) -> bool {
-        self.step.is_some() && !self.is_at_rest()
+        self.step.is_some() && !self.is_idle && !self.is_at_rest()
     }
 
     /// Forgets all frames, after one that is not averaged or has failed.
@@ -157,7 +165,9 @@ impl Seen {
         };
         let revisions = scene.revisions;
         let methods = format!("{:?} {:?} {:?}", scene.clpv, scene.vpl, scene.slc);
-        let subject = (scene.identity, view.size, settings.gi, settings.virtual_light, shaders);
+        // Where the origin moves, places of before mean nothing.
+        let origin = scene.origin.to_array().map(f64::to_bits);
+        let subject = (scene.identity, origin, view.size, settings.gi, settings.virtual_light, shaders);
         let light = (revisions.geometry, revisions.materials, revisions.lights, revisions.settings, methods);
         Self {
             subject: hash(&|hasher| subject.hash(hasher)),

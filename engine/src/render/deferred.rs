@@ -153,8 +153,7 @@ impl Renderer {
         check_view(gpu, view)?;
         match (needs::averages(scene, settings), needs::shows_indirect(settings)) {
             (true, true) => self.history.begin(gpu, scene, view, settings),
-            // Its frames go on when it is shown again.
-            (true, false) => {}
+            (true, false) => self.history.skip(),
             (false, _) => self.history.forget(),
         }
         if let (GiMethod::Reference(reference), true) = (settings.gi, settings.only.is_light()) {
