@@ -107,3 +107,40 @@ fn many_draws_in_a_call_are_the_same_draws() {
     assert_eq!(drawn(&many.1, "gbuffer"), drawn(&single.1, "gbuffer"));
     assert!(drawn(&single.1, "gbuffer").0 >= 90, "{}", single.1);
 }
+
+/// What is seen in part is drawn primitive by primitive, what is seen whole a block at a time: the same draws, wherever the
+/// view's border lies. Two hundred boxes in a row pass by; of some the box is empty, and they are never drawn.
+#[test]
+fn blocks_change_nothing_in_what_is_drawn() {
+    let mut stage = crowd();
+    let model = stage.scene.primitives[0].clone();
+    stage.scene.primitives.clear();
+    for index in 0..200_u16 {
+        let mut primitive = model.clone();
+        primitive.id = SceneId(100 + u64::from(index));
+        let size = [0.3 + 0.0004 * f32::from(index); 3];
+        primitive.mesh = Arc::new(Shape::Box { size }.mesh().expect("a valid shape"));
+        primitive.world_from_object = Affine3A::from_translation(Vec3::new(f32::from(index) - 300.0, 0.0, 0.0));
+        stage.scene.primitives.push(primitive);
+    }
+    let gpu = gpu();
+    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let mut most = 0;
+    for shift in [0.0, 97.5, 180.0, 260.0, 300.0] {
+        let mut inside = 0;
+        let camera = lightwell::scene::Frustum::new(&stage.view.clip_from_world());
+        for (index, primitive) in stage.scene.primitives.iter_mut().enumerate() {
+            primitive.world_from_object.translation.x = index as f32 - 300.0 + shift;
+            primitive.bounds = primitive.mesh.bounds.transformed(&primitive.world_from_object);
+            if index % 50 == 3 {
+                primitive.bounds = lightwell::scene::Aabb::EMPTY;
+            }
+            inside += u64::from(camera.intersects(&primitive.bounds));
+        }
+        stage.scene.revisions.geometry += 1;
+        let report = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).1;
+        assert_eq!(drawn(&report, "gbuffer").0, inside, "moved by {shift}");
+        most = most.max(inside);
+    }
+    assert!(most > 5, "{most} were seen at most");
+}

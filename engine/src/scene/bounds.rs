@@ -104,25 +104,29 @@ impl Frustum {
 
     /// False only if the box is certainly outside (conservative).
     pub fn intersects(&self, aabb: &Aabb) -> bool {
-        if aabb.is_empty() {
-            return false;
-        }
-        let (min, max) = (aabb.min, aabb.max);
-        self.planes.iter().all(|[x, y, z, d]| {
-            // Along each axis the corner that lies farther along the normal.
-            let farthest =
-                |normal: Vec4, min: f32, max: f32| Vec4::select(normal.cmpge(Vec4::ZERO), normal * max, normal * min);
-            let distance = farthest(*x, min.x, max.x) + farthest(*y, min.y, max.y) + farthest(*z, min.z, max.z) + *d;
-            // A NaN (infinite far plane times zero) must not cull.
-            !distance.cmplt(Vec4::ZERO).any()
-        })
+        // A NaN (infinite far plane times zero) must not cull.
+        !aabb.is_empty() && self.planes.iter().all(|four| !farthest(four, aabb.min, aabb.max).cmplt(Vec4::ZERO).any())
     }
+
+    /// True only if the box is certainly inside; then [`Frustum::intersects`] holds for every box in it that is not
+    /// empty, to the bit, since roundings keep the order of sums.
+    pub fn holds(&self, aabb: &Aabb) -> bool {
+        // The nearest corner is the farthest of the box with its corners swapped.
+        !aabb.is_empty() && self.planes.iter().all(|four| farthest(four, aabb.max, aabb.min).cmpge(Vec4::ZERO).all())
+    }
+}
+
+/// Distances, in lengths of their normals, to four planes of the corner that lies farthest along each one's normal.
+fn farthest([x, y, z, d]: &[Vec4; 4], min: Vec3, max: Vec3) -> Vec4 {
+    let along = |normal: Vec4, min: f32, max: f32| Vec4::select(normal.cmpge(Vec4::ZERO), normal * max, normal * min);
+    along(*x, min.x, max.x) + along(*y, min.y, max.y) + along(*z, min.z, max.z) + *d
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Quat;
+    use proptest::prelude::*;
 
     #[test]
     fn transformed_box_holds_every_transformed_corner() {
@@ -149,5 +153,46 @@ mod tests {
         assert!(!frustum.intersects(&at(5.0)));
         assert!(!frustum.intersects(&at(-50.0)));
         assert!(!frustum.intersects(&Aabb::EMPTY));
+    }
+
+    fn corner() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-20.0_f32..20.0).prop_map(Vec3::from)
+    }
+
+    fn view() -> impl Strategy<Value = Frustum> {
+        (corner(), corner(), 0.2_f32..3.0, prop::option::of(1.0_f32..40.0)).prop_map(|(eye, center, fov, far)| {
+            let up = if (center - eye).normalize_or_zero().y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
+            let view_from_world = glam::camera::rh::view::look_at_mat4(eye, center + Vec3::splat(0.001), up);
+            Frustum::new(&(crate::scene::perspective(fov, 1.5, 0.1, far) * view_from_world))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn a_box_in_a_box_inside_is_seen_and_in_a_box_outside_is_not(
+            frustum in view(), (a, b) in (corner(), corner()), size in 0.0_f32..1.0,
+            parts in prop::array::uniform2(prop::array::uniform3(0.0_f32..=1.0)),
+        ) {
+            let outer = Aabb { min: a.min(a.lerp(b, size)), max: a.max(a.lerp(b, size)) };
+            let at = |t: [f32; 3]| (outer.min + (outer.max - outer.min) * Vec3::from(t)).min(outer.max);
+            let inner = Aabb::from_points(parts.map(at));
+            prop_assert!(!frustum.holds(&outer) || frustum.intersects(&inner));
+            prop_assert!(frustum.intersects(&outer) || !frustum.intersects(&inner));
+            prop_assert!(!frustum.holds(&inner) || frustum.intersects(&inner));
+        }
+    }
+
+    #[test]
+    fn a_box_that_a_border_cuts_is_seen_and_not_held() {
+        let frustum = Frustum::new(&crate::scene::perspective(1.0, 1.0, 0.1, Some(10.0)));
+        let at =
+            |z: f32, half: f32| Aabb { min: Vec3::new(-half, -half, z - 1.0), max: Vec3::new(half, half, z + 1.0) };
+        assert!(frustum.holds(&at(-5.0, 0.5)));
+        for cut in [at(-5.0, 9.0), at(-10.0, 0.5), at(0.0, 0.01)] {
+            assert!(frustum.intersects(&cut) && !frustum.holds(&cut), "{cut:?}");
+        }
+        assert!(!frustum.holds(&Aabb::EMPTY));
     }
 }

@@ -27,9 +27,9 @@ pub(super) struct Member {
     pub bounds: Aabb,
     /// Revisions of its geometry and its material.
     pub revisions: [u64; 2],
-    casts_shadow: bool,
+    pub casts_shadow: bool,
     /// See [`wall_extent`].
-    wall: f32,
+    pub wall: f32,
 }
 
 impl Member {

@@ -4,6 +4,7 @@ use super::{Batch, Bound, DrawFilter, GpuScene, MaterialClass, Member, submit};
 use crate::gpu::{Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
 use glam::Vec3;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Which side of a surface is drawn. Of a double-sided one first the back, which lies farther where the surface is
@@ -36,7 +37,8 @@ struct Instance<'s> {
 impl GpuScene {
     /// Whether any blended primitive passes the filter.
     pub fn any_blended(&self, filter: &DrawFilter) -> bool {
-        self.batches.iter().filter(|batch| batch.class.blended).any(|b| self.is_visible(b, filter))
+        let is_blended = |batches: &Range<usize>| self.batches[batches.start].class.blended;
+        self.passing(filter).filter(|(block, _)| is_blended(&block.batches)).any(|block| self.any_passes(block, filter))
     }
 
     /// Draws all blended primitives that pass the filter, sorted by the distance of their boxes' centres along the

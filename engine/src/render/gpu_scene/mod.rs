@@ -8,6 +8,7 @@
 
 mod batch;
 mod blended;
+mod block;
 mod class;
 mod material;
 mod mesh;
@@ -25,6 +26,7 @@ use crate::gpu::{Binding, Gpu, Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Primitive, Scene};
 use batch::{Batch, Member};
+use block::Blocks;
 use bytemuck::{Pod, Zeroable};
 pub(super) use material::alpha_cutoff;
 use material::{GpuMaterial, MaterialStore};
@@ -70,6 +72,7 @@ pub struct GpuScene {
     materials: MaterialStore,
     instances: wgpu::Buffer,
     batches: Vec<Batch>,
+    blocks: Blocks,
     /// What is known of each instance.
     members: Vec<Member>,
     /// Moving primitives in the order of their instances.
@@ -88,6 +91,7 @@ impl GpuScene {
             materials: MaterialStore::new(gpu),
             instances: gpu.storage("instances", &[Instance::zeroed()], wgpu::BufferUsages::empty()),
             batches: Vec::new(),
+            blocks: Blocks::default(),
             members: Vec::new(),
             movers: Vec::new(),
             still_bounds: Aabb::EMPTY,
@@ -98,15 +102,7 @@ impl GpuScene {
 
     /// Whether any primitive passes the filter.
     pub fn any_visible(&self, filter: &DrawFilter) -> bool {
-        self.passing(filter).any(|batch| self.is_visible(batch, filter))
-    }
-
-    fn is_visible(&self, batch: &Batch, filter: &DrawFilter) -> bool {
-        batch.of(&self.members).iter().any(|member| member.visible(filter))
-    }
-
-    fn passing(&self, filter: &DrawFilter) -> impl Iterator<Item = &Batch> {
-        self.batches.iter().filter(|batch| batch.passes(filter))
+        self.passing(filter).any(|block| self.any_passes(block, filter))
     }
 
     /// Draws all that passes the filter. `key` gives the pipeline of a class; the shader finds the view's uniform

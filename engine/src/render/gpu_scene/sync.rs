@@ -2,7 +2,7 @@
 
 use super::material::is_nowhere_opaque;
 use super::mesh::{GpuMesh, is_drawable};
-use super::{Batch, DrawFilter, GpuScene, Instance, MaterialClass, Member, Motion};
+use super::{Batch, Blocks, DrawFilter, GpuScene, Instance, MaterialClass, Member, Motion};
 use crate::assets::AssetId;
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Primitive, Scene, SceneId};
@@ -117,6 +117,7 @@ impl GpuScene {
             changed = Some([changed.map_or(index, |[first, _]| first), index]);
         }
         if let Some([first, last]) = changed {
+            self.blocks.sum_up(&self.batches, &self.members, |batch| batch.moving);
             self.write_movers(gpu, scene, first, last);
         }
         true
@@ -176,6 +177,7 @@ impl GpuScene {
             let instances = first..instances.len() as u32;
             self.batches.push(Batch { moving, class, nowhere_opaque, material, mesh, place, instances });
         }
+        self.blocks = Blocks::new(gpu, &self.batches, &self.members);
         if instances.is_empty() {
             instances.push(Instance::zeroed());
         }
