@@ -13,8 +13,8 @@
 @group(0) @binding(0) var<uniform> volume: Volume;
 @group(0) @binding(1) var<uniform> balance: Balance;
 @group(0) @binding(2) var<storage, read> surfels: array<Surfel>;
-// Irradiance of the surfels in the bounce [W/m²].
-@group(0) @binding(3) var<storage, read> received: array<vec4f>;
+// Irradiance of the surfels in the bounce [W/m²]; at the end, as much of it as they reflect a share of.
+@group(0) @binding(3) var<storage, read_write> received: array<vec4f>;
 // Φ_c of each node, high and low words.
 @group(0) @binding(4) var<storage, read_write> claims: array<atomic<i32>>;
 // Irradiance of the bounce by axis, and behind it what each cell took out of the light [W/m²].
@@ -84,4 +84,19 @@ fn share(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         let flux = sum * volume.cell * volume.cell * balance.scale;
         shares[index] = min(balance.most, flux / max(claimed, 1.0));
     }
+}
+
+// Each surfel keeps its share.
+@compute @workgroup_size(64)
+fn keep(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    let place = lattice_place(balance, (surfels[index].position - volume.origin) / volume.cell);
+    var sum = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        sum += corner_weight(place, i) * shares[node_index(balance, corner(place, i))];
+    }
+    received[index] = vec4f(received[index].rgb * sum, received[index].a);
 }

@@ -1,17 +1,17 @@
 // Sources: what each cell sends out, from the texels of reflective shadow maps, from emissive surfaces, and from what
-// the surfaces reflect of the bounce before.
+// the surfaces reflect of the bounce before, or of all bounces before.
+//   COUNTED     the flux of this cascade is the scene's, and is summed up
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Balance, Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, lattice_place, corner, corner_weight, node_index, thickness_for}
+#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, thickness_for}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {
     scale: f32,            // power of two that turns flux [W] into fixed point
     bounce: u32,           // 0: light that comes straight from the lights
-    counted: u32,          // whether this cascade's flux is the scene's
-    padding: u32,
+    padding: vec2u,
     sky: vec3f,            // what enters from the sky, in fixed point
     inner_low: vec3f,      // box of the next finer cascade [cells]; without one it is empty
     inner_high: vec3f,
@@ -26,7 +26,7 @@ struct Emit {
 @group(0) @binding(6) var depth: texture_depth_2d_array;
 @group(0) @binding(7) var<storage, read> surfels: array<Surfel>;
 @group(0) @binding(8) var<storage, read> opacity: array<vec4f>;
-// Irradiance of the surfels in the bounce before [W/m²].
+// Irradiance of the surfels, as much of it as they reflect a share of [W/m²].
 @group(0) @binding(9) var<storage, read> received: array<vec4f>;
 // Thirty-six a cell, for each axis that a normal may lie nearest to high and low words of: F (RGB), Σ F·n.
 @group(0) @binding(10) var<storage, read_write> sums: array<atomic<i32>>;
@@ -35,9 +35,6 @@ struct Emit {
 @group(0) @binding(11) var<storage, read_write> emission: array<vec4f>;
 // Six a bounce: emitted flux (RGB), high and low words each.
 @group(0) @binding(12) var<storage, read_write> totals: array<atomic<i32>>;
-// Share of what surfels claim of the bounce before that they reflect, by the nodes of a lattice.
-@group(0) @binding(13) var<storage, read> shares: array<f32>;
-@group(0) @binding(14) var<uniform> balance: Balance;
 // Unit direction and weight [sr] of the sweep that follows.
 @group(0) @binding(15) var<storage, read> directions: array<vec4f>;
 
@@ -135,16 +132,7 @@ fn from_emissive(@builtin(global_invocation_id) thread: vec3u, @builtin(num_work
     from_surfel(surfel, surfel.emissive * (3.14159265 * surfel.area));
 }
 
-fn share_at(position: vec3f) -> f32 {
-    let place = lattice_place(balance, (position - volume.origin) / volume.cell);
-    var sum = 0.0;
-    for (var i = 0u; i < 8u; i++) {
-        sum += corner_weight(place, i) * shares[node_index(balance, corner(place, i))];
-    }
-    return sum;
-}
-
-// Reflected light: F = ρ·A·E, of which all surfels together have no more than the light lost on them.
+// Reflected light: F = ρ·A·E.
 @compute @workgroup_size(64)
 fn from_bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
@@ -152,7 +140,7 @@ fn from_bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgr
         return;
     }
     let surfel = surfels[index];
-    from_surfel(surfel, surfel.albedo * received[index].rgb * (share_at(surfel.position) * surfel.area));
+    from_surfel(surfel, surfel.albedo * received[index].rgb * surfel.area);
 }
 
 fn add_to_totals(channel: u32, flux: f32) {
@@ -187,9 +175,9 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
             let at = first + 2u * i;
             flux[i] = from_fixed(atomicLoad(&sums[at]), atomicLoad(&sums[at + 1u]));
             lobe[i] = 4.0 * from_fixed(atomicLoad(&sums[at + 6u]), atomicLoad(&sums[at + 7u]));
-            if emit.counted != 0u {
-                add_to_totals(i, flux[i]);
-            }
+#ifdef COUNTED
+            add_to_totals(i, flux[i]);
+#endif
         }
         let sum = flux.r + flux.g + flux.b;
         let size = length(lobe);
@@ -204,9 +192,11 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         emission[to] = vec4f(flux / emit.scale / volume.cell / volume.cell / whole, select(0.0, 1.0, isotropic));
         emission[to + 1u] = vec4f(n, 0.0);
     }
+#ifdef COUNTED
     if index == 0u {
         for (var i = 0u; i < 3u; i++) {
             add_to_totals(i, emit.sky[i]);
         }
     }
+#endif
 }

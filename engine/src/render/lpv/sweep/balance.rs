@@ -39,7 +39,7 @@ impl BalanceUniform {
     }
 }
 
-/// Declares the balance of a bounce; the result is the share of each node of the lattice.
+/// Declares the balance of a bounce; the result is what is `received` times the share that the surfels keep.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     sources: &Sources<'_, 'a>,
@@ -56,10 +56,9 @@ pub(super) fn declare<'a>(
     let shares = graph.buffer(format!("{name}, shares"), desc(4));
     let (surfels, axes, count) = (sources.surfels, level.bounce.axes, sources.count);
     let mut pass = graph.pass(name);
-    for buffer in [surfels, received, axes] {
-        pass.read(buffer);
-    }
-    let (claims, shares) = (pass.write(claims), pass.write(shares));
+    pass.read(surfels);
+    pass.read(axes);
+    let (received, claims, shares) = (pass.write(received), pass.write(claims), pass.write(shares));
     pass.key(&(volume.key(), sources.scale.to_bits(), bounce));
     pass.execute(move |cx| {
         let buffers = [surfels, received, axes, claims, shares].map(|handle| cx.buffer(handle).clone());
@@ -88,7 +87,18 @@ pub(super) fn declare<'a>(
                 ("shares", Binding::Buffer(shares)),
             ],
             [uniform.nodes.x, uniform.nodes.y, uniform.nodes.z],
+        )?;
+        cx.dispatch(
+            &ComputeKey::new("lpv/sweep/balance.wgsl", "keep"),
+            &[
+                ("volume", Binding::Buffer(&box_of_cells)),
+                ("balance", Binding::Buffer(&lattice)),
+                ("surfels", Binding::Buffer(surfels)),
+                ("received", Binding::Buffer(received)),
+                ("shares", Binding::Buffer(shares)),
+            ],
+            linear_groups(count),
         )
     });
-    shares
+    received
 }

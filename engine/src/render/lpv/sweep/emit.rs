@@ -3,15 +3,14 @@
 use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
 use super::Level;
-use super::balance::BalanceUniform;
 use super::directions::Directions;
-use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
 use crate::render::rsm::Rsm;
 use crate::scene::LightShape;
 use encase::ShaderType;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use std::f32::consts::PI;
 use wgpu::BufferUsages;
 
@@ -20,8 +19,7 @@ use wgpu::BufferUsages;
 pub(crate) struct EmitUniform {
     scale: f32,
     bounce: u32,
-    counted: u32,
-    padding: u32,
+    padding: UVec2,
     sky: Vec3,
     inner_low: Vec3,
     inner_high: Vec3,
@@ -49,19 +47,8 @@ pub(super) struct Step {
     pub index: usize,
     /// 0: light straight from the lights.
     pub bounce: u32,
-    /// What the surfels received in the bounce before.
-    pub received: Option<Received>,
-}
-
-/// Light of a bounce at the surfels.
-#[derive(Clone, Copy)]
-pub(super) struct Received {
-    /// Irradiance of each \[W/m²\].
-    pub irradiance: Handle<Buffer>,
-    /// Share of it that they reflect, by nodes of a lattice.
-    pub shares: Handle<Buffer>,
-    /// The lattice.
-    pub balance: BalanceUniform,
+    /// Irradiance of which the surfels reflect their share \[W/m²\].
+    pub received: Option<Handle<Buffer>>,
 }
 
 /// The buffer of the flux of all bounces.
@@ -79,7 +66,8 @@ pub(super) fn totals(graph: &mut Graph<'_>, bounces: u32) -> Handle<Buffer> {
     totals
 }
 
-/// Power of two that turns flux [W] into fixed point: all light together is below 2⁴⁰ of 2⁴⁵.
+/// Power of two that turns flux [W] into fixed point: all light of the lights together is below 2³⁸ of 2⁴⁵, and all bounces
+/// add less than fifty times as much.
 ///
 /// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
 pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
@@ -93,7 +81,7 @@ pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
     let sky = levels.last().map_or(Vec3::ZERO, |level| sky_flux(frame, &level.volume));
     let surfaces = f64::from((frame.surfels.emitted() + sky).max_element());
     let total = rsms.iter().map(of_light).sum::<f64>() + surfaces;
-    ((40.0 - total.clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
+    ((38.0 - total.clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
 }
 
 /// What enters a box from the sky [W].
@@ -109,7 +97,7 @@ pub(super) fn declare<'a>(
     sources: &Sources<'_, 'a>,
     directions: &Directions,
     levels: &mut [Level],
-    totals: &mut Handle<Buffer>,
+    totals: Option<&mut Handle<Buffer>>,
     step: Step,
 ) {
     let is_coarsest = step.index + 1 == levels.len();
@@ -133,18 +121,21 @@ pub(super) fn declare<'a>(
         }
     }
     if let Some(received) = step.received {
-        pass.read(received.irradiance);
-        pass.read(received.shares);
+        pass.read(received);
     }
+    let totals = totals.filter(|_| is_coarsest).map(|totals| {
+        *totals = pass.write(*totals);
+        *totals
+    });
     let buffers = Buffers {
         surfels: sources.surfels,
         opacity: level.opacity,
         received: step.received,
         sums: pass.write(sums),
         emission: pass.write(level.emission),
-        totals: pass.write(*totals),
+        totals,
     };
-    (level.emission, *totals) = (buffers.emission, buffers.totals);
+    level.emission = buffers.emission;
     let sky = if is_coarsest && step.bounce == 0 { sky_flux(frame, &volume) } else { Vec3::ZERO };
     let lights: Vec<u64> = sources.rsms.iter().map(|rsm| rsm.light.revision).collect();
     let lights = if step.bounce == 0 { lights } else { Vec::new() };
@@ -163,8 +154,7 @@ pub(super) fn declare<'a>(
     let emit = EmitUniform {
         scale: sources.scale,
         bounce: step.bounce,
-        counted: u32::from(is_coarsest),
-        padding: 0,
+        padding: UVec2::ZERO,
         sky: sky * sources.scale,
         inner_low: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().min).round()),
         inner_high: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().max).round()),
@@ -178,10 +168,11 @@ pub(super) fn declare<'a>(
         for rsm in &rsms {
             from_rsm(cx, rsm, &volume, &uniforms, &buffers)?;
         }
-        if step.bounce > 0 {
-            from_surfels(cx, "from_bounce", surfels.count(), &uniforms, &buffers)?;
-        } else if surfels.is_emissive() {
-            from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers)?;
+        if step.bounce == 0 && surfels.is_emissive() {
+            from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers, None)?;
+        }
+        if buffers.received.is_some() {
+            from_surfels(cx, "from_bounce", surfels.count(), &uniforms, &buffers, buffers.received)?;
         }
         finish(cx, &volume, &directions, &uniforms, &buffers)
     });
@@ -190,10 +181,10 @@ pub(super) fn declare<'a>(
 struct Buffers {
     surfels: Handle<Buffer>,
     opacity: Handle<Buffer>,
-    received: Option<Received>,
+    received: Option<Handle<Buffer>>,
     sums: Handle<Buffer>,
     emission: Handle<Buffer>,
-    totals: Handle<Buffer>,
+    totals: Option<Handle<Buffer>>,
 }
 
 struct Uniforms {
@@ -231,23 +222,17 @@ fn from_surfels(
     count: u32,
     uniforms: &Uniforms,
     buffers: &Buffers,
+    received: Option<Handle<Buffer>>,
 ) -> Result<(), PassError> {
     let [surfels, sums] = [buffers.surfels, buffers.sums].map(|h| cx.buffer(h).clone());
-    let received = buffers.received.map(|r| {
-        let balance = cx.gpu.uniform("balance", &r.balance);
-        (cx.buffer(r.irradiance).clone(), cx.buffer(r.shares).clone(), balance)
-    });
+    let received = received.map(|handle| cx.buffer(handle).clone());
     let mut bindings = vec![
         ("volume", Binding::Buffer(&uniforms.volume)),
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("surfels", Binding::Buffer(&surfels)),
         ("sums", Binding::Buffer(&sums)),
     ];
-    if let Some((received, shares, balance)) = &received {
-        bindings.push(("received", Binding::Buffer(received)));
-        bindings.push(("shares", Binding::Buffer(shares)));
-        bindings.push(("balance", Binding::Buffer(balance)));
-    }
+    bindings.extend(received.iter().map(|received| ("received", Binding::Buffer(received))));
     cx.counts().injections += u64::from(count);
     cx.dispatch(&ComputeKey::new("lpv/sweep/emit.wgsl", entry), &bindings, linear_groups(count))
 }
@@ -260,18 +245,20 @@ fn finish(
     buffers: &Buffers,
 ) -> Result<(), PassError> {
     let set = cx.gpu.storage("directions", &directions.values, BufferUsages::empty());
-    let [sums, emission, totals] = [buffers.sums, buffers.emission, buffers.totals].map(|h| cx.buffer(h).clone());
+    let [sums, emission] = [buffers.sums, buffers.emission].map(|h| cx.buffer(h).clone());
+    let totals = buffers.totals.map(|handle| cx.buffer(handle).clone());
+    let mut key = ComputeKey::new("lpv/sweep/emit.wgsl", "finish");
+    let mut bindings = vec![
+        ("volume", Binding::Buffer(&uniforms.volume)),
+        ("emit", Binding::Buffer(&uniforms.emit)),
+        ("directions", Binding::Buffer(&set)),
+        ("sums", Binding::Buffer(&sums)),
+        ("emission", Binding::Buffer(&emission)),
+    ];
+    if let Some(totals) = &totals {
+        key = key.def("COUNTED", ShaderDef::Flag(true));
+        bindings.push(("totals", Binding::Buffer(totals)));
+    }
     cx.counts().cells += u64::from(volume.cell_count());
-    cx.dispatch(
-        &ComputeKey::new("lpv/sweep/emit.wgsl", "finish"),
-        &[
-            ("volume", Binding::Buffer(&uniforms.volume)),
-            ("emit", Binding::Buffer(&uniforms.emit)),
-            ("directions", Binding::Buffer(&set)),
-            ("sums", Binding::Buffer(&sums)),
-            ("emission", Binding::Buffer(&emission)),
-            ("totals", Binding::Buffer(&totals)),
-        ],
-        linear_groups(volume.cell_count()),
-    )
+    cx.dispatch(&key, &bindings, linear_groups(volume.cell_count()))
 }

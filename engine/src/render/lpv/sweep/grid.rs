@@ -121,6 +121,28 @@ pub(super) fn around_scene(bounds: &Aabb, quality: Quality) -> Volume {
     fitted(bounds, Most { cells: budget(quality), slice: largest_slice(quality) })
 }
 
+/// The grid for all bounces but the last, if one that is much coarser than the cascades does: over the whole scene, as
+/// they are. Cells that a user set are taken for all bounces.
+pub(super) fn of_further_bounces(
+    clpv: &SceneClpv,
+    quality: Quality,
+    bounds: &Aabb,
+    volumes: &[Volume],
+) -> Option<Volume> {
+    let settings = &clpv.settings;
+    let cells = match quality {
+        Quality::Low => return None,
+        Quality::Medium => 24 * 24 * 24,
+        Quality::High => 32 * 32 * 32,
+        Quality::Ultra => 40 * 40 * 40,
+    };
+    let cells = std::env::var("LW_FURTHER").ok().and_then(|n| n.parse::<u32>().ok()).map_or(cells, |n| n * n * n);
+    let grid = fitted(bounds, Most { cells, slice: largest_slice(quality) });
+    let swept: u32 = volumes.iter().map(Volume::cell_count).sum();
+    let is_free = settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed;
+    (is_free && swept >= 2 * grid.cell_count()).then_some(grid)
+}
+
 /// What a grid may have at most.
 #[derive(Clone, Copy)]
 struct Most {

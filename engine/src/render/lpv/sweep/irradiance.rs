@@ -138,7 +138,7 @@ pub(super) fn relight<'a>(
     for input in inputs {
         pass.read(input);
     }
-    let light: Vec<Irradiance> = levels.iter().map(|level| level.sum).collect();
+    let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
     for Irradiance { axes, facing } in &light {
         pass.read(*axes);
         pass.read(*facing);

@@ -2,15 +2,19 @@
 //!
 //! ```text
 //! surfels ── opacity (a cascade) ──────────────┐
-//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── reflect ── emit ── sweep ── … ── relight, or gather
+//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── receive ── balance ── emit ── sweep ── … ── relight, or gather
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`), and from the second bounce on
 //! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
 //! emissive surfels. All lengths in the shaders are in cells.
+//!
+//! Where the grid is fine, all bounces but the last are swept in a coarser one (`further`): it tells what the surfaces send
+//! out, and one sweep of the fine grid brings all of that and the first bounce's light.
 
 mod balance;
 mod directions;
 mod emit;
+mod further;
 pub(in crate::render) mod gather;
 mod gather_filter;
 mod grid;
@@ -42,6 +46,7 @@ use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
+use transport::Kept;
 
 pub(crate) use probes::{PROBE_LIGHT, probe_light};
 pub use surfels::GpuSurfels;
@@ -64,10 +69,17 @@ struct Level {
     emission: Handle<Buffer>,
     /// Irradiance of the bounce that is under way.
     bounce: Irradiance,
-    /// Irradiance of all bounces.
-    sum: Irradiance,
+    /// Irradiance of all bounces, where several are swept and it is asked for.
+    sum: Option<Irradiance>,
     /// Light of the bounce under way that enters from the next coarser cascade, by axis.
     shell: Option<[Handle<Buffer>; 3]>,
+}
+
+impl Level {
+    /// Irradiance of all that was swept.
+    fn light(&self) -> Irradiance {
+        self.sum.unwrap_or(self.bounce)
+    }
 }
 
 /// Irradiance by cell and normal, see `lpv/sweep/transport.wgsl`.
@@ -105,30 +117,25 @@ pub(super) fn declare<'a>(
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
-    let mut totals = emit::totals(graph, bounces.swept);
+    let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| bounces.swept > 1);
+    let kept = if bounces.swept == 1 || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
-        let name = format!("cascade {index}");
-        let opacity = opacity::declare(graph, frame, surfels, &name, volume);
-        levels.push(transport::level(graph, opacity, &name, volume));
+        levels.push(level(graph, frame, surfels, &format!("cascade {index}"), volume, kept));
     }
-    let source =
-        emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale: emit::scale(frame, &rsms, &levels) };
-    for bounce in 0..bounces.swept {
-        let received = (bounce > 0).then(|| received(graph, &source, &levels, bounce - 1));
-        for index in (0..levels.len()).rev() {
-            let directions = &directions[usize::from(bounce > 0)];
-            let step = emit::Step { index, bounce, received };
-            emit::declare(graph, frame, &source, directions, &mut levels, &mut totals, step);
-            transport::declare(
-                graph,
-                frame,
-                directions,
-                &mut levels,
-                totals,
-                transport::Step { index, bounce, bounces },
-            );
+    let scale = emit::scale(frame, &rsms, &levels);
+    let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
+    let work = Work { frame, source, directions };
+    match coarser {
+        // All bounces but the last are swept in the coarser grid, and tell what the surfaces send out.
+        Some(volume) => {
+            let before = BounceCount { swept: bounces.swept - 1, ..bounces };
+            let level = level(graph, frame, surfels, "further bounces", &volume, Kept::Nothing);
+            let received = further::declare(graph, &work, level, before);
+            let once = BounceCount { swept: 1, has_tail: false };
+            work.sweep(graph, &mut levels, None, Bounce { number: 0, of: once, received: Some(received) });
         }
+        None => work.sweep_all(graph, &mut levels, bounces),
     }
     let radiance = if is_gathered {
         let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
@@ -154,17 +161,72 @@ pub(in crate::render) fn varies(settings: &Clpv) -> bool {
     settings.transport == Transport::Sweep && settings.vary_directions
 }
 
-/// What the surfels have of a bounce.
-fn received<'a>(
+/// An empty cascade, with what stops light in it.
+fn level<'a>(
     graph: &mut Graph<'a>,
-    source: &emit::Sources<'_, 'a>,
-    levels: &[Level],
-    bounce: u32,
-) -> emit::Received {
-    let irradiance = irradiance::at_surfels(graph, source, levels, bounce);
-    let whole = &levels[levels.len() - 1];
-    let shares = balance::declare(graph, source, whole, irradiance, bounce);
-    emit::Received { irradiance, shares, balance: balance::BalanceUniform::new(&whole.volume, source.scale) }
+    frame: &Frame<'a>,
+    surfels: Handle<Buffer>,
+    name: &str,
+    volume: &Volume,
+    kept: Kept,
+) -> Level {
+    let opacity = opacity::declare(graph, frame, surfels, name, volume);
+    transport::level(graph, opacity, name, volume, kept)
+}
+
+/// What all sweeps of a frame share.
+struct Work<'f, 'a> {
+    frame: &'f Frame<'a>,
+    source: emit::Sources<'f, 'a>,
+    /// Directions of light that comes straight from the lights, and of all further bounces.
+    directions: [Directions; 2],
+}
+
+/// A bounce to be swept.
+#[derive(Clone, Copy)]
+struct Bounce {
+    /// 0: light straight from the lights.
+    number: u32,
+    of: BounceCount,
+    /// Irradiance of which the surfels reflect their share \[W/m²\].
+    received: Option<Handle<Buffer>>,
+}
+
+impl<'a> Work<'_, 'a> {
+    /// Declares the sweeps of all bounces through all cascades.
+    fn sweep_all(&self, graph: &mut Graph<'a>, levels: &mut [Level], bounces: BounceCount) {
+        let mut totals = emit::totals(graph, bounces.swept);
+        let mut received = None;
+        for number in 0..bounces.swept {
+            if number > 0 {
+                received = Some(self.received(graph, levels, number - 1));
+            }
+            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, received });
+        }
+    }
+
+    /// Declares the sweep of one bounce through all cascades.
+    fn sweep(
+        &self,
+        graph: &mut Graph<'a>,
+        levels: &mut [Level],
+        mut totals: Option<&mut Handle<Buffer>>,
+        bounce: Bounce,
+    ) {
+        let directions = &self.directions[usize::from(bounce.number > 0)];
+        for index in (0..levels.len()).rev() {
+            let step = emit::Step { index, bounce: bounce.number, received: bounce.received };
+            emit::declare(graph, self.frame, &self.source, directions, levels, totals.as_deref_mut(), step);
+            let step = transport::Step { index, bounce: bounce.number, bounces: bounce.of };
+            transport::declare(graph, self.frame, directions, levels, totals.as_deref().copied(), step);
+        }
+    }
+
+    /// Declares what the surfels have of a bounce.
+    fn received(&self, graph: &mut Graph<'a>, levels: &[Level], number: u32) -> Handle<Buffer> {
+        let irradiance = irradiance::at_surfels(graph, &self.source, levels, number);
+        balance::declare(graph, &self.source, &levels[levels.len() - 1], irradiance, number)
+    }
 }
 
 /// The directions that light is swept along when it comes straight from the lights.

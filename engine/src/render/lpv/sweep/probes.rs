@@ -39,7 +39,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let found = graph.retained_buffer(PROBE_LIGHT, desc);
     let mut pass = graph.pass("probes");
-    let light: Vec<Irradiance> = levels.iter().map(|level| level.sum).collect();
+    let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
     let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
     for (Irradiance { axes, facing }, opacity) in light.iter().zip(&opacities) {
         pass.read(*axes);

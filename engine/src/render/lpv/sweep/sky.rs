@@ -2,14 +2,14 @@
 //! glossy surfaces learn from it how much of the sky they see.
 
 use super::directions::Directions;
-use super::{BounceCount, Indirect, Level, emit, grid, irradiance, opacity, surfels, transport};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use super::transport::{self, Kept};
+use super::{BounceCount, Indirect, Level, grid, irradiance, opacity, surfels};
+use crate::graph::{Buffer, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::lpv::{Field, Volume};
 use crate::scene::Aabb;
 use crate::world::Quality;
-use wgpu::BufferUsages;
 
 /// What the names of its passes and resources have in place of a cascade's number.
 const NAME: &str = "sky";
@@ -33,34 +33,29 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
 
 /// Declares the sweep of the sky's light through a grid.
 pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, opacity: Handle<Buffer>, volume: &Volume) -> Level {
-    let mut level = transport::level(graph, opacity, NAME, volume);
-    let totals = no_sources(graph, &mut level);
+    let mut level = transport::level(graph, opacity, NAME, volume, Kept::OneSweep);
+    send_nothing(graph, &mut level);
     let bounces = BounceCount { swept: 1, has_tail: false };
     let step = transport::Step { index: 0, bounce: 0, bounces };
     let mut levels = [level];
-    transport::declare(graph, frame, &Directions::of(Quality::Medium), &mut levels, totals, step);
+    transport::declare(graph, frame, &Directions::of(Quality::Medium), &mut levels, None, step);
     let [level] = levels;
     level
 }
 
 pub(super) fn field_of(level: &Level) -> Field {
-    Field::Swept { volume: level.volume, buffers: [level.sum.axes, level.sum.facing, level.opacity] }
+    Field::Swept { volume: level.volume, buffers: [level.light().axes, level.light().facing, level.opacity] }
 }
 
 /// Nothing inside the grid sends out light.
-fn no_sources(graph: &mut Graph<'_>, level: &mut Level) -> Handle<Buffer> {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let totals = graph.buffer("flux, sky", BufferDesc::new(emit::TOTAL_BYTES, usage));
+fn send_nothing(graph: &mut Graph<'_>, level: &mut Level) {
     let mut pass = graph.pass("emit, sky");
-    let (emission, totals) = (pass.write(level.emission), pass.write(totals));
+    let emission = pass.write(level.emission);
     pass.key(&());
     pass.execute(move |cx| {
-        for handle in [emission, totals] {
-            let buffer = cx.buffer(handle).clone();
-            cx.encoder().clear_buffer(&buffer, 0, None);
-        }
+        let buffer = cx.buffer(emission).clone();
+        cx.encoder().clear_buffer(&buffer, 0, None);
         Ok(())
     });
     level.emission = emission;
-    totals
 }

@@ -56,20 +56,32 @@ pub(super) struct Step {
     pub bounces: BounceCount,
 }
 
+/// What of a cascade's light is for others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// That of each bounce, until the next.
+    Nothing,
+    /// That of the only sweep.
+    OneSweep,
+    /// The sum over all bounces.
+    Sum,
+}
+
 /// The buffers of a cascade.
-pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, volume: &Volume) -> Level {
+pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, volume: &Volume, kept: Kept) -> Level {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = |bytes: u64| BufferDesc::new(bytes * u64::from(volume.cell_count()), usage);
     let emission = graph.buffer(format!("emission, {name}"), desc(96));
-    let bounce = Irradiance {
-        // A bounce's holds what the cells took out of the light too.
-        axes: graph.buffer(format!("axes of a bounce, {name}"), desc(76)),
-        facing: graph.buffer(format!("facing of a bounce, {name}"), desc(36)),
+    let mut irradiance = |of: &str, axes: u64, is_retained: bool| {
+        let mut buffer = |name: String, bytes: u64| match is_retained {
+            true => graph.retained_buffer(name, desc(bytes)),
+            false => graph.buffer(name, desc(bytes)),
+        };
+        Irradiance { axes: buffer(format!("axes{of}, {name}"), axes), facing: buffer(format!("facing{of}, {name}"), 36) }
     };
-    let sum = Irradiance {
-        axes: graph.retained_buffer(format!("axes, {name}"), desc(72)),
-        facing: graph.retained_buffer(format!("facing, {name}"), desc(36)),
-    };
+    // A bounce's holds what the cells took out of the light too.
+    let bounce = irradiance(" of a bounce", 76, kept == Kept::OneSweep);
+    let sum = (kept == Kept::Sum).then(|| irradiance("", 72, true));
     Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum, shell: None }
 }
 
@@ -82,7 +94,7 @@ pub(super) fn declare<'a>(
     frame: &Frame<'a>,
     directions: &Directions,
     levels: &mut [Level],
-    totals: Handle<Buffer>,
+    totals: Option<Handle<Buffer>>,
     step: Step,
 ) {
     let inner = step.index.checked_sub(1).map(|finer| levels[finer].volume);
@@ -95,20 +107,19 @@ pub(super) fn declare<'a>(
     let outer = level.shell.take();
     let shell = inner.map(|inner| Shell::new(graph, &name, &volume, &inner, directions));
     let mut pass = graph.pass(name);
-    for buffer in [level.opacity, level.emission, totals].into_iter().chain(outer.into_iter().flatten()) {
-        pass.read(buffer);
-    }
-    let mut written = |handle: &mut Handle<Buffer>| {
-        *handle = pass.write(*handle);
-        *handle
+    let totals = totals.filter(|_| level.sum.is_some());
+    let inputs = [level.opacity, level.emission].into_iter().chain(totals).chain(outer.into_iter().flatten());
+    inputs.for_each(|buffer| pass.read(buffer));
+    let mut written = |light: &mut Irradiance| {
+        *light = Irradiance { axes: pass.write(light.axes), facing: pass.write(light.facing) };
+        *light
     };
-    let (bounce, sum) = (&mut level.bounce, &mut level.sum);
+    let (bounce, sum) = (written(&mut level.bounce), level.sum.as_mut().map(written));
     let buffers = Buffers {
         opacity: level.opacity,
         emission: level.emission,
-        totals,
-        bounce: Irradiance { axes: written(&mut bounce.axes), facing: written(&mut bounce.facing) },
-        sum: Irradiance { axes: written(&mut sum.axes), facing: written(&mut sum.facing) },
+        bounce,
+        sum: sum.zip(totals),
         fronts: pass.write(fronts),
         outer,
         inner: shell.map(|shell| Shell { light: shell.light.map(|light| pass.write(light)), ..shell }),
@@ -124,27 +135,24 @@ pub(super) fn declare<'a>(
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {
-        if step.bounce == 0 {
-            for handle in [buffers.sum.axes, buffers.sum.facing] {
-                let buffer = cx.buffer(handle).clone();
-                cx.encoder().clear_buffer(&buffer, 0, None);
-            }
-        }
         let border = match &map {
             Some(map) => directions.sky(map),
             None => vec![border.extend(0.0).to_array(); directions.values.len()],
         };
         sweep(cx, &volume, &directions, &buffers, &border)?;
-        add(cx, &buffers, step)
+        match buffers.sum {
+            Some((sum, totals)) => add(cx, buffers.bounce, sum, totals, step),
+            None => Ok(()),
+        }
     });
 }
 
 struct Buffers {
     opacity: Handle<Buffer>,
     emission: Handle<Buffer>,
-    totals: Handle<Buffer>,
     bounce: Irradiance,
-    sum: Irradiance,
+    /// The sum over all bounces, and the flux of each.
+    sum: Option<(Irradiance, Handle<Buffer>)>,
     fronts: Handle<Buffer>,
     /// Light of the shell around this cascade, by axis.
     outer: Option<[Handle<Buffer>; 3]>,
@@ -248,17 +256,26 @@ fn sweep(
     Ok(())
 }
 
-fn add(cx: &mut PassContext, buffers: &Buffers, step: Step) -> Result<(), PassError> {
-    let Irradiance { axes, facing } = buffers.bounce;
-    let handles = [buffers.totals, axes, facing, buffers.sum.axes, buffers.sum.facing];
+/// Adds a bounce to the sum.
+fn add(
+    cx: &mut PassContext,
+    bounce: Irradiance,
+    sum: Irradiance,
+    totals: Handle<Buffer>,
+    step: Step,
+) -> Result<(), PassError> {
+    let handles = [totals, bounce.axes, bounce.facing, sum.axes, sum.facing];
     let [totals, axes, facing, all_axes, all_facing] = handles.map(|handle| cx.buffer(handle).clone());
-    let is_last = step.bounce + 1 == step.bounces.swept;
-    let sum = sum_uniform(cx.gpu, step.bounce, is_last && step.bounces.has_tail);
+    if step.bounce == 0 {
+        for buffer in [&all_axes, &all_facing] {
+            cx.encoder().clear_buffer(buffer, 0, None);
+        }
+    }
     let numbers = (all_axes.size() / 4) as u32;
     cx.dispatch(
         &ComputeKey::new("lpv/sweep/sum.wgsl", "main"),
         &[
-            ("sum", Binding::Buffer(&sum)),
+            ("sum", Binding::Buffer(&sum_uniform(cx.gpu, step))),
             ("totals", Binding::Buffer(&totals)),
             ("axes", Binding::Buffer(&axes)),
             ("facing", Binding::Buffer(&facing)),
@@ -269,6 +286,9 @@ fn add(cx: &mut PassContext, buffers: &Buffers, step: Step) -> Result<(), PassEr
     )
 }
 
-fn sum_uniform(gpu: &Gpu, bounce: u32, has_tail: bool) -> wgpu::Buffer {
-    gpu.uniform("sum", &SumUniform { bounce, has_tail: u32::from(has_tail), most: LARGEST_RATIO, padding: 0 })
+/// `Sum` of `lpv/sweep/sum.wgsl` for a bounce.
+pub(super) fn sum_uniform(gpu: &Gpu, step: Step) -> wgpu::Buffer {
+    let Step { bounce, bounces, .. } = step;
+    let has_tail = u32::from(bounces.has_tail && bounce + 1 == bounces.swept);
+    gpu.uniform("sum", &SumUniform { bounce, has_tail, most: LARGEST_RATIO, padding: 0 })
 }
