@@ -3,11 +3,13 @@
 //! Where they lie follows from the mesh alone: each triangle gets its share by cumulative area, and within it the
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
+mod buried;
 mod follow;
 
 use super::{Primitive, Scene};
 use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
+use buried::Exposed;
 use bytemuck::{Pod, Zeroable};
 use follow::Followed;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
@@ -71,6 +73,7 @@ pub struct SurfelCloud {
     pub is_emissive: bool,
     built: HashMap<GroupKey, Arc<Vec<Surfel>>>,
     state: Option<(u64, u64, u64, u32)>,
+    exposed: Exposed,
     followed: Followed,
 }
 
@@ -112,7 +115,8 @@ impl Fineness {
 impl SurfelCloud {
     /// Brings the surfels up to date with the scene: as many as cells of a size \[m\] need, eight a face, fewer if
     /// there would be more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved keeps its
-    /// surfels, and where it is known to be moving no other one is looked at.
+    /// surfels, and where it is known to be moving no other one is looked at. What lies within a solid that does not move
+    /// either has none.
     pub fn update(&mut self, scene: &Scene, cell: f32) {
         let revisions = scene.revisions;
         let state = (scene.identity, revisions.geometry, revisions.materials, cell.to_bits());
@@ -134,13 +138,12 @@ impl SurfelCloud {
             self.built.insert(keys[*index].clone(), Arc::new(surfels));
         }
         self.places = groups.iter().map(|group| group.place).collect();
-        let all = keys.iter().zip(0..).flat_map(|(key, place)| {
-            self.built[key]
-                .iter()
-                .map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
-                .collect::<Vec<_>>()
+        let all = keys.iter().map(|key| self.built[key].clone()).collect();
+        let exposed = self.exposed.update(scene, cell, &groups, all);
+        let placed = exposed.iter().zip(0..).flat_map(|(surfels, place)| {
+            surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
         });
-        let surfels: Vec<Surfel> = all.collect();
+        let surfels: Vec<Surfel> = placed.collect();
         if surfels != self.surfels {
             self.summarise(&surfels);
             self.surfels = surfels;

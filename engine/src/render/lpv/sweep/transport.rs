@@ -77,7 +77,10 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, 
             true => graph.retained_buffer(name, desc(bytes)),
             false => graph.buffer(name, desc(bytes)),
         };
-        Irradiance { axes: buffer(format!("axes{of}, {name}"), axes), facing: buffer(format!("facing{of}, {name}"), 36) }
+        Irradiance {
+            axes: buffer(format!("axes{of}, {name}"), axes),
+            facing: buffer(format!("facing{of}, {name}"), 36),
+        }
     };
     // A bounce's holds what the cells took out of the light too.
     let bounce = irradiance(" of a bounce", 76, kept == Kept::OneSweep);
