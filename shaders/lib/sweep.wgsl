@@ -11,7 +11,7 @@ struct Surfel {
     normal: vec3f,         // unit
     thickness: f32,        // of the solid behind it [m]; huge: a one-sided sheet; see `thickness_for`
     albedo: vec3f,         // diffuse reflectance ρ
-    place: u32,            // index of its transform; INNER
+    place: u32,            // index of its transform; INNER; CLOSED
     emissive: vec3f,       // emitted radiance [W/(m² sr)]
     wall: f32,             // cells up to this size are sealed by its object's triangles; 0: by its area alone [m]
 }
@@ -20,6 +20,15 @@ struct Surfel {
 const INNER: u32 = 0x80000000u;
 // Such a surface is a room where so many cells fit into it, with light on both sides; smaller, it is a solid.
 const ROOM: f32 = 2.0;
+
+// Where in `place` the eight bits are that tell how closed the surroundings are; below them is the index.
+const CLOSED: u32 = 23u;
+const INDEX: u32 = 0x7fffffu;
+
+// Share of the light about a surfel that gets past what stands near it.
+fn openness(surfel: Surfel) -> f32 {
+    return 1.0 - f32((surfel.place >> CLOSED) & 255u) / 255.0;
+}
 
 // Thickness of what is behind a surfel as cells of a size have it [m]; below 0: for them it is not there. Closed surfaces
 // that can be seen from both sides hold less the width of what they enclose.

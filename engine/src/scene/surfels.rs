@@ -3,18 +3,18 @@
 //! Where they lie follows from the mesh alone: each triangle gets its share by cumulative area, and within it the
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
-mod buried;
 mod follow;
+mod surroundings;
 
 use super::{Primitive, Scene};
 use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
-use buried::Exposed;
 use bytemuck::{Pod, Zeroable};
 use follow::Followed;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
 use std::collections::HashMap;
 use std::sync::Arc;
+use surroundings::Exposed;
 
 /// Most surfels of a scene: 64 MiB.
 pub const MAX_SURFELS: usize = 1 << 20;
@@ -31,6 +31,10 @@ const ROOM: f32 = 2.0;
 
 /// Bit of [`Surfel::place`]: the inner side of what may be a room, as `INNER` of `lib/sweep.wgsl`.
 const INNER: u32 = 1 << 31;
+
+/// Where in [`Surfel::place`] the eight bits begin that tell how closed the surroundings are, as `CLOSED` of
+/// `lib/sweep.wgsl`.
+const CLOSED_SHIFT: u32 = 23;
 
 /// A piece of surface, as `Surfel` of `lib/sweep.wgsl`. Position and normal are in object space, lengths and areas
 /// are as in the world.
@@ -50,12 +54,25 @@ pub struct Surfel {
     pub thickness: f32,
     /// Diffuse reflectance.
     pub albedo: [f32; 3],
-    /// Index in [`SurfelCloud::places`]; the highest bit is set on the inner side of a closed surface.
+    /// Index in [`SurfelCloud::places`], see [`Surfel::group`]; the highest bit is set on the inner side of a closed
+    /// surface, and the eight after it tell how closed its surroundings are, see [`Surfel::openness`].
     pub place: u32,
     /// Emitted radiance [W/(m² sr)].
     pub emissive: [f32; 3],
     /// Largest cells \[m\] whose faces the object closes whole: the second largest edge of its box, 0 if it has holes.
     pub wall: f32,
+}
+
+impl Surfel {
+    /// Index in [`SurfelCloud::places`].
+    pub fn group(&self) -> usize {
+        (self.place & ((1 << CLOSED_SHIFT) - 1)) as usize
+    }
+
+    /// Share of the light about it that gets past what stands near it.
+    pub fn openness(&self) -> f32 {
+        1.0 - f32::from((self.place >> CLOSED_SHIFT) as u8) / 255.0
+    }
 }
 
 /// The surfels of a scene.

@@ -1,7 +1,7 @@
 // Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::sweep::{Surfel, thickness_for}
+#import lightwell::sweep::{Surfel, openness, thickness_for}
 #import lightwell::sweep_lookup::irradiance
 #import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
@@ -22,7 +22,7 @@ struct Lookup {
 
 @group(0) @binding(0) var<uniform> lookup: Lookup;
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
-// Irradiance [W/m²], and the share that coarser cascades still have to give.
+// Irradiance of the surfels [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
 @group(0) @binding(6) var<uniform> view: View;
 @group(0) @binding(7) var base_color: texture_2d<u32>;
@@ -73,6 +73,9 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
         if surfel.area > 0.0 && thickness_for(surfel, lookup.cascade.volume.cell) >= 0.0 {
             e = blend(e, surfel.position, surfel.normal, vec3f(0.0));
         }
+#ifdef LAST
+        e = vec4f(e.rgb * openness(surfel), e.a);
+#endif
         received[index] = e;
     }
 }

@@ -2,7 +2,7 @@
 // object's scale, and then the cloud is made anew.
 
 #import lightwell::mesh::normalize_or_zero
-#import lightwell::sweep::{Surfel, INNER}
+#import lightwell::sweep::{Surfel, INDEX}
 
 struct Place {
     rows: array<vec4f, 3>, // world from object space
@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         return;
     }
     var surfel = cloud[index];
-    let place = places[surfel.place & ~INNER];
+    let place = places[surfel.place & INDEX];
     let p = vec4f(surfel.position, 1.0);
     surfel.position = vec3f(dot(place.rows[0], p), dot(place.rows[1], p), dot(place.rows[2], p));
     // Normals by the cofactor matrix, its sign taken out: mirrored objects keep their outside.

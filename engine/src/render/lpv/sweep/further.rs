@@ -6,6 +6,7 @@
 //! that of the surfaces which the lights shine at, whose borders are sharp.
 
 use super::super::linear_groups;
+use super::directions::Directions;
 use super::{Bounce, BounceCount, Level, Work, emit, transport};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
@@ -17,6 +18,7 @@ pub(super) fn declare<'a>(
     work: &Work<'_, 'a>,
     level: Level,
     bounces: BounceCount,
+    directions: &Directions,
 ) -> Handle<Buffer> {
     let mut levels = [level];
     let mut totals = emit::totals(graph, bounces.swept);
@@ -25,7 +27,7 @@ pub(super) fn declare<'a>(
     let mut all = graph.buffer("irradiance of surfels, all bounces", desc);
     let mut received = None;
     for number in 0..bounces.swept {
-        work.sweep(graph, &mut levels, Some(&mut totals), Bounce { number, of: bounces, received });
+        work.sweep(graph, &mut levels, Some(&mut totals), Bounce { number, of: bounces, directions, received });
         let light = work.received(graph, &levels, number);
         let step = transport::Step { index: 0, bounce: number, bounces };
         all = add(graph, [totals, light, all], step, work.source.count);

@@ -133,10 +133,9 @@ pub(super) fn of_further_bounces(
     let cells = match quality {
         Quality::Low => return None,
         Quality::Medium => 24 * 24 * 24,
-        Quality::High => 32 * 32 * 32,
-        Quality::Ultra => 40 * 40 * 40,
+        Quality::High => 40 * 40 * 40,
+        Quality::Ultra => 52 * 52 * 52,
     };
-    let cells = std::env::var("LW_FURTHER").ok().and_then(|n| n.parse::<u32>().ok()).map_or(cells, |n| n * n * n);
     let grid = fitted(bounds, Most { cells, slice: largest_slice(quality) });
     let swept: u32 = volumes.iter().map(Volume::cell_count).sum();
     let is_free = settings.cell_size == CellSize::Auto && settings.placement == ClpvPlacement::Fixed;

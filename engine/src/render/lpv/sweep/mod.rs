@@ -125,17 +125,19 @@ pub(super) fn declare<'a>(
     }
     let scale = emit::scale(frame, &rsms, &levels);
     let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
-    let work = Work { frame, source, directions };
+    let work = Work { frame, source };
+    let [straight, further] = &directions;
     match coarser {
         // All bounces but the last are swept in the coarser grid, and tell what the surfaces send out.
         Some(volume) => {
             let before = BounceCount { swept: bounces.swept - 1, ..bounces };
             let level = level(graph, frame, surfels, "further bounces", &volume, Kept::Nothing);
-            let received = further::declare(graph, &work, level, before);
+            let received = further::declare(graph, &work, level, before, further);
             let once = BounceCount { swept: 1, has_tail: false };
-            work.sweep(graph, &mut levels, None, Bounce { number: 0, of: once, received: Some(received) });
+            let bounce = Bounce { number: 0, of: once, directions: straight, received: Some(received) };
+            work.sweep(graph, &mut levels, None, bounce);
         }
-        None => work.sweep_all(graph, &mut levels, bounces),
+        None => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
     let radiance = if is_gathered {
         let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
@@ -178,30 +180,37 @@ fn level<'a>(
 struct Work<'f, 'a> {
     frame: &'f Frame<'a>,
     source: emit::Sources<'f, 'a>,
-    /// Directions of light that comes straight from the lights, and of all further bounces.
-    directions: [Directions; 2],
 }
 
 /// A bounce to be swept.
 #[derive(Clone, Copy)]
-struct Bounce {
+struct Bounce<'d> {
     /// 0: light straight from the lights.
     number: u32,
     of: BounceCount,
+    directions: &'d Directions,
     /// Irradiance of which the surfels reflect their share \[W/m²\].
     received: Option<Handle<Buffer>>,
 }
 
 impl<'a> Work<'_, 'a> {
-    /// Declares the sweeps of all bounces through all cascades.
-    fn sweep_all(&self, graph: &mut Graph<'a>, levels: &mut [Level], bounces: BounceCount) {
+    /// Declares the sweeps of all bounces through all cascades. The directions are those of light that comes straight from
+    /// the lights, and of all further bounces.
+    fn sweep_all(
+        &self,
+        graph: &mut Graph<'a>,
+        levels: &mut [Level],
+        bounces: BounceCount,
+        directions: [&Directions; 2],
+    ) {
         let mut totals = emit::totals(graph, bounces.swept);
         let mut received = None;
         for number in 0..bounces.swept {
             if number > 0 {
                 received = Some(self.received(graph, levels, number - 1));
             }
-            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, received });
+            let directions = directions[usize::from(number > 0)];
+            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, directions, received });
         }
     }
 
@@ -211,9 +220,9 @@ impl<'a> Work<'_, 'a> {
         graph: &mut Graph<'a>,
         levels: &mut [Level],
         mut totals: Option<&mut Handle<Buffer>>,
-        bounce: Bounce,
+        bounce: Bounce<'_>,
     ) {
-        let directions = &self.directions[usize::from(bounce.number > 0)];
+        let directions = bounce.directions;
         for index in (0..levels.len()).rev() {
             let step = emit::Step { index, bounce: bounce.number, received: bounce.received };
             emit::declare(graph, self.frame, &self.source, directions, levels, totals.as_deref_mut(), step);
