@@ -14,6 +14,8 @@ use std::time::Instant;
 
 /// Image size [pixels].
 const SIZE: [u32; 2] = [48, 48];
+/// Frames after which all that a scene draws with is there: what moves is first drawn with all else, then over it.
+const SETTLED: u32 = 8;
 /// Growth of the process that the allocator may keep for itself [MiB].
 const SLACK: u64 = 64;
 
@@ -23,7 +25,7 @@ pub struct Endured {
     scene: String,
     frames: u32,
     seconds: f64,
-    /// Memory of the process after a tenth of the frames and at the end, where the system tells [MiB].
+    /// Memory of the process after a tenth of the frames (eight at least) and at the end, where the system tells [MiB].
     memory: Option<[u64; 2]>,
     /// Bytes of targets on the device, then and at the end.
     targets: [u64; 2],
@@ -75,7 +77,7 @@ pub fn endure(gpu: Arc<Gpu>, scene: &str, frames: u32, common: &Common, drawn: &
     let mut last = 0;
     for frame in 1..frames {
         last = draw(&mut session, frame)?.1;
-        if frame == (frames / 10).max(1) {
+        if frame == (frames / 10).max(SETTLED).min(frames - 1) {
             early = (memory(), last, entities(&mut session));
         }
         drawn();
