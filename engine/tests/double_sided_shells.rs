@@ -8,7 +8,7 @@ use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer};
-use lightwell::scene::{LightShape, SurfelCloud};
+use lightwell::scene::{LightShape, Surfel, SurfelCloud};
 use lightwell::world::{Bounces, CellSize, Clpv, GatherRays, Quality};
 use std::f32::consts::PI;
 use support::{Stage, error, gpu};
@@ -149,9 +149,16 @@ fn what_is_thin_in_any_direction_has_no_inner_side() {
     let inner = of_room.iter().filter(|s| s.place != 0).count();
     assert_eq!(2 * inner, of_room.iter().filter(|s| s.thickness < -0.4).count());
     assert!(200 * inner > 97 * of_room.len(), "{inner} of {} are inner ones", of_room.len());
-    // No surfel comes or goes where the object moves.
+    // No surfel comes or goes where the object moves, and what is near them stays where it is.
     let moved = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.3, -5.0, 1.1));
-    assert_eq!(of_room, cloud([2.0, 1.0, 3.0], 0.2, moved));
+    let moved = cloud([2.0, 1.0, 3.0], 0.2, moved);
+    let same = |[a, b]: [&Surfel; 2]| {
+        let sides = [a, b].map(|s| s.place >> 31);
+        (a.position, a.normal, a.thickness, sides[0]) == (b.position, b.normal, b.thickness, sides[1])
+    };
+    assert!(of_room.len() == moved.len() && of_room.iter().zip(&moved).all(|(a, b)| same([a, b])));
+    let changed = of_room.iter().zip(&moved).filter(|(a, b)| a.openness() != b.openness()).count();
+    assert!(100 * changed < of_room.len(), "{changed} of {} surfels see something else", of_room.len());
 }
 
 /// A floor with boxes on it under a lamp, and a sky.

@@ -156,7 +156,7 @@ impl SurfelCloud {
         }
         self.places = groups.iter().map(|group| group.place).collect();
         let all = keys.iter().map(|key| self.built[key].clone()).collect();
-        let exposed = self.exposed.update(scene, cell, &groups, all);
+        let exposed = self.exposed.update(scene, cell, &groups, &keys, all);
         let placed = exposed.iter().zip(0..).flat_map(|(surfels, place)| {
             surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
         });

@@ -3,14 +3,15 @@
 //! column's foot in the floor, and the floor below it, would claim light that never reaches them.
 //!
 //! A few rays a surfel tell both, as for ambient obscurance (Zhukov, Iones and Kronin 1998, "An ambient light illumination
-//! model"): what they meet within the reach of a cell gives back a part of the light, its reflectance.
+//! model"): what they meet within the reach of a cell gives back a part of the light.
 
-use super::{CLOSED_SHIFT, Group, Surfel};
-use crate::assets::{AlphaMode, Material, parallel};
+use super::{CLOSED_SHIFT, Group, GroupKey, Surfel};
+use crate::assets::{AlphaMode, AssetId, Material, parallel};
 use crate::bvh::{Ray, RayKind, SceneBvh, world_normal};
 use crate::scene::{Primitive, Scene};
 use glam::{Affine3A, Vec3};
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -21,25 +22,67 @@ const BEFORE: f32 = 0.01;
 /// Distance within which cells do not know what is in the way \[cells\]. With 0, 1, 2.5 the indirect light of `cathedral`
 /// (`High`) is 9.1, 5.6, 4.1 % too dark, that of `courtyard` 5.5, 3.4, 2.6 % too bright.
 const REACH: f32 = 2.0;
+/// Share of the light that comes from what is in the way: its reflectance, of which nothing is known here, so that another
+/// colour of one surface changes nothing around it.
+const NEAR: f32 = 0.5;
 /// Rays of a surfel.
 const RAYS: u8 = 8;
 
-/// The surfels of objects that do not move, without those that no light can reach; kept as long as nothing changes but
-/// what moves.
+/// The surfels of objects that do not move, without those that no light can reach. What is around them is looked at anew
+/// where the geometry of what does not move changes, and not with the colour of a material.
 #[derive(Debug, Default)]
 pub(super) struct Exposed {
     state: Option<[u64; 4]>,
-    /// All surfels of a group and those that are left, by its place.
-    groups: HashMap<[u32; 12], [Arc<Vec<Surfel>>; 2]>,
+    /// By the places of groups.
+    groups: HashMap<[u32; 12], Known>,
+}
+
+/// What is known of a group.
+#[derive(Debug)]
+struct Known {
+    spread: Spread,
+    around: Vec<Around>,
+    all: Arc<Vec<Surfel>>,
+    left: Arc<Vec<Surfel>>,
+}
+
+/// All that it depends on where the surfels of a group lie.
+#[derive(Debug, PartialEq)]
+struct Spread {
+    /// Meshes, whether they have two sides, and the materials that cut holes into them.
+    members: Vec<(AssetId, bool, Option<AssetId>)>,
+    linear: [u32; 9],
+    fineness: [u32; 2],
+}
+
+impl Spread {
+    fn new(group: &Group, key: &GroupKey) -> Self {
+        let member = |member: &&Primitive| {
+            let material = &member.material;
+            let holes = (material.alpha_mode != AlphaMode::Opaque).then_some(material.id);
+            (member.mesh.id, material.double_sided, holes)
+        };
+        Self { members: group.members.iter().map(member).collect(), linear: key.linear, fineness: key.fineness }
+    }
+}
+
+/// What is around a surfel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Around {
+    /// Nothing but the inside of solids: no light ever comes here.
+    Solid,
+    /// How much is closed, of 255.
+    Closed(u8),
 }
 
 impl Exposed {
-    /// What is left of the surfels of each group, for cells of a size \[m\].
+    /// What is left of `all` surfels of each group, for cells of a size \[m\].
     pub fn update(
         &mut self,
         scene: &Scene,
         cell: f32,
         groups: &[Group],
+        keys: &[GroupKey],
         all: Vec<Arc<Vec<Surfel>>>,
     ) -> Vec<Arc<Vec<Surfel>>> {
         let state = state(scene, cell);
@@ -48,21 +91,40 @@ impl Exposed {
             self.state = Some(state);
         }
         let mut surroundings = None;
-        let left = |(group, all): (&Group, Arc<Vec<Surfel>>)| {
+        let mut left = |(group, key): (&Group, &GroupKey), all: Arc<Vec<Surfel>>| {
             if group.members.iter().any(|member| member.moving) {
                 return all;
             }
             let place = group.place.to_cols_array().map(f32::to_bits);
-            if let Some([_, left]) = self.groups.get(&place).filter(|[known, _]| Arc::ptr_eq(known, &all)) {
-                return left.clone();
-            }
-            let surroundings = surroundings.get_or_insert_with(|| Surroundings::new(scene, cell));
-            let left = Arc::new(surroundings.exposed(&all, &group.place));
-            self.groups.insert(place, [all, left.clone()]);
+            let known = match self.groups.remove(&place) {
+                Some(known) if Arc::ptr_eq(&known.all, &all) => known,
+                other => {
+                    let spread = Spread::new(group, key);
+                    let around = known_around(other, &spread, all.len()).unwrap_or_else(|| {
+                        surroundings.get_or_insert_with(|| Surroundings::new(scene, cell)).of(&all, &group.place)
+                    });
+                    Known { spread, left: Arc::new(exposed(&all, &around)), around, all }
+                }
+            };
+            let left = known.left.clone();
+            self.groups.insert(place, known);
             left
         };
-        groups.iter().zip(all).map(left).collect()
+        groups.iter().zip(keys).zip(all).map(|(group, all)| left(group, all)).collect()
     }
+}
+
+fn known_around(known: Option<Known>, spread: &Spread, count: usize) -> Option<Vec<Around>> {
+    known.filter(|known| known.spread == *spread && known.around.len() == count).map(|known| known.around)
+}
+
+/// The surfels that light can reach, with how closed their surroundings are.
+fn exposed(surfels: &[Surfel], around: &[Around]) -> Vec<Surfel> {
+    let exposed = surfels.iter().zip(around).filter_map(|(surfel, around)| match around {
+        Around::Solid => None,
+        Around::Closed(closed) => Some(Surfel { place: surfel.place | u32::from(*closed) << CLOSED_SHIFT, ..*surfel }),
+    });
+    exposed.collect()
 }
 
 /// All that the surroundings of what does not move depend on.
@@ -70,23 +132,23 @@ fn state(scene: &Scene, cell: f32) -> [u64; 4] {
     let revisions = scene.revisions;
     // A scene that does not tell what moves is still as a whole.
     let still = if revisions.statics == 0 { revisions.geometry } else { revisions.statics };
-    [scene.identity, still, revisions.materials, u64::from(cell.to_bits())]
+    let mut sides = DefaultHasher::new();
+    for primitive in &scene.primitives {
+        (has_back(&primitive.material), primitive.casts_shadow, primitive.moving).hash(&mut sides);
+    }
+    [scene.identity, still, sides.finish(), u64::from(cell.to_bits())]
 }
 
-/// What is around a surfel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Around {
-    /// Nothing but the inside of solids: no light ever comes here.
-    Solid,
-    /// The share of the light about it that it gets.
-    Open(f32),
+/// Whether what lies behind a surface of it is the inside of something.
+fn has_back(material: &Material) -> bool {
+    !material.double_sided && material.alpha_mode == AlphaMode::Opaque
 }
 
 /// All that does not move, ready for rays.
 struct Surroundings {
     still: SceneBvh,
-    /// Materials of those primitives.
-    materials: Vec<Arc<Material>>,
+    /// Of each of its primitives, see [`has_back`].
+    backs: Vec<bool>,
     cell: f32,
 }
 
@@ -94,40 +156,37 @@ impl Surroundings {
     fn new(scene: &Scene, cell: f32) -> Self {
         let is_still = |primitive: &&Primitive| !primitive.moving && primitive.casts_shadow;
         let primitives: Vec<Primitive> = scene.primitives.iter().filter(is_still).cloned().collect();
-        let materials = primitives.iter().map(|primitive| primitive.material.clone()).collect();
-        Self { still: SceneBvh::new(&Scene { primitives, ..Scene::default() }), materials, cell }
+        let backs = primitives.iter().map(|primitive| has_back(&primitive.material)).collect();
+        Self { still: SceneBvh::new(&Scene { primitives, ..Scene::default() }), backs, cell }
     }
 
-    /// The surfels that light can reach, at their places, with how closed their surroundings are.
-    fn exposed(&self, surfels: &[Surfel], place: &Affine3A) -> Vec<Surfel> {
+    /// What is around each of the surfels, at their places.
+    fn of(&self, surfels: &[Surfel], place: &Affine3A) -> Vec<Around> {
         let chunks: Vec<Range<usize>> =
             (0..surfels.len()).step_by(CHUNK).map(|first| first..surfels.len().min(first + CHUNK)).collect();
-        let exposed = |chunk: &Range<usize>| -> Vec<Surfel> {
-            let known = |index: usize| match self.around(&surfels[index], index, place) {
-                Around::Solid => None,
-                Around::Open(share) => {
-                    let closed = (255.0 * (1.0 - share)).round() as u32;
-                    Some(Surfel { place: surfels[index].place | closed << CLOSED_SHIFT, ..surfels[index] })
-                }
-            };
-            chunk.clone().filter_map(known).collect()
+        let around = |chunk: &Range<usize>| -> Vec<Around> {
+            chunk.clone().map(|index| self.around(&surfels[index], index, place)).collect()
         };
-        parallel::map(&chunks, exposed).concat()
+        parallel::map(&chunks, around).concat()
     }
 
     fn around(&self, surfel: &Surfel, index: usize, place: &Affine3A) -> Around {
         let normal = world_normal(place, surfel.normal.into());
         if normal == Vec3::ZERO {
-            return Around::Open(1.0);
+            return Around::Closed(0);
         }
         let point = place.transform_point3(surfel.position.into());
         let start = point + normal * (BEFORE * self.cell + 1e-5 * point.abs().max_element());
-        let directions = (0..RAYS).map(|ray| direction(normal, ray, index));
+        // A tangent of the object, so that its turned copies are looked at alike.
+        let tangent = place.transform_vector3(Vec3::from(surfel.normal).any_orthonormal_vector());
+        let u = tangent.reject_from_normalized(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
+        let directions = (0..RAYS).map(|ray| direction([u, normal.cross(u), normal], ray, index));
         let looks: Vec<Look> = directions.map(|direction| self.look(&Ray::new(start, direction))).collect();
         if looks.iter().all(|look| look.is_back) {
             return Around::Solid;
         }
-        Around::Open(looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS))
+        let open = looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS);
+        Around::Closed((255.0 * (1.0 - open)).round() as u8)
     }
 
     fn look(&self, ray: &Ray) -> Look {
@@ -135,12 +194,11 @@ impl Surroundings {
             return Look { is_back: false, light: 1.0 };
         };
         let triangle = &self.still.triangles[hit.triangle as usize];
-        let material = &self.materials[triangle.primitive as usize];
-        let is_back = !material.double_sided && material.alpha_mode == AlphaMode::Opaque && !triangle.is_front(ray);
+        let is_back = self.backs[triangle.primitive as usize] && !triangle.is_front(ray);
         let light = match is_back {
             _ if hit.t >= REACH * self.cell => 1.0,
             true => 0.0,
-            false => reflectance(material),
+            false => NEAR,
         };
         Look { is_back, light }
     }
@@ -154,20 +212,14 @@ struct Look {
     light: f32,
 }
 
-/// One of the directions about a normal, distributed as their cosines: a spiral, turned from surfel to surfel.
-fn direction(normal: Vec3, ray: u8, index: usize) -> Vec3 {
+/// One of the directions about the last axis of a frame, distributed as their cosines: a spiral, turned from surfel to
+/// surfel.
+fn direction([u, v, normal]: [Vec3; 3], ray: u8, index: usize) -> Vec3 {
     // Fractions of a turn: the golden ratio along the spiral, and the plastic number from one spiral to the next.
     let turn = f32::from(ray) * 0.618_034 + (index % 4096) as f32 * 0.754_877_7;
     let (sin, cos) = (std::f32::consts::TAU * turn.fract()).sin_cos();
     let share = (f32::from(ray) + 0.5) / f32::from(RAYS);
-    let [u, v] = normal.any_orthonormal_pair().into();
     (1.0 - share).sqrt() * normal + share.sqrt() * (cos * u + sin * v)
-}
-
-/// Mean diffuse reflectance, without textures.
-fn reflectance(material: &Material) -> f32 {
-    let reflectance = material.base_color.truncate().element_sum() / 3.0 * (1.0 - material.metallic);
-    if reflectance.is_finite() { reflectance.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -262,13 +314,12 @@ mod tests {
     }
 
     /// Two floors of which the upper one leaves a gap, and what a surfel in the middle of the gap gets: all that comes from
-    /// far away, and of the rest what the other floor reflects.
+    /// far away, and half of the rest.
     #[test]
     fn a_narrow_gap_is_closed_and_a_wide_one_is_open() {
-        let share = |gap: f32, reflectance: f32| {
-            let paint = || Material::diffuse("paint", Vec3::splat(reflectance));
-            let lower = box_at(1, [4.0, 1.0, 4.0], Vec3::new(0.0, -0.5, 0.0), paint());
-            let upper = box_at(2, [4.0, 1.0, 4.0], Vec3::new(0.0, 0.5 + gap, 0.0), paint());
+        let share = |gap: f32| {
+            let lower = box_at(1, [4.0, 1.0, 4.0], Vec3::new(0.0, -0.5, 0.0), stone());
+            let upper = box_at(2, [4.0, 1.0, 4.0], Vec3::new(0.0, 0.5 + gap, 0.0), stone());
             let cloud = cloud(vec![lower, upper]);
             let is_within = |s: &&Surfel| {
                 let [x, y, z] = s.position;
@@ -278,12 +329,43 @@ mod tests {
             within.iter().sum::<f32>() / within.len() as f32
         };
         // Cells of 0.1 m: the rays see 0.2 m.
-        assert_eq!(share(0.25, 0.5), 1.0);
+        assert_eq!(share(0.25), 1.0);
         // Those that meet the other floor within 0.2 m have cos² > ¼: three quarters of them.
-        for (reflectance, expected) in [(0.0, 0.25), (0.5, 0.625)] {
-            let found = share(0.1, reflectance);
-            assert!((found - expected).abs() < 0.02, "{found} for {expected}");
+        assert!((share(0.1) - 0.625).abs() < 0.02, "{}", share(0.1));
+        assert!((share(0.01) - 0.5).abs() < 0.02, "{}", share(0.01));
+    }
+
+    /// What is kept from state to state is what a cloud of its own would have.
+    #[test]
+    fn changes_leave_what_is_made_anew() {
+        let floor = box_at(1, [4.0, 1.0, 4.0], Vec3::new(0.0, -0.5, 0.0), stone());
+        let column = box_at(2, [1.0, 2.0, 1.0], Vec3::new(0.0, 0.5, 0.0), stone());
+        let of = |material: Material| Primitive { material: Arc::new(material), ..column.clone() };
+        let raised = |primitive: &Primitive| {
+            let world_from_object = Affine3A::from_translation(Vec3::new(0.0, 0.8, 0.0));
+            Primitive { world_from_object, ..primitive.clone() }
+        };
+        let states = [
+            [floor.clone(), column.clone()],
+            [floor.clone(), of(Material::diffuse("paint", Vec3::X))],
+            [floor.clone(), raised(&column)],
+            [floor.clone(), raised(&of(Material { double_sided: true, ..stone() }))],
+            [floor.clone(), Primitive { moving: true, ..raised(&column) }],
+            [floor.clone(), column.clone()],
+        ];
+        let mut kept = SurfelCloud::default();
+        for (revision, primitives) in (1_u64..).zip(states) {
+            let revisions = Revisions {
+                geometry: revision,
+                materials: revision,
+                statics: revision.div_ceil(2),
+                ..Default::default()
+            };
+            let scene = Scene { identity: 1, revisions, primitives: primitives.to_vec(), ..Default::default() };
+            kept.update(&scene, 0.1);
+            let mut fresh = SurfelCloud::default();
+            fresh.update(&scene, 0.1);
+            assert!(kept.surfels == fresh.surfels, "state {revision}");
         }
-        assert!(share(0.01, 0.0) < 0.02);
     }
 }
