@@ -82,8 +82,11 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, 
             facing: buffer(format!("facing{of}, {name}"), 36),
         }
     };
-    // A bounce's holds what the cells took out of the light too.
-    let bounce = irradiance(" of a bounce", 76, kept == Kept::OneSweep);
+    // A bounce's holds what the cells took out of the light too. Debug views find what is kept by its name.
+    let bounce = match kept {
+        Kept::OneSweep => irradiance("", 76, true),
+        Kept::Nothing | Kept::Sum => irradiance(" of a bounce", 76, false),
+    };
     let sum = (kept == Kept::Sum).then(|| irradiance("", 72, true));
     Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum, shell: None }
 }
