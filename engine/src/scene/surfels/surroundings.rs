@@ -90,32 +90,73 @@ impl Exposed {
             self.groups.clear();
             self.state = Some(state);
         }
-        let mut surroundings = None;
-        let mut left = |(group, key): (&Group, &GroupKey), all: Arc<Vec<Surfel>>| {
-            if group.members.iter().any(|member| member.moving) {
-                return all;
+        let mut missing: Vec<(usize, Range<usize>)> = Vec::new();
+        for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
+            let spread = Spread::new(group, &keys[index]);
+            let is_known = self.groups.get(&place(group)).is_some_and(|known| known.is_of(&spread, all));
+            if group.is_still() && !is_known {
+                let firsts = (0..all.len()).step_by(CHUNK);
+                missing.extend(firsts.map(|first| (index, first..all.len().min(first + CHUNK))));
             }
-            let place = group.place.to_cols_array().map(f32::to_bits);
-            let known = match self.groups.remove(&place) {
-                Some(known) if Arc::ptr_eq(&known.all, &all) => known,
-                other => {
-                    let spread = Spread::new(group, key);
-                    let around = known_around(other, &spread, all.len()).unwrap_or_else(|| {
-                        surroundings.get_or_insert_with(|| Surroundings::new(scene, cell)).of(&all, &group.place)
-                    });
-                    Known { spread, left: Arc::new(exposed(&all, &around)), around, all }
-                }
+        }
+        let mut found = if missing.is_empty() {
+            Vec::new()
+        } else {
+            let surroundings = Surroundings::new(scene, cell);
+            // Many small objects share the cores as few large ones do.
+            let look = |(index, chunk): &(usize, Range<usize>)| {
+                surroundings.of(&all[*index], chunk.clone(), &groups[*index].place)
             };
-            let left = known.left.clone();
-            self.groups.insert(place, known);
-            left
+            parallel::map(&missing, look)
         };
-        groups.iter().zip(keys).zip(all).map(|(group, all)| left(group, all)).collect()
+        let mut around: HashMap<usize, Vec<Around>> = HashMap::new();
+        for ((index, _), chunk) in missing.iter().zip(found.drain(..)) {
+            around.entry(*index).or_default().extend(chunk);
+        }
+        groups
+            .iter()
+            .zip(keys)
+            .zip(all)
+            .enumerate()
+            .map(
+                |(index, ((group, key), all))| {
+                    if group.is_still() { self.left(group, key, all, around.remove(&index)) } else { all }
+                },
+            )
+            .collect()
+    }
+
+    /// What is left of the surfels of a group, with what was looked at anew.
+    fn left(
+        &mut self,
+        group: &Group,
+        key: &GroupKey,
+        all: Arc<Vec<Surfel>>,
+        looked: Option<Vec<Around>>,
+    ) -> Arc<Vec<Surfel>> {
+        let known = match (self.groups.remove(&place(group)), looked) {
+            (Some(known), None) if Arc::ptr_eq(&known.all, &all) => known,
+            (known, looked) => {
+                let around = looked.or(known.map(|known| known.around)).unwrap_or_default();
+                Known { spread: Spread::new(group, key), left: Arc::new(exposed(&all, &around)), around, all }
+            }
+        };
+        let left = known.left.clone();
+        self.groups.insert(place(group), known);
+        left
     }
 }
 
-fn known_around(known: Option<Known>, spread: &Spread, count: usize) -> Option<Vec<Around>> {
-    known.filter(|known| known.spread == *spread && known.around.len() == count).map(|known| known.around)
+impl Known {
+    /// Whether what is around these surfels is known.
+    fn is_of(&self, spread: &Spread, all: &[Surfel]) -> bool {
+        self.spread == *spread && self.around.len() == all.len()
+    }
+}
+
+/// Bits of where a group stands; no other one stands there.
+fn place(group: &Group) -> [u32; 12] {
+    group.place.to_cols_array().map(f32::to_bits)
 }
 
 /// The surfels that light can reach, with how closed their surroundings are.
@@ -160,14 +201,9 @@ impl Surroundings {
         Self { still: SceneBvh::new(&Scene { primitives, ..Scene::default() }), backs, cell }
     }
 
-    /// What is around each of the surfels, at their places.
-    fn of(&self, surfels: &[Surfel], place: &Affine3A) -> Vec<Around> {
-        let chunks: Vec<Range<usize>> =
-            (0..surfels.len()).step_by(CHUNK).map(|first| first..surfels.len().min(first + CHUNK)).collect();
-        let around = |chunk: &Range<usize>| -> Vec<Around> {
-            chunk.clone().map(|index| self.around(&surfels[index], index, place)).collect()
-        };
-        parallel::map(&chunks, around).concat()
+    /// What is around some of the surfels, at their places.
+    fn of(&self, surfels: &[Surfel], some: Range<usize>, place: &Affine3A) -> Vec<Around> {
+        some.map(|index| self.around(&surfels[index], index, place)).collect()
     }
 
     fn around(&self, surfel: &Surfel, index: usize, place: &Affine3A) -> Around {
