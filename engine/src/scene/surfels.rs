@@ -207,11 +207,6 @@ fn groups(scene: &Scene) -> Vec<Group<'_>> {
 }
 
 impl Group<'_> {
-    /// Whether nothing of it moves.
-    fn is_still(&self) -> bool {
-        !self.members.iter().any(|member| member.moving)
-    }
-
     /// Area of all sides that may have surfels \[m²\].
     fn area(&self) -> f64 {
         let area = |p: &&Primitive| {

@@ -99,6 +99,9 @@ pub struct InstantRadiosity {
     /// to N/(1−ρ) lights. Time and noise: cost grows with the number of lights times the pixels, the error falls with
     /// its square root or faster. Limited by memory alone, 80 bytes a light.
     pub particles: u32,
+    /// So many times as many particles are shot, 1 to 64, and of the lights that they leave those are kept which bring most
+    /// to what the camera sees. To shoot is cheap, to shade is not. 1: all are kept, whatever the camera sees.
+    pub candidates: u32,
     /// How many particles go on.
     pub schedule: Schedule,
     /// Where they go after a reflection.
@@ -140,6 +143,7 @@ impl Default for InstantRadiosity {
     fn default() -> Self {
         Self {
             particles: 512,
+            candidates: 16,
             schedule: Schedule::default(),
             bounce: ParticleBounce::default(),
             bounces: Bounces::Converged,

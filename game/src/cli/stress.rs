@@ -27,7 +27,7 @@ pub struct StressArgs {
     /// The whole matrix
     #[arg(long)]
     pub full: bool,
-    /// Frames of each long run with --full; all but the two box scenes take a twentieth
+    /// Frames of each long run with --full; all but the two box scenes take a seventh to a twentieth, two loops or more
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     pub frames: u32,
     /// Methods by name: direct, diffusion, sweep, vpl, slc, reference [default: all]

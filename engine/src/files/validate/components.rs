@@ -168,6 +168,8 @@ impl Validator {
             self.require((1..=32).contains(&n), "bounces", format!("{n} bounces"), help)?;
         }
         self.number("near_bound", c.near_bound, 0.0, 1e3)?;
+        let candidates = format!("`candidates` is {}", c.candidates);
+        self.require((1..=64).contains(&c.candidates), "candidates", candidates, "use 1 to 64")?;
         let rays = format!("`near_rays` is {}", c.near_rays);
         self.require(c.near_rays <= 16, "near_rays", rays, "use 0 to 16")?;
         let filter = format!("`near_filter` is {}", c.near_filter);

@@ -1,8 +1,8 @@
 //! Instant radiosity: virtual point lights where particles from the lights hit (Keller 1997, "Instant radiosity").
 //!
 //! ```text
-//! particles (shot on the CPU, kept while lights and surfaces stay) ─ reach (per view) ─ shade ─ near ─ compose
-//! rsm ─ place ────────────────────────────────────────────────────────────────────────────┘
+//! particles (shot on the CPU, kept while lights and surfaces stay) ─ choice ─ reach (per view) ─ shade ─ near ─ compose
+//! rsm ─ place ─────────────────────────────────────────────────────────────────────────────────────┘
 //! ```
 //! The image is f·Φ/π·cosθ·cosθ_i/max(d², d_min²)·V summed over all lights. d_min is the distance between neighbouring
 //! lights, which bounds the bright spots around them: within about that distance a surface is lit by few lights, and
@@ -10,6 +10,7 @@
 
 mod beam;
 mod casts;
+mod choice;
 mod error;
 mod letter;
 mod main_light;
@@ -23,6 +24,7 @@ mod shade;
 mod simulate;
 mod source;
 mod surface;
+mod view_points;
 
 pub use casts::{CastCounts, CastHit, Caster, intersect_square, intersect_unit_box};
 pub use error::VplError;

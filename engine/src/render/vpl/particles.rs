@@ -1,6 +1,8 @@
-//! The particles as a cached node of the frame: shot where lights, surfaces or settings changed, else kept.
+//! The particles as cached nodes of the frame: shot where lights, surfaces or settings changed, chosen from where the
+//! view did, else kept.
 
-use super::simulate::{Particles, Setup, VirtualLight, simulate};
+use super::choice;
+use super::simulate::{Particles, Setup, Shot, VirtualLight, candidates, simulate};
 use super::{CastCounts, VplError};
 use crate::assets::AssetId;
 use crate::gpu::Gpu;
@@ -20,7 +22,9 @@ pub struct VirtualLights {
     /// The settings in use.
     pub(super) settings: InstantRadiosity,
     known: Option<String>,
+    /// Most lights that there can be.
     capacity: u64,
+    shot: RefCell<Shot>,
     particles: RefCell<Particles>,
     /// Lights in the buffer that is shaded.
     shaded: Cell<u32>,
@@ -44,6 +48,7 @@ impl VirtualLights {
             settings: InstantRadiosity::default(),
             known: None,
             capacity: 0,
+            shot: RefCell::default(),
             particles: RefCell::default(),
             shaded: Cell::new(0),
         }
@@ -60,7 +65,7 @@ impl VirtualLights {
         if self.known.as_ref() != Some(&key) {
             let setup = Setup::new(scene, &self.rays.bvh, &self.settings, &mut self.colors);
             self.capacity = match self.settings.placement {
-                VirtualPlacement::Particles => setup.capacity(),
+                VirtualPlacement::Particles => setup.capacity().div_ceil(candidates(&self.settings).into()),
                 VirtualPlacement::Rsm => u64::from(self.settings.particles) + 6 * scene.lights.len() as u64,
             };
             self.known = Some(key);
@@ -128,21 +133,63 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
         graph.skip("particles", "nothing in the scene feeds indirect light, or no surface reflects any");
         return None;
     }
-    let desc =
-        |capacity: u64| BufferDesc::new(capacity * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE);
-    let buffer = graph.retained_buffer("virtual lights", desc(state.capacity));
+    let shot = declare_shots(graph, frame, state);
+    let buffer = declare_choice(graph, frame, state, shot);
+    if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
+        let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
+        graph.skip("reach", why);
+        return Some(Lights { buffer, all: buffer });
+    }
+    Some(declare_reach(graph, frame, state, buffer))
+}
+
+/// A buffer of virtual lights.
+fn desc(capacity: u64) -> BufferDesc {
+    BufferDesc::new(capacity * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
+}
+
+/// Declares the shooting. What the particles left stays on the processor; the device has the number of candidates.
+fn declare_shots<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a VirtualLights) -> Handle<Buffer> {
+    let count = graph.retained_buffer("candidates", BufferDesc::new(4, wgpu::BufferUsages::STORAGE));
     let mut pass = graph.pass("particles");
-    let buffer = pass.write(buffer);
+    let count = pass.write(count);
     pass.key(&state.key(frame.scene));
     let scene = frame.scene;
     pass.execute(move |cx| {
         let setup = Setup::new(scene, &state.rays.bvh, &state.settings, &mut state.colors.clone());
-        let particles = simulate(scene, &state.rays.bvh, &state.settings, &setup);
-        log::debug!("particles: {} shot, {} lights, {:?}", particles.shot, particles.lights.len(), particles.casts);
-        let counts = cx.counts();
-        counts.paths += particles.shot;
-        counts.lights += particles.lights.len() as u64;
+        let shot = simulate(scene, &state.rays.bvh, &state.settings, &setup);
+        log::debug!("particles: {} shot, {} candidates, {:?}", shot.shot, shot.candidates.len(), shot.casts);
+        cx.counts().paths += shot.shot;
+        cx.gpu.queue.write_buffer(cx.buffer(count), 0, &(shot.candidates.len() as u32).to_le_bytes());
+        *state.shot.borrow_mut() = shot;
+        Ok(())
+    });
+    count
+}
+
+/// Declares which candidates become lights.
+fn declare_choice<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    state: &'a VirtualLights,
+    shot: Handle<Buffer>,
+) -> Handle<Buffer> {
+    let buffer = graph.retained_buffer("virtual lights", desc(state.capacity));
+    let mut pass = graph.pass("choice");
+    pass.read(shot);
+    let buffer = pass.write(buffer);
+    let for_view = candidates(&state.settings) > 1;
+    pass.key(&for_view.then(|| frame.view_key()));
+    let (scene, view) = (frame.scene, frame.view);
+    pass.execute(move |cx| {
+        let (shot, settings) = (state.shot.borrow(), &state.settings);
+        let particles = match for_view {
+            true => choice::for_view(&shot, scene, &state.rays.bvh, settings, view),
+            false => choice::all(&shot, scene, settings),
+        };
         let bytes: &[u8] = bytemuck::cast_slice(&particles.lights);
+        let counts = cx.counts();
+        counts.lights += particles.lights.len() as u64;
         counts.bytes += bytes.len() as u64;
         if !bytes.is_empty() {
             cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
@@ -151,12 +198,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
         *state.particles.borrow_mut() = particles;
         Ok(())
     });
-    if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
-        let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
-        graph.skip("reach", why);
-        return Some(Lights { buffer, all: buffer });
-    }
-    Some(declare_reach(graph, frame, state, buffer, desc(state.capacity)))
+    buffer
 }
 
 /// Declares which lights can reach what is drawn: those with a drawn surface's box before their plane.
@@ -165,9 +207,8 @@ fn declare_reach<'a>(
     frame: &Frame<'a>,
     state: &'a VirtualLights,
     all: Handle<Buffer>,
-    desc: BufferDesc,
 ) -> Lights {
-    let reached = graph.retained_buffer("reached lights", desc);
+    let reached = graph.retained_buffer("reached lights", desc(state.capacity));
     let mut pass = graph.pass("reach");
     pass.read(all);
     let buffer = pass.write(reached);

@@ -52,7 +52,7 @@ pub struct VirtualLight {
 /// What a simulation left.
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
-    /// The lights, by source, then by the number of the hit, then by particle.
+    /// The lights, by source, then by the number of the hit.
     pub lights: Vec<VirtualLight>,
     /// Ways of the particles: start and hits of each \[m\], the first [`MAX_PATHS`] of every source.
     pub paths: Vec<Vec<Vec3>>,
@@ -95,7 +95,7 @@ impl<'a> Setup<'a> {
         let plan = |particles: u32, source: &Source| {
             Plan::new(particles, reflectance, settings.schedule, settings.bounces, source.glows())
         };
-        let shares = deal(settings.particles, &flux);
+        let shares = deal(settings.particles.saturating_mul(candidates(settings)), &flux);
         let sources = all.into_iter().zip(shares).map(|((source, _), share)| {
             let plan = plan(share, &source);
             (source, plan)
@@ -110,72 +110,73 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// A light on its way into the list.
+/// Lights to choose from for each that is kept. The report's formulas are for all that is shot.
+pub(super) fn candidates(settings: &InstantRadiosity) -> u32 {
+    if settings.shading == VirtualShading::AsPublished { 1 } else { settings.candidates.max(1) }
+}
+
+/// A light that a particle left.
 #[derive(Clone, Copy)]
-struct Left {
-    hit: u32,
-    light: VirtualLight,
+pub(super) struct Candidate {
+    /// Its source in [`Shot::origins`].
+    pub(super) source: u32,
+    /// The hit of the particle, counted from 1; 0: where it started.
+    pub(super) hit: u32,
+    pub(super) light: VirtualLight,
     /// Area of surface that the light stands for \[m²\].
-    area: f32,
+    pub(super) area: f32,
+    /// All that it sends out, the mean of the channels \[W\]; of distant light the irradiance across it [W/m²].
+    pub(super) power: f32,
+}
+
+/// What lights come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// Index of a light of the scene.
+    Light(usize),
+    /// Surfaces that emit.
+    Emitters,
+    Sky,
+}
+
+/// What all particles left.
+#[derive(Default)]
+pub(super) struct Shot {
+    /// By source, and in the order of the particles.
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) origins: Vec<Origin>,
+    pub(super) paths: Vec<Vec<Vec3>>,
+    pub(super) shot: u64,
+    pub(super) casts: CastCounts,
+    pub(super) reflectance: f64,
 }
 
 /// What one piece of the work left.
 #[derive(Default)]
 struct Piece {
-    lights: Vec<Left>,
+    lights: Vec<Candidate>,
     paths: Vec<Vec<Vec3>>,
     shot: u64,
     casts: CastCounts,
 }
 
 /// Shoots all particles. Equal input gives equal bits, on however many cores.
-pub(super) fn simulate(scene: &Scene, bvh: &SceneBvh, settings: &InstantRadiosity, setup: &Setup) -> Particles {
+pub(super) fn simulate(scene: &Scene, bvh: &SceneBvh, settings: &InstantRadiosity, setup: &Setup) -> Shot {
     let caster = Caster::new(scene, bvh, settings.casts);
-    let nearest = vec![0.0; scene.lights.len()];
-    let mut particles = Particles { reflectance: setup.reflectance, nearest, ..Default::default() };
+    let mut shot = Shot { reflectance: setup.reflectance, ..Default::default() };
     for ((source, plan), index) in setup.sources.iter().zip(0..) {
         let seed = hash_pair(settings.seed, index);
-        let shooter = Shooter { scene, bvh, caster: &caster, settings, source, plan, seed };
+        let shooter = Shooter { scene, bvh, caster: &caster, settings, source, plan, seed, index };
         let firsts: Vec<u32> = (0..plan.particles).step_by(PIECE as usize).collect();
-        let mut left = Vec::new();
         for piece in parallel::map(&firsts, |&first| shooter.piece(first)) {
-            left.extend(piece.lights);
-            particles.paths.extend(piece.paths);
-            particles.shot += piece.shot;
-            particles.casts += piece.casts;
+            shot.candidates.extend(piece.lights);
+            shot.paths.extend(piece.paths);
+            shot.shot += piece.shot;
+            shot.casts += piece.casts;
         }
-        left.sort_by_key(|left| left.hit);
-        let nearest = set_nearest(&mut left, settings.near_bound);
-        let of_hit = |hit: u32| nearest.iter().find(|(of, _)| *of == hit).map_or(0.0, |(_, nearest)| *nearest);
-        match source {
-            Source::Light(light, _) => {
-                if let Some(index) = scene.lights.iter().position(|other| std::ptr::eq(other, *light)) {
-                    particles.nearest[index] = of_hit(1);
-                }
-            }
-            Source::Emitters(_) => particles.nearest_glow = of_hit(0),
-            Source::Sky { .. } => {}
-        }
-        particles.lights.extend(left.iter().map(|left| left.light));
+        shot.origins.push(source.origin(scene));
     }
-    particles
-}
-
-/// d_min of all lights of a source that come from the same hit: the bound times the distance between neighbours, the
-/// root of the median area that one stands for. By the number of the hit.
-fn set_nearest(lights: &mut [Left], bound: f32) -> Vec<(u32, f32)> {
-    let mut all: Vec<(u32, f32)> = Vec::new();
-    for group in lights.chunk_by_mut(|a, b| a.hit == b.hit) {
-        let mut areas: Vec<f32> = group.iter().map(|left| left.area).filter(|area| area.is_finite()).collect();
-        areas.sort_unstable_by(f32::total_cmp);
-        let nearest = areas.get(areas.len() / 2).map_or(0.0, |area| bound * area.sqrt());
-        group.iter_mut().for_each(|left| left.light.nearest = nearest);
-        all.push((group[0].hit, nearest));
-    }
-    for left in lights {
-        left.light.next = all.iter().find(|(hit, _)| *hit == left.hit + 1).map_or(0.0, |(_, nearest)| *nearest);
-    }
-    all
+    shot
 }
 
 struct Shooter<'a> {
@@ -186,6 +187,8 @@ struct Shooter<'a> {
     source: &'a Source<'a>,
     plan: &'a Plan,
     seed: u32,
+    /// Of the source.
+    index: u32,
 }
 
 impl Shooter<'_> {
@@ -252,11 +255,13 @@ impl Shooter<'_> {
             },
         };
         let area = if let Glow::Surface(_, _, area) = start.glow { area * share } else { 0.0 };
-        piece.lights.push(Left { hit: 0, light, area });
+        let glow = mean(light.intensity.into());
+        let power = if light.kind == SURFACE { PI * glow } else { glow };
+        piece.lights.push(Candidate { source: self.index, hit: 0, light, area, power });
     }
 
     /// Takes from the particle what the surface absorbs, and leaves a light; none where nothing is reflected.
-    fn reflect(&self, flight: &mut Flight, met: &Met, hit: u32) -> Option<Left> {
+    fn reflect(&self, flight: &mut Flight, met: &Met, hit: u32) -> Option<Candidate> {
         let offset = met.position - flight.origin;
         let distance = offset.length();
         let cosine = -flight.direction.dot(met.geometric_normal);
@@ -296,7 +301,8 @@ impl Shooter<'_> {
             },
             _ => light,
         };
-        Some(Left { hit, area, light })
+        let power = mean(flight.flux) / count;
+        Some(Candidate { source: self.index, hit, light, area, power })
     }
 
     /// Sends the particle on; false where it would go into the surface.
@@ -324,6 +330,11 @@ fn octahedral(d: Vec3) -> u32 {
     let [x, y] = if d.z >= 0.0 { [p.x, p.y] } else { [(1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)] };
     let word = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
     word(x) | word(y) << 16
+}
+
+/// Mean of the channels.
+fn mean(light: Vec3) -> f32 {
+    light.element_sum() / 3.0
 }
 
 /// A particle on its way.

@@ -2,6 +2,7 @@
 
 use super::beam::Beam;
 use super::random::{Numbers, cone_direction, cosine_direction, frame};
+use super::simulate::Origin;
 use super::surface;
 use crate::bvh::SceneBvh;
 use crate::scene::{LightShape, Scene, SceneLight};
@@ -160,6 +161,17 @@ impl<'a> Source<'a> {
     /// Whether start points are lights themselves.
     pub(super) fn glows(&self) -> bool {
         !matches!(self, Source::Light(..))
+    }
+
+    /// What its lights come from.
+    pub(super) fn origin(&self, scene: &Scene) -> Origin {
+        match self {
+            Source::Light(light, _) => {
+                Origin::Light(scene.lights.iter().position(|other| std::ptr::eq(other, *light)).unwrap_or(0))
+            }
+            Source::Emitters(_) => Origin::Emitters,
+            Source::Sky { .. } => Origin::Sky,
+        }
     }
 
     /// A particle.

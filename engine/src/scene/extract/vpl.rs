@@ -52,6 +52,7 @@ fn sanitized(vpl: &InstantRadiosity) -> InstantRadiosity {
             Bounces::Count(count) => Bounces::Count(count.clamp(1, 32)),
         },
         near_bound: positive(vpl.near_bound, default.near_bound),
+        candidates: vpl.candidates.clamp(1, 64),
         near_rays: vpl.near_rays.min(16),
         near_filter: vpl.near_filter.min(32),
         shadow_bias: positive(vpl.shadow_bias, default.shadow_bias),

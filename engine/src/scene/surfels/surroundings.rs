@@ -8,9 +8,9 @@
 use super::{CLOSED_SHIFT, Group, GroupKey, Surfel};
 use crate::assets::{AlphaMode, AssetId, Material, parallel};
 use crate::bvh::{Ray, RayKind, SceneBvh, world_normal};
-use crate::scene::{Primitive, Scene};
+use crate::scene::{Primitive, Scene, SceneId};
 use glam::{Affine3A, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,10 +29,13 @@ const NEAR: f32 = 0.5;
 const RAYS: u8 = 8;
 
 /// The surfels of objects that do not move, without those that no light can reach. What is around them is looked at anew
-/// where the geometry of what does not move changes, and not with the colour of a material.
+/// where the geometry of what does not move changes, and not with the colour of a material. What has moved once counts as
+/// moving from then on: or all would be looked at anew whenever somebody who walks about stands still.
 #[derive(Debug, Default)]
 pub(super) struct Exposed {
-    state: Option<[u64; 4]>,
+    scene: u64,
+    moved: HashSet<SceneId>,
+    state: Option<[u64; 3]>,
     /// By the places of groups.
     groups: HashMap<[u32; 12], Known>,
 }
@@ -85,7 +88,11 @@ impl Exposed {
         keys: &[GroupKey],
         all: Vec<Arc<Vec<Surfel>>>,
     ) -> Vec<Arc<Vec<Surfel>>> {
-        let state = state(scene, cell);
+        if self.scene != scene.identity {
+            *self = Self { scene: scene.identity, ..Self::default() };
+        }
+        self.moved.extend(scene.primitives.iter().filter(|primitive| primitive.moving).map(|primitive| primitive.id));
+        let state = self.state(scene, cell);
         if self.state != Some(state) {
             self.groups.clear();
             self.state = Some(state);
@@ -94,7 +101,7 @@ impl Exposed {
         for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
             let spread = Spread::new(group, &keys[index]);
             let is_known = self.groups.get(&place(group)).is_some_and(|known| known.is_of(&spread, all));
-            if group.is_still() && !is_known {
+            if self.is_still(group) && !is_known {
                 let firsts = (0..all.len()).step_by(CHUNK);
                 missing.extend(firsts.map(|first| (index, first..all.len().min(first + CHUNK))));
             }
@@ -102,7 +109,8 @@ impl Exposed {
         let mut found = if missing.is_empty() {
             Vec::new()
         } else {
-            let surroundings = Surroundings::new(scene, cell);
+            log::debug!("surroundings of {} objects' surfels", groups.len());
+            let surroundings = Surroundings::new(scene, &self.moved, cell);
             // Many small objects share the cores as few large ones do.
             let look = |(index, chunk): &(usize, Range<usize>)| {
                 surroundings.of(&all[*index], chunk.clone(), &groups[*index].place)
@@ -120,10 +128,27 @@ impl Exposed {
             .enumerate()
             .map(
                 |(index, ((group, key), all))| {
-                    if group.is_still() { self.left(group, key, all, around.remove(&index)) } else { all }
+                    if self.is_still(group) { self.left(group, key, all, around.remove(&index)) } else { all }
                 },
             )
             .collect()
+    }
+
+    fn is_still(&self, group: &Group) -> bool {
+        !group.members.iter().any(|member| self.moved.contains(&member.id))
+    }
+
+    /// All that the surroundings of what does not move depend on.
+    fn state(&self, scene: &Scene, cell: f32) -> [u64; 3] {
+        let revisions = scene.revisions;
+        let mut still = DefaultHasher::new();
+        // A scene that does not tell what moves is still as a whole.
+        (scene.identity, (revisions.statics == 0).then_some(revisions.geometry)).hash(&mut still);
+        for primitive in scene.primitives.iter().filter(|primitive| !self.moved.contains(&primitive.id)) {
+            let sides = (has_back(&primitive.material), primitive.casts_shadow);
+            (primitive.id, primitive.geometry_revision, sides).hash(&mut still);
+        }
+        [scene.identity, still.finish(), u64::from(cell.to_bits())]
     }
 
     /// What is left of the surfels of a group, with what was looked at anew.
@@ -168,18 +193,6 @@ fn exposed(surfels: &[Surfel], around: &[Around]) -> Vec<Surfel> {
     exposed.collect()
 }
 
-/// All that the surroundings of what does not move depend on.
-fn state(scene: &Scene, cell: f32) -> [u64; 4] {
-    let revisions = scene.revisions;
-    // A scene that does not tell what moves is still as a whole.
-    let still = if revisions.statics == 0 { revisions.geometry } else { revisions.statics };
-    let mut sides = DefaultHasher::new();
-    for primitive in &scene.primitives {
-        (has_back(&primitive.material), primitive.casts_shadow, primitive.moving).hash(&mut sides);
-    }
-    [scene.identity, still, sides.finish(), u64::from(cell.to_bits())]
-}
-
 /// Whether what lies behind a surface of it is the inside of something.
 fn has_back(material: &Material) -> bool {
     !material.double_sided && material.alpha_mode == AlphaMode::Opaque
@@ -194,8 +207,8 @@ struct Surroundings {
 }
 
 impl Surroundings {
-    fn new(scene: &Scene, cell: f32) -> Self {
-        let is_still = |primitive: &&Primitive| !primitive.moving && primitive.casts_shadow;
+    fn new(scene: &Scene, moved: &HashSet<SceneId>, cell: f32) -> Self {
+        let is_still = |primitive: &&Primitive| primitive.casts_shadow && !moved.contains(&primitive.id);
         let primitives: Vec<Primitive> = scene.primitives.iter().filter(is_still).cloned().collect();
         let backs = primitives.iter().map(|primitive| has_back(&primitive.material)).collect();
         Self { still: SceneBvh::new(&Scene { primitives, ..Scene::default() }), backs, cell }

@@ -1,7 +1,7 @@
-//! What the numbers say, in words: which method wins where, and why.
+//! What the numbers say: which method wins where, and why.
 
 use super::facts::{self, Fact, Light, is_baseline};
-use super::markdown::{list, ms, percent, times};
+use super::markdown::{list, ms, percent, signed, table, times};
 use crate::bench::pareto::{front, time_for_error};
 use crate::bench::results::Results;
 use crate::bench::stage::STAGES;
@@ -9,76 +9,78 @@ use crate::bench::stage::STAGES;
 /// Share of the squared error from which on a constant factor is called its cause.
 const MOSTLY: f64 = 0.6;
 
-/// A paragraph a scene.
+/// What the columns of the tables mean.
+const LEGEND: &str = "Each table is of indirect light. *Level* is the share of the squared error that a constant factor would take away: \
+    from 60 % on, the image is too bright or too dark as the bias says; below, the light is in the wrong places. Then the time in which \
+    path tracing reaches the same error, and that over the method's; in brackets where it follows by the square-root law from the \
+    nearest measured point.";
+
+/// A paragraph and a table a scene.
 pub fn verdict(results: &Results) -> Option<String> {
-    let paragraph = |scene: &crate::bench::results::SceneFigures| {
+    let section = |scene: &crate::bench::results::SceneFigures| {
         let facts = facts::of(results, &scene.name, false);
-        let words = of_scene(&facts);
-        (!words.is_empty()).then(|| format!("**{}.** {}\n\n", scene.name, words.join(" ")))
+        of_scene(&facts).map(|words| format!("**{}.** {words}\n\n", scene.name))
     };
-    let text: String = results.scenes.iter().filter_map(paragraph).collect();
-    (!text.is_empty()).then(|| format!("## Which method wins where\n\n{text}"))
+    let text: String = results.scenes.iter().filter_map(section).collect();
+    (!text.is_empty()).then(|| format!("## Which method wins where\n\n{LEGEND}\n\n{text}"))
 }
 
-fn of_scene(facts: &[Fact]) -> Vec<String> {
-    let mut words = Vec::new();
+fn of_scene(facts: &[Fact]) -> Option<String> {
     let drawn: Vec<&Fact> =
         facts.iter().filter(|fact| !fact.variant.traced && fact.indirect.nrmse.is_finite()).collect();
-    let best = drawn.iter().min_by(|a, b| a.indirect.nrmse.total_cmp(&b.indirect.nrmse));
-    let Some(best) = best else { return words };
-    words.push(format!(
+    let best = drawn.iter().min_by(|a, b| a.indirect.nrmse.total_cmp(&b.indirect.nrmse))?;
+    let mut words = vec![format!(
         "Of the methods that draw a frame at once, `{}` comes nearest to the reference: {} error of indirect light and {} of \
          all light in {} ms a frame.",
         best.variant.name,
         percent(best.indirect.nrmse),
         percent(best.total.nrmse),
         ms(best.time()),
-    ));
+    )];
     let light: Vec<&&Fact> = drawn.iter().filter(|fact| fact.indirect.bias > -1.0).collect();
-    for fact in &light {
-        words.extend(cause(fact));
-        words.extend(against_sampling(facts, fact));
-    }
+    words.extend(levels(&light));
     words.extend(light.iter().max_by(|a, b| a.time().total_cmp(&b.time())).and_then(|fact| cost(fact)));
     words.extend(front_in_words(facts));
-    words
+    let rows: Vec<Vec<String>> = light.iter().map(|fact| row(facts, fact)).collect();
+    let head = ["method", "time [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the method's"];
+    let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
+    Some(words.join(" ") + rows.trim_end())
 }
 
-/// Whether the error is one of brightness or of distribution.
-fn cause(fact: &Fact) -> Option<String> {
+/// Share of the squared error that is one of brightness.
+fn level(fact: &Fact) -> f64 {
+    (fact.indirect.bias / fact.indirect.nrmse).powi(2)
+}
+
+/// The methods whose error is mostly one of brightness.
+fn levels(light: &[&&Fact]) -> Option<String> {
+    let named = |fact: &&&&Fact| {
+        let how = if fact.indirect.bias > 0.0 { "bright" } else { "dark" };
+        format!("`{}` ({} too {how})", fact.variant.name, percent(fact.indirect.bias.abs()))
+    };
+    let wrong: Vec<String> = light.iter().filter(|fact| level(fact) > MOSTLY).map(|fact| named(&fact)).collect();
+    (!wrong.is_empty()).then(|| format!("What is wrong is mostly the level with {}.", list(&wrong)))
+}
+
+fn row(facts: &[Fact], fact: &Fact) -> Vec<String> {
     let error = &fact.indirect;
-    let share = (error.bias / error.nrmse).powi(2);
-    let name = &fact.variant.name;
-    if !(share.is_finite() && error.nrmse > 0.0) {
-        return None;
-    }
-    let how = if error.bias > 0.0 { "too bright" } else { "too dark" };
-    let level = format!("{} {how}", percent(error.bias.abs()));
-    Some(if share > MOSTLY {
-        format!("What is wrong with `{name}` is mostly the level: on average it is {level}.")
-    } else {
-        format!(
-            "`{name}` is {level} on average, which makes {} of its squared error; the rest is light in the wrong places.",
-            percent(share)
-        )
-    })
-}
-
-/// What path tracing needs for the same error.
-fn against_sampling(facts: &[Fact], fact: &Fact) -> Option<String> {
-    let (time, beyond) = time_for_error(&facts::baseline(facts, Light::Indirect), fact.indirect.nrmse)?;
-    let factor = time / fact.time();
-    let name = &fact.variant.name;
-    let source = if beyond { " (by the square-root law from the nearest measured point)" } else { "" };
-    Some(if factor >= 1.0 {
-        format!("Path tracing needs {} ms{source} for the error of `{name}`, {} its time.", ms(time), times(factor))
-    } else {
-        format!(
-            "Path tracing reaches the error of `{name}` in {} ms{source}: by this measure sampling is {} as fast.",
-            ms(time),
-            times(1.0 / factor)
-        )
-    })
+    let sampling = time_for_error(&facts::baseline(facts, Light::Indirect), error.nrmse);
+    let [time, factor] = match sampling {
+        None => ["".to_owned(), "".to_owned()],
+        Some((time, beyond)) => {
+            let bracketed = |text: String| if beyond { format!("({text})") } else { text };
+            [bracketed(ms(time)), bracketed(times(time / fact.time()))]
+        }
+    };
+    vec![
+        format!("`{}`", fact.variant.name),
+        ms(fact.time()),
+        super::markdown::error(error.nrmse),
+        signed(error.bias),
+        percent(level(fact)),
+        time,
+        factor,
+    ]
 }
 
 /// Where the time goes.
