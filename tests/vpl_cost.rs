@@ -75,7 +75,7 @@ fn follow_the_report(scene: &str) {
     );
     for particles in [64, 256, 1024, 4096] {
         let [brute, hierarchy] = [ParticleCasts::BruteForce, ParticleCasts::Hierarchy].map(|casts| {
-            stage.scene.vpl = Some(InstantRadiosity { particles, casts, ..Default::default() });
+            stage.scene.vpl = Some(InstantRadiosity { particles, casts, candidates: 1, ..Default::default() });
             stage.draw(&settings, [0.0; 2]);
             let shot = stage.renderer().virtual_lights().expect("they were asked for").particles();
             (shot.casts, shot.reflectance)
@@ -97,8 +97,14 @@ fn one_pass_beats_a_pass_for_every_light() {
     for particles in [64, 256, 1024] {
         let times = [Accumulation::Batched, Accumulation::ByTheLetter].map(|accumulation| {
             let visibility = VirtualVisibility::None;
-            let vpl =
-                InstantRadiosity { particles, accumulation, visibility, view_driven: false, ..Default::default() };
+            let vpl = InstantRadiosity {
+                particles,
+                candidates: 1,
+                accumulation,
+                visibility,
+                view_driven: false,
+                ..Default::default()
+            };
             // One reflection alone: as many lights as particles that hit.
             stage.scene.vpl = Some(InstantRadiosity { bounces: lightwell::world::Bounces::Count(1), ..vpl });
             stage.draw(&settings, [0.0; 2]);

@@ -52,8 +52,11 @@ fn one_light_by_the_formula() {
     stage.add(plane(), Vec3::splat(0.8), wall);
     let (inner, outer) = (0.0199_f32, 0.02_f32);
     stage.light(LightShape::Spot { inner, outer }, Vec3::splat(500.0), Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y);
-    let (image, renderer) =
-        draw(&gpu, &mut stage, InstantRadiosity { particles: 1, bounces: Bounces::Count(1), ..Default::default() });
+    let (image, renderer) = draw(
+        &gpu,
+        &mut stage,
+        InstantRadiosity { particles: 1, candidates: 1, bounces: Bounces::Count(1), ..Default::default() },
+    );
     let particles = renderer.virtual_lights().expect("they were asked for").particles();
     assert_eq!(particles.lights.len(), 1);
     let light = Vec3::from(particles.lights[0].place);
@@ -103,7 +106,8 @@ fn furnace_of_many_particles() {
 fn ten_particles_leave_eighteen_lights() {
     let gpu = gpu();
     let mut stage = room(0.5, 8);
-    let (_, renderer) = draw(&gpu, &mut stage, InstantRadiosity { particles: 10, ..Default::default() });
+    let settings = InstantRadiosity { particles: 10, candidates: 1, ..Default::default() };
+    let (_, renderer) = draw(&gpu, &mut stage, settings);
     let particles = renderer.virtual_lights().expect("they were asked for").particles();
     assert!((particles.reflectance - 0.5).abs() < 1e-6, "{}", particles.reflectance);
     assert_eq!((particles.lights.len(), particles.casts.rays), (18, 18));
@@ -119,7 +123,8 @@ fn particles_of_the_sun_do_not_pass_the_scene() {
     }
     let direction = Vec3::new(0.4, -0.7, -0.5).normalize();
     stage.light(LightShape::Directional, Vec3::splat(2.0), Vec3::ZERO, direction);
-    let settings = InstantRadiosity { particles: 1000, bounces: Bounces::Count(1), ..Default::default() };
+    let settings =
+        InstantRadiosity { particles: 1000, candidates: 1, bounces: Bounces::Count(1), ..Default::default() };
     let (_, renderer) = draw(&gpu, &mut stage, settings);
     let particles = renderer.virtual_lights().expect("they were asked for").particles();
     assert!(particles.lights.len() > 600, "{} of 1000 hit", particles.lights.len());
@@ -140,6 +145,43 @@ fn many_lights_are_no_darker_than_few() {
     };
     let [few, many] = [512, 16_384].map(|particles| of(&mut stage, particles));
     assert!((many / few - 1.0).abs() < 0.05, "{few} by 512 particles, {many} by 16,384");
+}
+
+/// Two rooms with a lamp each, the brighter one where the camera does not see it: its lights bring nothing.
+#[test]
+fn lights_are_chosen_that_the_camera_sees() {
+    const SEEDS: u32 = 48;
+    let gpu = gpu();
+    let mut stage = room(0.6, 16);
+    stage.add_room(Vec3::new(2.0, -1.5, -1.5), Vec3::splat(3.0), Vec3::splat(0.6));
+    stage.light(LightShape::Point, Vec3::splat(30.0), Vec3::new(3.5, 0.5, 0.0), Vec3::Y);
+    let shot = |particles| InstantRadiosity { particles, candidates: 1, near_bound: 0.5, ..Default::default() };
+    let truth = draw(&gpu, &mut stage, InstantRadiosity { seed: 99, ..shot(32_768) }).0;
+    let scale = mean(&truth);
+    // Error, bias, and the share of lights that lie in the room of the camera.
+    let mut of = |settings: InstantRadiosity| {
+        let (mut squares, mut bias, mut own, mut all) = (0.0, 0.0, 0, 0);
+        for seed in 0..SEEDS {
+            let (image, renderer) = draw(&gpu, &mut stage, InstantRadiosity { seed, ..settings.clone() });
+            let particles = renderer.virtual_lights().expect("they were asked for").particles();
+            own += particles.lights.iter().filter(|light| light.place[0] < 1.6).count();
+            all += particles.lights.len();
+            for (pixel, truth) in image.rgba.iter().zip(&truth.rgba) {
+                let difference = f64::from((pixel[0] - truth[0]) / scale);
+                squares += difference * difference / (f64::from(SEEDS) * 256.0);
+                bias += difference / (f64::from(SEEDS) * 256.0);
+            }
+        }
+        (f64::sqrt(squares), bias, own as f64 / all as f64)
+    };
+    let all = of(shot(128));
+    let chosen = of(InstantRadiosity { candidates: 16, ..shot(128) });
+    let unbound = of(InstantRadiosity { candidates: 16, near_bound: 0.0, ..shot(128) });
+    eprintln!("error, bias and lights in view: {all:?}, chosen {chosen:?}, without a bound {unbound:?}");
+    assert!(all.2 < 0.2 && chosen.2 > 0.6, "{} and {} of the lights are in the room", all.2, chosen.2);
+    assert!(chosen.0 < 0.8 * all.0 && chosen.1.abs() < 0.6 * all.1.abs(), "{all:?}, chosen {chosen:?}");
+    // The bound takes light away, the choice does not.
+    assert!(unbound.1.abs() < 0.04, "{unbound:?}");
 }
 
 #[test]
@@ -171,7 +213,7 @@ fn nothing_is_shot_twice() {
     // Another view needs no particle either.
     stage.view.camera.world_from_view.translation.x += 0.1;
     let (_, report) = stage.render_with(&gpu, &mut renderer, &indirect());
-    assert!(!report.ran("particles") && report.ran("vpl shade"), "{report}");
+    assert!(!report.ran("particles") && report.ran("choice") && report.ran("vpl shade"), "{report}");
     stage.view.camera.world_from_view.translation.x -= 0.1;
     stage.scene.lights[0].position.x += 0.2;
     stage.scene.lights[0].revision += 1;
@@ -240,8 +282,8 @@ fn the_sum_converges_to_the_path_tracer() {
     let mut error = |sequence, particles| {
         let (mut squares, mut bias) = (0.0_f64, 0.0_f64);
         for seed in 0..8 {
-            let settings =
-                InstantRadiosity { particles, seed, sequence, bounces: Bounces::Count(1), ..Default::default() };
+            let bounces = Bounces::Count(1);
+            let settings = InstantRadiosity { particles, candidates: 1, seed, sequence, bounces, ..Default::default() };
             let image = draw(&gpu, &mut stage, settings).0;
             for (pixel, truth) in image.rgba.iter().zip(truth.pixels()) {
                 let difference = f64::from(pixel[0] - truth[0]) / f64::from(truth[0]);

@@ -29,7 +29,7 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",
-        passes: &["particles", "reach", "place", "virtual lights"],
+        passes: &["particles", "choice", "reach", "place", "virtual lights"],
     },
     Stage { name: "SHV", what: "shade by virtual lights", passes: &["vpl"] },
     Stage {
