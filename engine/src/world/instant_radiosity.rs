@@ -100,7 +100,8 @@ pub struct InstantRadiosity {
     /// its square root or faster. Limited by memory alone, 80 bytes a light.
     pub particles: u32,
     /// So many times as many particles are shot, 1 to 64, and of the lights that they leave those are kept which bring most
-    /// to what the camera sees. To shoot is cheap, to shade is not. 1: all are kept, whatever the camera sees.
+    /// to what the camera sees. To shoot is cheap, to shade is not: for pictures of a part of a scene. While lamps or
+    /// camera move, lights come and go. 1: all are kept, whatever the camera sees.
     pub candidates: u32,
     /// How many particles go on.
     pub schedule: Schedule,
@@ -143,7 +144,7 @@ impl Default for InstantRadiosity {
     fn default() -> Self {
         Self {
             particles: 512,
-            candidates: 16,
+            candidates: 1,
             schedule: Schedule::default(),
             bounce: ParticleBounce::default(),
             bounces: Bounces::Converged,

@@ -116,7 +116,7 @@ impl Invariant {
             (Self::Order, Diffusion) => Bound::of(0.01, Some(TIES)),
             (Self::Order, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (image, Vpl | Reference) if image.compares_places() => Bound::of(2.0, Some(NOISE)),
-            (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(2.0, Some(NOISE)),
+            (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(2.5, Some(PAIRS)),
             (Self::Mirror | Self::QuarterTurn, Direct | Diffusion | Sweep | Slc) => Bound::of(0.1, Some(TEXELS)),
             (Self::Orientation | Self::PartOfCell, Diffusion | Sweep) => Bound::of(0.5, Some(CELLS)),
             (image, Direct | Slc) if image.compares_places() => Bound::of(0.1, Some(TEXELS)),
@@ -156,6 +156,8 @@ impl Bound {
 }
 
 const NOISE: &str = "in units of the difference that other random numbers make";
+const PAIRS: &str =
+    "in units of the difference that other random numbers make; of dozens of such differences one is twice another";
 const NUMBERS: &str = "lights are numbered as they stand in the file, and their random numbers go by that";
 const EVEN: &str = "the series holds on the mean over all walls, an image is the mean over what it shows";
 const LOBES: &str = "lobes of light are cut off below zero, of all lamps together";
