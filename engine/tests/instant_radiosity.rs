@@ -229,6 +229,22 @@ fn nothing_is_shot_twice() {
 }
 
 #[test]
+fn more_lights_than_memory_holds_are_refused_before_any_is_shot() {
+    let gpu = gpu();
+    let mut stage = room(0.6, 16);
+    let mut refused = |particles: u32, candidates: u32| {
+        stage.scene.vpl = Some(InstantRadiosity { particles, candidates, ..Default::default() });
+        let refused = Renderer::new(&gpu).render(&gpu, &stage.scene, &stage.view, &indirect());
+        let error = refused.expect_err("more than any buffer holds");
+        std::error::Error::source(&error).expect("a reason").to_string()
+    };
+    let many = refused(u32::MAX, 1);
+    assert!(many.contains("set `vpl.particles` to ") && !many.contains("candidates"), "{many}");
+    let chosen = refused(1 << 26, 64);
+    assert!(chosen.contains("or `vpl.candidates` below 64"), "{chosen}");
+}
+
+#[test]
 fn squares_and_boxes_are_met_where_they_are() {
     let ray = |o: [f32; 3], d: [f32; 3]| Ray::new(o.into(), d.into());
     assert_eq!(intersect_square(&ray([0.2, -0.3, 2.0], [0.0, 0.0, -1.0])), Some(2.0));

@@ -4,7 +4,7 @@ use super::{AssetId, Mesh, Vertex, parallel};
 use crate::scene::Aabb;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Vertices that one piece of work poses.
 const PIECE: usize = 8192;
@@ -206,6 +206,7 @@ fn finished(rest: &Arc<Mesh>, pose: &Pose, mut vertices: Vec<Vertex>) -> Arc<Mes
         extras: rest.extras.clone(),
         deform: None,
         rest: Some(rest.clone()),
+        hierarchy: OnceLock::new(),
     })
 }
 

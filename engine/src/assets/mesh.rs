@@ -1,9 +1,10 @@
 //! Triangle meshes on the CPU side.
 
 use super::{AssetId, Deform};
+use crate::bvh::MeshBvh;
 use crate::scene::Aabb;
 use glam::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// One vertex as the GPU sees it: 48 bytes, object space, metres.
 #[repr(C)]
@@ -58,6 +59,7 @@ pub struct Mesh {
     pub deform: Option<Arc<Deform>>,
     /// The mesh that this one is a pose of: the same triangles and the same vertices, elsewhere.
     pub rest: Option<Arc<Mesh>>,
+    pub(in crate::assets) hierarchy: OnceLock<MeshBvh>,
 }
 
 impl Mesh {
@@ -73,7 +75,13 @@ impl Mesh {
             extras: None,
             deform: None,
             rest: None,
+            hierarchy: OnceLock::new(),
         }
+    }
+
+    /// The mesh for rays; built when it is first asked for.
+    pub fn hierarchy(&self) -> &MeshBvh {
+        self.hierarchy.get_or_init(|| MeshBvh::new(self))
     }
 
     /// Identity of the triangles: all poses of a mesh share it.

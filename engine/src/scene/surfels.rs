@@ -4,6 +4,7 @@
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
 mod follow;
+mod still;
 mod surroundings;
 
 use super::{Primitive, Scene};
@@ -12,7 +13,7 @@ use crate::bvh::{MeshBvh, Ray};
 use bytemuck::{Pod, Zeroable};
 use follow::Followed;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use surroundings::Exposed;
 
@@ -149,7 +150,8 @@ impl SurfelCloud {
         self.followed.remember(scene, cell, &groups, area);
         let fineness = Fineness::new(cell, area);
         let keys: Vec<GroupKey> = groups.iter().map(|group| group.key(fineness)).collect();
-        self.built.retain(|key, _| keys.contains(key));
+        let used: HashSet<&GroupKey> = keys.iter().collect();
+        self.built.retain(|key, _| used.contains(key));
         let missing: Vec<usize> = (0..groups.len()).filter(|&i| !self.built.contains_key(&keys[i])).collect();
         for (index, surfels) in missing.iter().zip(parallel::map(&missing, |&index| groups[index].surfels(fineness))) {
             self.built.insert(keys[*index].clone(), Arc::new(surfels));

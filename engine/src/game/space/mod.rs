@@ -10,13 +10,12 @@ mod update;
 pub use update::Ghost;
 pub(super) use update::update;
 
-use crate::assets::{AssetId, Mesh};
+use crate::assets::Mesh;
 use crate::bvh::{Bvh, MeshBvh, Ray};
 use crate::scene::Aabb;
 use bevy_ecs::prelude::{Entity, Resource};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
-use std::collections::HashMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use sweep::{Touch, closest_point, sweep_box, sweep_sphere};
 
 /// Where a ray meets something.
@@ -52,7 +51,6 @@ pub struct Contact {
 struct Instance {
     entity: Entity,
     mesh: Arc<Mesh>,
-    bvh: Arc<OnceLock<MeshBvh>>,
     world_from_object: Affine3A,
     object_from_world: Affine3A,
     is_ghost: bool,
@@ -65,7 +63,6 @@ pub struct Space {
     instances: Vec<Instance>,
     boxes: Vec<Aabb>,
     top: Bvh,
-    meshes: HashMap<AssetId, Arc<OnceLock<MeshBvh>>>,
 }
 
 /// How far two surfaces are kept apart by [`Space::slide_sphere`] \[m\], against rounding.
@@ -94,7 +91,7 @@ impl Space {
             // The direction is not normalised in object space, so that distances stay those of the world.
             let to_object = &instance.object_from_world;
             let ray = Ray::new(to_object.transform_point3(origin), to_object.transform_vector3(direction));
-            let bvh = instance.bvh();
+            let bvh = instance.mesh.hierarchy();
             let Some(hit) = bvh.closest_hit(&ray, bound, |_| true) else { return bound };
             let corners = instance.corners(bvh, hit.triangle);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(-direction);
@@ -219,7 +216,7 @@ impl Space {
             if instance.is_ghost || !counts(instance.entity) {
                 return;
             }
-            let bvh = instance.bvh();
+            let bvh = instance.mesh.hierarchy();
             let local = bounds.transformed(&instance.object_from_world);
             bvh.bvh.overlapping(&local, |triangle| f(instance.entity, instance.corners(bvh, triangle)));
         });
@@ -227,10 +224,6 @@ impl Space {
 }
 
 impl Instance {
-    fn bvh(&self) -> &MeshBvh {
-        self.bvh.get_or_init(|| MeshBvh::new(&self.mesh))
-    }
-
     fn corners(&self, bvh: &MeshBvh, triangle: u32) -> [Vec3; 3] {
         bvh.corners()[triangle as usize].map(|corner| self.world_from_object.transform_point3(corner))
     }

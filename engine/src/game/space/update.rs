@@ -6,8 +6,6 @@ use crate::files::SceneData;
 use crate::scene::Aabb;
 use crate::world::{GlobalTransform, Identity, MeshRenderer};
 use bevy_ecs::prelude::*;
-use std::collections::HashMap;
-use std::sync::Arc;
 
 /// What can be seen and not touched: rays and moving bodies of a game pass through it.
 #[derive(Component, SceneData, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,13 +34,10 @@ pub fn update(
 impl Space {
     fn follow<'a>(&mut self, rows: impl Iterator<Item = (Entity, &'a GlobalTransform, &'a MeshRenderer, bool)>) {
         let before: Vec<Entity> = self.instances.iter().map(|instance| instance.entity).collect();
-        let mut meshes = HashMap::new();
         self.instances.clear();
         self.boxes.clear();
         for (entity, place, renderer, is_ghost) in rows {
-            let mesh = renderer.mesh.clone();
-            let known = self.meshes.get(&mesh.id).cloned().unwrap_or_default();
-            let bvh = meshes.entry(mesh.id).or_insert(known).clone();
+            let mesh = &renderer.mesh;
             let world_from_object = place.0;
             let object_from_world = world_from_object.inverse();
             // A flattened object has no inside to ask in; it is met by nothing.
@@ -50,15 +45,13 @@ impl Space {
             self.boxes.push(if is_usable { mesh.bounds.transformed(&world_from_object) } else { Aabb::EMPTY });
             self.instances.push(Instance {
                 entity,
-                bvh,
                 world_from_object,
                 object_from_world,
                 is_ghost,
                 casts_shadow: renderer.casts_shadow,
-                mesh: Arc::clone(&mesh),
+                mesh: mesh.clone(),
             });
         }
-        self.meshes = meshes;
         let same = before.iter().copied().eq(self.instances.iter().map(|instance| instance.entity));
         let placed = self.boxes.iter().filter(|bounds| !bounds.is_empty()).count();
         match same && placed == self.top.order.len() && self.boxes.len() == before.len() {

@@ -19,7 +19,8 @@ use std::f32::consts::PI;
 use std::ops::Range;
 
 /// Share of the lights of a source and hit that stand for less than d_min's square. Few stand for much, and those would be
-/// seen as spots: with the median the error of `courtyard` is twice as large.
+/// seen as spots: with the median the error of `courtyard` is a third larger if all lights are kept (512, 64²: 0.53 for
+/// 0.40).
 const BOUNDED: f32 = 0.9;
 /// Candidates of one piece of parallel work.
 const PIECE: usize = 256;

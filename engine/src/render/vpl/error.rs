@@ -16,12 +16,15 @@ pub enum VplError {
     /// More lights than fit a buffer. Nothing but memory limits their number.
     #[error(
         "{particles} particles leave up to {lights} lights, which take {needed} MiB, and the largest buffer of this \
-         adapter holds {limit} MiB: set `vpl.particles` to {possible} or less"
+         adapter holds {limit} MiB: set `vpl.particles` to {possible} or less{}",
+        if *.candidates > 1 { format!(", or `vpl.candidates` below {candidates}") } else { String::new() }
     )]
     TooMany {
         /// Particles asked for.
         particles: u32,
-        /// Lights that they can leave.
+        /// Lights for each that is kept.
+        candidates: u32,
+        /// Lights that they can leave, those counted that are not kept.
         lights: u64,
         /// Needed \[MiB\].
         needed: u64,

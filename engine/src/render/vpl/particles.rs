@@ -2,11 +2,11 @@
 //! view did, else kept.
 
 use super::choice;
-use super::simulate::{Particles, Setup, Shot, VirtualLight, candidates, simulate};
+use super::simulate::{Candidate, DISTANT, Particles, Setup, Shot, VirtualLight, candidates, simulate};
 use super::{CastCounts, VplError};
 use crate::assets::AssetId;
 use crate::gpu::Gpu;
-use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
 use crate::render::frame::Frame;
 use crate::render::ray_scene::RayScene;
 use crate::scene::{Aabb, Frustum, Scene};
@@ -22,8 +22,8 @@ pub struct VirtualLights {
     /// The settings in use.
     pub(super) settings: InstantRadiosity,
     known: Option<String>,
-    /// Most lights that there can be.
-    capacity: u64,
+    /// Most lights that there can be to choose from.
+    most: u64,
     shot: RefCell<Shot>,
     particles: RefCell<Particles>,
     /// Lights in the buffer that is shaded.
@@ -47,7 +47,7 @@ impl VirtualLights {
             colors: HashMap::new(),
             settings: InstantRadiosity::default(),
             known: None,
-            capacity: 0,
+            most: 0,
             shot: RefCell::default(),
             particles: RefCell::default(),
             shaded: Cell::new(0),
@@ -64,25 +64,51 @@ impl VirtualLights {
         let key = self.key(scene);
         if self.known.as_ref() != Some(&key) {
             let setup = Setup::new(scene, &self.rays.bvh, &self.settings, &mut self.colors);
-            self.capacity = match self.settings.placement {
-                VirtualPlacement::Particles => setup.capacity().div_ceil(candidates(&self.settings).into()),
+            self.most = match self.settings.placement {
+                VirtualPlacement::Particles => setup.capacity(),
                 VirtualPlacement::Rsm => u64::from(self.settings.particles) + 6 * scene.lights.len() as u64,
             };
             self.known = Some(key);
         }
         let limit = gpu.limits.max_buffer_size;
-        let needed = self.capacity * size_of::<VirtualLight>() as u64;
+        let each = if self.is_chosen() { size_of::<Candidate>() } else { size_of::<VirtualLight>() };
+        let needed = self.most.saturating_mul(each as u64);
         if needed > limit {
             let particles = self.settings.particles;
             return Err(VplError::TooMany {
                 particles,
-                lights: self.capacity,
+                candidates: candidates(&self.settings),
+                lights: self.most,
                 needed: needed >> 20,
                 limit: limit >> 20,
                 possible: (u128::from(particles) * u128::from(limit) / u128::from(needed)) as u64,
             });
         }
         Ok(())
+    }
+
+    /// Whether lights are chosen from more than are kept.
+    fn is_chosen(&self) -> bool {
+        self.settings.placement == VirtualPlacement::Particles && candidates(&self.settings) > 1
+    }
+
+    /// A buffer of as many lights as can be kept.
+    fn desc(&self) -> BufferDesc {
+        let kept = if self.is_chosen() { candidates(&self.settings) } else { 1 };
+        let lights = self.most.div_ceil(kept.into());
+        BufferDesc::new(lights * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// Writes the lights that are shaded.
+    fn write(&self, cx: &mut PassContext, buffer: Handle<Buffer>, lights: &[VirtualLight]) {
+        let bytes: &[u8] = bytemuck::cast_slice(lights);
+        let counts = cx.counts();
+        counts.lights += lights.len() as u64;
+        counts.bytes += bytes.len() as u64;
+        if !bytes.is_empty() {
+            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
+        }
+        self.shaded.set(lights.len() as u32);
     }
 
     /// What the last simulation left.
@@ -129,7 +155,7 @@ impl VirtualLights {
 
 /// Declares the particles, and which of their lights the view needs.
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a VirtualLights) -> Option<Lights> {
-    if state.capacity == 0 {
+    if state.most == 0 {
         graph.skip("particles", "nothing in the scene feeds indirect light, or no surface reflects any");
         return None;
     }
@@ -141,11 +167,6 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
         return Some(Lights { buffer, all: buffer });
     }
     Some(declare_reach(graph, frame, state, buffer))
-}
-
-/// A buffer of virtual lights.
-fn desc(capacity: u64) -> BufferDesc {
-    BufferDesc::new(capacity * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
 }
 
 /// Declares the shooting. What the particles left stays on the processor; the device has the number of candidates.
@@ -174,11 +195,11 @@ fn declare_choice<'a>(
     state: &'a VirtualLights,
     shot: Handle<Buffer>,
 ) -> Handle<Buffer> {
-    let buffer = graph.retained_buffer("virtual lights", desc(state.capacity));
+    let buffer = graph.retained_buffer("virtual lights", state.desc());
     let mut pass = graph.pass("choice");
     pass.read(shot);
     let buffer = pass.write(buffer);
-    let for_view = candidates(&state.settings) > 1;
+    let for_view = state.is_chosen();
     pass.key(&for_view.then(|| frame.view_key()));
     let (scene, view) = (frame.scene, frame.view);
     pass.execute(move |cx| {
@@ -187,14 +208,7 @@ fn declare_choice<'a>(
             true => choice::for_view(&shot, scene, &state.rays.bvh, settings, view),
             false => choice::all(&shot, scene, settings),
         };
-        let bytes: &[u8] = bytemuck::cast_slice(&particles.lights);
-        let counts = cx.counts();
-        counts.lights += particles.lights.len() as u64;
-        counts.bytes += bytes.len() as u64;
-        if !bytes.is_empty() {
-            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
-        }
-        state.shaded.set(particles.lights.len() as u32);
+        state.write(cx, buffer, &particles.lights);
         *state.particles.borrow_mut() = particles;
         Ok(())
     });
@@ -208,7 +222,7 @@ fn declare_reach<'a>(
     state: &'a VirtualLights,
     all: Handle<Buffer>,
 ) -> Lights {
-    let reached = graph.retained_buffer("reached lights", desc(state.capacity));
+    let reached = graph.retained_buffer("reached lights", state.desc());
     let mut pass = graph.pass("reach");
     pass.read(all);
     let buffer = pass.write(reached);
@@ -216,14 +230,7 @@ fn declare_reach<'a>(
     let frustum = frame.frustum();
     let scene = frame.scene;
     pass.execute(move |cx| {
-        let lights = reaching(&state.particles.borrow().lights, scene, &frustum);
-        let counts = cx.counts();
-        counts.lights += lights.len() as u64;
-        counts.bytes += size_of_val(lights.as_slice()) as u64;
-        if !lights.is_empty() {
-            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytemuck::cast_slice(&lights));
-        }
-        state.shaded.set(lights.len() as u32);
+        state.write(cx, buffer, &reaching(&state.particles.borrow().lights, scene, &frustum));
         Ok(())
     });
     Lights { buffer, all }
@@ -240,7 +247,7 @@ fn reaching(lights: &[VirtualLight], scene: &Scene, frustum: &Frustum) -> Vec<Vi
             let foremost = Vec3::select(normal.cmpge(Vec3::ZERO), bounds.max, bounds.min);
             normal.dot(foremost - place) > 0.0
         };
-        light.kind == super::simulate::DISTANT || drawn.iter().any(before)
+        light.kind == DISTANT || drawn.iter().any(before)
     };
     lights.iter().filter(faces).copied().collect()
 }

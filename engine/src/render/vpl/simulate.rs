@@ -174,7 +174,7 @@ pub(super) fn simulate(scene: &Scene, bvh: &SceneBvh, settings: &InstantRadiosit
             shot.shot += piece.shot;
             shot.casts += piece.casts;
         }
-        shot.origins.push(source.origin(scene));
+        shot.origins.push(source.origin());
     }
     shot
 }
@@ -266,7 +266,7 @@ impl Shooter<'_> {
         let distance = offset.length();
         let cosine = -flight.direction.dot(met.geometric_normal);
         if hit == 1
-            && let Source::Light(light, _) = self.source
+            && let Source::Light(_, light, _) = self.source
             && let Some(range) = light.range.filter(|_| !self.published() && light.has_position())
         {
             flight.flux *= (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
@@ -349,7 +349,7 @@ struct Flight {
 impl Flight {
     fn new(start: &Start, published: bool, source: &Source) -> Self {
         let flux = match source {
-            Source::Light(light, _) if published => light.intensity,
+            Source::Light(_, light, _) if published => light.intensity,
             _ => start.flux,
         };
         let Start { origin, direction, per_solid_angle, per_area, .. } = *start;

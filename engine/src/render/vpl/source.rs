@@ -37,8 +37,8 @@ pub(super) enum Glow {
 
 /// A source of particles.
 pub(super) enum Source<'a> {
-    /// Index of a light of the scene.
-    Light(&'a SceneLight, Beam),
+    /// A light of the scene, with its index.
+    Light(usize, &'a SceneLight, Beam),
     /// All triangles that emit.
     Emitters(Emitters<'a>),
     /// The sky around a ball that holds the scene.
@@ -130,7 +130,8 @@ impl<'a> Source<'a> {
             return Vec::new();
         }
         let mut sources = Vec::new();
-        for light in scene.lights.iter().filter(|light| light.indirect && light.intensity.max_element() > 0.0) {
+        let feeds = |light: &SceneLight| light.indirect && light.intensity.max_element() > 0.0;
+        for (index, light) in scene.lights.iter().enumerate().filter(|(_, light)| feeds(light)) {
             let beam = match light.shape {
                 LightShape::Directional => Beam::new(light.direction, &bounds, bvh),
                 _ => Beam::default(),
@@ -141,7 +142,7 @@ impl<'a> Source<'a> {
                 LightShape::Spot { inner, outer } => 2.0 * PI * (1.0 - 0.5 * (inner.cos() + outer.cos())),
             };
             let flux = f64::from(light.intensity.element_sum()) / 3.0 * f64::from(extent);
-            sources.push((Source::Light(light, beam), flux));
+            sources.push((Source::Light(index, light, beam), flux));
         }
         let emitters = Emitters::new(scene, bvh);
         if !emitters.list.is_empty() {
@@ -164,11 +165,9 @@ impl<'a> Source<'a> {
     }
 
     /// What its lights come from.
-    pub(super) fn origin(&self, scene: &Scene) -> Origin {
+    pub(super) fn origin(&self) -> Origin {
         match self {
-            Source::Light(light, _) => {
-                Origin::Light(scene.lights.iter().position(|other| std::ptr::eq(other, *light)).unwrap_or(0))
-            }
+            Source::Light(index, ..) => Origin::Light(*index),
             Source::Emitters(_) => Origin::Emitters,
             Source::Sky { .. } => Origin::Sky,
         }
@@ -177,7 +176,7 @@ impl<'a> Source<'a> {
     /// A particle.
     pub(super) fn start(&self, numbers: &mut Numbers) -> Option<Start> {
         match self {
-            Source::Light(light, beam) => Some(start_of_light(light, beam, numbers.pair())),
+            Source::Light(_, light, beam) => Some(start_of_light(light, beam, numbers.pair())),
             Source::Emitters(emitters) => emitters.start(numbers),
             Source::Sky { radiance, center, radius } => {
                 let direction = cone_direction(Vec3::Z, -1.0, numbers.pair());

@@ -72,7 +72,7 @@ impl Primitives {
                 let revision = context.revisions.next();
                 let mut new = primitive(identity, place, renderer, revision);
                 if is_driven(entity, &drivers) {
-                    motion.touch(&mut new);
+                    motion.drive(&mut new);
                 }
                 elements.add(entity, new);
                 scene.revisions.materials = revision;

@@ -390,6 +390,25 @@ fn what_changes_is_moving_from_then_on() {
 }
 
 #[test]
+fn what_goes_on_after_a_rest_has_to_rest_twice_as_long() {
+    let mut s = Stage::new();
+    let nudge = |s: &mut Stage| s.world.ecs.get_mut::<Transform>(s.thing).unwrap().translation.x += 0.1;
+    let rest = |s: &mut Stage, frames: u32| {
+        nudge(s);
+        for _ in 0..frames {
+            s.frame();
+        }
+        // Another object comes: what has rested is called static now.
+        let other = s.world.spawn("other", None);
+        s.insert(other, renderer());
+        s.frame();
+        moving(s)[0]
+    };
+    let found = [31, 31, 61, 61, 121, 61].map(|frames| rest(&mut s, frames));
+    assert_eq!(found, [false, true, false, true, false, true]);
+}
+
+#[test]
 fn what_is_animated_or_hangs_on_it_is_moving_from_the_start() {
     let mut s = Stage::new();
     let group = s.group;
@@ -402,4 +421,13 @@ fn what_is_animated_or_hangs_on_it_is_moving_from_the_start() {
     s.insert(s.thing, renderer());
     s.frame();
     assert_eq!(moving(&s), [true]);
+    // And stays it, however long the animation rests.
+    s.world.ecs.get_mut::<Animation>(group).unwrap().speed = 0.0;
+    for _ in 0..100 {
+        s.frame();
+    }
+    let other = s.world.spawn("other", None);
+    s.insert(other, renderer());
+    s.frame();
+    assert_eq!(moving(&s), [true, false]);
 }

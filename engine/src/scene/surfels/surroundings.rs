@@ -5,13 +5,13 @@
 //! A few rays a surfel tell both, as for ambient obscurance (Zhukov, Iones and Kronin 1998, "An ambient light illumination
 //! model"): what they meet within the reach of a cell gives back a part of the light.
 
+use super::still::Still;
 use super::{CLOSED_SHIFT, Group, GroupKey, Surfel};
-use crate::assets::{AlphaMode, AssetId, Material, parallel};
-use crate::bvh::{Ray, RayKind, SceneBvh, world_normal};
-use crate::scene::{Primitive, Scene, SceneId};
+use crate::assets::{AlphaMode, AssetId, parallel};
+use crate::bvh::{Ray, world_normal};
+use crate::scene::{Aabb, Primitive, Scene};
 use glam::{Affine3A, Vec3};
-use std::collections::{HashMap, HashSet};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -28,15 +28,16 @@ const REACH: f32 = 2.0;
 const NEAR: f32 = 0.5;
 /// Rays of a surfel.
 const RAYS: u8 = 8;
+/// Objects that come or go at once from which on all surfels are looked at anew, and not those alone that see them.
+const MANY: usize = 16;
 
-/// The surfels of objects that do not move, without those that no light can reach. What is around them is looked at anew
-/// where the geometry of what does not move changes, and not with the colour of a material. What has moved once counts as
-/// moving from then on: or all would be looked at anew whenever somebody who walks about stands still.
+/// The surfels of objects that do not move, without those that no light can reach. Where what does not move changes, the
+/// surfels are looked at anew that see the change, and none if it is the colour of a material.
 #[derive(Debug, Default)]
 pub(super) struct Exposed {
     scene: u64,
-    moved: HashSet<SceneId>,
-    state: Option<[u64; 3]>,
+    cell: f32,
+    still: Still,
     /// By the places of groups.
     groups: HashMap<[u32; 12], Known>,
 }
@@ -89,95 +90,106 @@ impl Exposed {
         keys: &[GroupKey],
         all: Vec<Arc<Vec<Surfel>>>,
     ) -> Vec<Arc<Vec<Surfel>>> {
-        if self.scene != scene.identity {
-            *self = Self { scene: scene.identity, ..Self::default() };
+        if self.scene != scene.identity || self.cell.to_bits() != cell.to_bits() {
+            *self = Self { scene: scene.identity, cell, ..Self::default() };
         }
-        self.moved.extend(scene.primitives.iter().filter(|primitive| primitive.moving).map(|primitive| primitive.id));
-        let state = self.state(scene, cell);
-        if self.state != Some(state) {
-            self.groups.clear();
-            self.state = Some(state);
-        }
-        let mut missing: Vec<(usize, Range<usize>)> = Vec::new();
+        let changed = self.still.update(scene);
+        let mut before = std::mem::take(&mut self.groups);
+        let (mut pieces, mut known) = (Vec::new(), Vec::with_capacity(groups.len()));
         for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
             let spread = Spread::new(group, &keys[index]);
-            let is_known = self.groups.get(&place(group)).is_some_and(|known| known.is_of(&spread, all));
-            if self.is_still(group) && !is_known {
+            let of_group = before.remove(&place(group)).filter(|known| known.is_of(&spread, all));
+            if is_still(group) && !(of_group.is_some() && changed.is_empty()) {
                 let firsts = (0..all.len()).step_by(CHUNK);
-                missing.extend(firsts.map(|first| (index, first..all.len().min(first + CHUNK))));
+                pieces.extend(firsts.map(|first| (index, first..all.len().min(first + CHUNK))));
             }
+            known.push(of_group);
         }
-        let mut found = if missing.is_empty() {
-            Vec::new()
-        } else {
-            log::debug!("surroundings of {} objects' surfels", groups.len());
-            let surroundings = Surroundings::new(scene, &self.moved, cell);
-            // Many small objects share the cores as few large ones do.
-            let look = |(index, chunk): &(usize, Range<usize>)| {
-                surroundings.of(&all[*index], chunk.clone(), &groups[*index].place)
+        // Many small objects share the cores as few large ones do.
+        let look = |(index, piece): &(usize, Range<usize>)| {
+            let known = known[*index].as_ref().filter(|_| changed.len() < MANY);
+            let known = known.map(|known| &known.around[piece.clone()]);
+            self.look(&all[*index], piece, &groups[*index].place, known, &changed)
+        };
+        let mut looked: HashMap<usize, Vec<Around>> = HashMap::new();
+        for ((index, _), around) in pieces.iter().zip(parallel::map(&pieces, look)) {
+            looked.entry(*index).or_default().extend(around);
+        }
+        let mut left = Vec::with_capacity(groups.len());
+        for (index, ((group, all), known)) in groups.iter().zip(all).zip(known).enumerate() {
+            if !is_still(group) {
+                left.push(all);
+                continue;
+            }
+            let known = match (known, looked.remove(&index)) {
+                (Some(known), looked) if known.holds(&all, looked.as_deref()) => known,
+                (known, looked) => {
+                    let around = looked.or(known.map(|known| known.around)).unwrap_or_default();
+                    let left = Arc::new(exposed(&all, &around));
+                    Known { spread: Spread::new(group, &keys[index]), around, all, left }
+                }
             };
-            parallel::map(&missing, look)
-        };
-        let mut around: HashMap<usize, Vec<Around>> = HashMap::new();
-        for ((index, _), chunk) in missing.iter().zip(found.drain(..)) {
-            around.entry(*index).or_default().extend(chunk);
+            left.push(known.left.clone());
+            self.groups.insert(place(group), known);
         }
-        groups
-            .iter()
-            .zip(keys)
-            .zip(all)
-            .enumerate()
-            .map(
-                |(index, ((group, key), all))| {
-                    if self.is_still(group) { self.left(group, key, all, around.remove(&index)) } else { all }
-                },
-            )
-            .collect()
+        left
     }
 
-    fn is_still(&self, group: &Group) -> bool {
-        !group.members.iter().any(|member| self.moved.contains(&member.id))
-    }
-
-    /// All that the surroundings of what does not move depend on.
-    fn state(&self, scene: &Scene, cell: f32) -> [u64; 3] {
-        let revisions = scene.revisions;
-        let mut still = DefaultHasher::new();
-        // A scene that does not tell what moves is still as a whole.
-        (scene.identity, (revisions.statics == 0).then_some(revisions.geometry)).hash(&mut still);
-        for primitive in scene.primitives.iter().filter(|primitive| !self.moved.contains(&primitive.id)) {
-            let sides = (has_back(&primitive.material), primitive.casts_shadow);
-            (primitive.id, primitive.geometry_revision, sides).hash(&mut still);
-        }
-        [scene.identity, still.finish(), u64::from(cell.to_bits())]
-    }
-
-    /// What is left of the surfels of a group, with what was looked at anew.
-    fn left(
-        &mut self,
-        group: &Group,
-        key: &GroupKey,
-        all: Arc<Vec<Surfel>>,
-        looked: Option<Vec<Around>>,
-    ) -> Arc<Vec<Surfel>> {
-        let known = match (self.groups.remove(&place(group)), looked) {
-            (Some(known), None) if Arc::ptr_eq(&known.all, &all) => known,
-            (known, looked) => {
-                let around = looked.or(known.map(|known| known.around)).unwrap_or_default();
-                Known { spread: Spread::new(group, key), left: Arc::new(exposed(&all, &around)), around, all }
+    /// What is around a piece of a group's surfels, of which something may be known from before a change.
+    fn look(
+        &self,
+        surfels: &[Surfel],
+        piece: &Range<usize>,
+        place: &Affine3A,
+        known: Option<&[Around]>,
+        changed: &[Aabb],
+    ) -> Vec<Around> {
+        let look = |index: usize| {
+            let rays = rays(&surfels[index], index, place, self.cell);
+            let sees = |ray: &Ray| changed.iter().any(|bounds| ray.enters(bounds, f32::INFINITY).is_some());
+            match known {
+                Some(known) if !rays.iter().flatten().any(sees) => known[index - piece.start],
+                _ => self.around(rays),
             }
         };
-        let left = known.left.clone();
-        self.groups.insert(place(group), known);
-        left
+        piece.clone().map(look).collect()
+    }
+
+    fn around(&self, rays: Option<[Ray; RAYS as usize]>) -> Around {
+        let Some(rays) = rays else { return Around::Closed(0) };
+        let looks = rays.map(|ray| self.along(&ray));
+        if looks.iter().all(|look| look.is_back) {
+            return Around::Solid;
+        }
+        let open = looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS);
+        Around::Closed((255.0 * (1.0 - open)).round() as u8)
+    }
+
+    fn along(&self, ray: &Ray) -> Look {
+        let Some(met) = self.still.closest(ray) else { return Look { is_back: false, light: 1.0 } };
+        let light = match met.is_back {
+            _ if met.t >= REACH * self.cell => 1.0,
+            true => 0.0,
+            false => NEAR,
+        };
+        Look { is_back: met.is_back, light }
     }
 }
 
 impl Known {
-    /// Whether what is around these surfels is known.
+    /// Whether what is around these surfels is known, or was before a change.
     fn is_of(&self, spread: &Spread, all: &[Surfel]) -> bool {
         self.spread == *spread && self.around.len() == all.len()
     }
+
+    /// Whether these are the surfels, and what was looked at anew is as before.
+    fn holds(&self, all: &Arc<Vec<Surfel>>, looked: Option<&[Around]>) -> bool {
+        Arc::ptr_eq(&self.all, all) && looked.is_none_or(|looked| looked == self.around)
+    }
+}
+
+fn is_still(group: &Group) -> bool {
+    !group.members.iter().any(|member| member.moving)
 }
 
 /// Bits of where a group stands; no other one stands there.
@@ -194,64 +206,19 @@ fn exposed(surfels: &[Surfel], around: &[Around]) -> Vec<Surfel> {
     exposed.collect()
 }
 
-/// Whether what lies behind a surface of it is the inside of something.
-fn has_back(material: &Material) -> bool {
-    !material.double_sided && material.alpha_mode == AlphaMode::Opaque
-}
-
-/// All that does not move, ready for rays.
-struct Surroundings {
-    still: SceneBvh,
-    /// Of each of its primitives, see [`has_back`].
-    backs: Vec<bool>,
-    cell: f32,
-}
-
-impl Surroundings {
-    fn new(scene: &Scene, moved: &HashSet<SceneId>, cell: f32) -> Self {
-        let is_still = |primitive: &&Primitive| primitive.casts_shadow && !moved.contains(&primitive.id);
-        let primitives: Vec<Primitive> = scene.primitives.iter().filter(is_still).cloned().collect();
-        let backs = primitives.iter().map(|primitive| has_back(&primitive.material)).collect();
-        Self { still: SceneBvh::new(&Scene { primitives, ..Scene::default() }), backs, cell }
+/// The rays of a surfel; none if it has no normal.
+fn rays(surfel: &Surfel, index: usize, place: &Affine3A, cell: f32) -> Option<[Ray; RAYS as usize]> {
+    let normal = world_normal(place, surfel.normal.into());
+    if normal == Vec3::ZERO {
+        return None;
     }
-
-    /// What is around some of the surfels, at their places.
-    fn of(&self, surfels: &[Surfel], some: Range<usize>, place: &Affine3A) -> Vec<Around> {
-        some.map(|index| self.around(&surfels[index], index, place)).collect()
-    }
-
-    fn around(&self, surfel: &Surfel, index: usize, place: &Affine3A) -> Around {
-        let normal = world_normal(place, surfel.normal.into());
-        if normal == Vec3::ZERO {
-            return Around::Closed(0);
-        }
-        let point = place.transform_point3(surfel.position.into());
-        let start = point + normal * (BEFORE * self.cell + 1e-5 * point.abs().max_element());
-        // A tangent of the object, so that its turned copies are looked at alike.
-        let tangent = place.transform_vector3(Vec3::from(surfel.normal).any_orthonormal_vector());
-        let u = tangent.reject_from_normalized(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
-        let directions = (0..RAYS).map(|ray| direction([u, normal.cross(u), normal], ray, index));
-        let looks: Vec<Look> = directions.map(|direction| self.look(&Ray::new(start, direction))).collect();
-        if looks.iter().all(|look| look.is_back) {
-            return Around::Solid;
-        }
-        let open = looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS);
-        Around::Closed((255.0 * (1.0 - open)).round() as u8)
-    }
-
-    fn look(&self, ray: &Ray) -> Look {
-        let Some(hit) = self.still.closest_hit(ray, f32::INFINITY, RayKind::Light) else {
-            return Look { is_back: false, light: 1.0 };
-        };
-        let triangle = &self.still.triangles[hit.triangle as usize];
-        let is_back = self.backs[triangle.primitive as usize] && !triangle.is_front(ray);
-        let light = match is_back {
-            _ if hit.t >= REACH * self.cell => 1.0,
-            true => 0.0,
-            false => NEAR,
-        };
-        Look { is_back, light }
-    }
+    let point = place.transform_point3(surfel.position.into());
+    let start = point + normal * (BEFORE * cell + 1e-5 * point.abs().max_element());
+    // A tangent of the object, so that its turned copies are looked at alike.
+    let tangent = place.transform_vector3(Vec3::from(surfel.normal).any_orthonormal_vector());
+    let u = tangent.reject_from_normalized(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
+    let axes = [u, normal.cross(u), normal];
+    Some(std::array::from_fn(|ray| Ray::new(start, direction(axes, ray as u8, index))))
 }
 
 /// What a ray found.
@@ -395,27 +362,50 @@ mod tests {
             let world_from_object = Affine3A::from_translation(Vec3::new(0.0, 0.8, 0.0));
             Primitive { world_from_object, ..primitive.clone() }
         };
+        let scaled = |primitive: &Primitive, scale: Vec3| {
+            let world_from_object = primitive.world_from_object * Affine3A::from_scale(scale);
+            let bounds = primitive.mesh.bounds.transformed(&world_from_object);
+            Primitive { world_from_object, bounds, ..primitive.clone() }
+        };
+        let stone_at = |id: u64, at: Vec3| box_at(id, [0.2; 3], at, stone());
+        let many = (10..30).map(|id| stone_at(id, Vec3::new(0.1 * id as f32 - 2.0, 0.2, 1.5)));
         let states = [
-            [floor.clone(), column.clone()],
-            [floor.clone(), of(Material::diffuse("paint", Vec3::X))],
-            [floor.clone(), raised(&column)],
-            [floor.clone(), raised(&of(Material { double_sided: true, ..stone() }))],
-            [floor.clone(), Primitive { moving: true, ..raised(&column) }],
-            [floor.clone(), column.clone()],
+            vec![floor.clone(), column.clone()],
+            vec![floor.clone(), of(Material::diffuse("paint", Vec3::X))],
+            vec![floor.clone(), raised(&column)],
+            vec![floor.clone(), raised(&of(Material { double_sided: true, ..stone() }))],
+            vec![floor.clone(), Primitive { moving: true, ..raised(&column) }],
+            vec![floor.clone(), column.clone()],
+            vec![floor.clone(), column.clone(), stone_at(3, Vec3::new(1.5, 0.1, 1.5))],
+            vec![floor.clone(), column.clone(), stone_at(3, Vec3::new(0.6, 0.05, 0.0)), stone_at(5, Vec3::ZERO)],
+            [floor.clone(), column.clone()].into_iter().chain(many).collect(),
+            vec![floor.clone(), scaled(&column, Vec3::new(-1.0, 1.0, 1.0))],
+            vec![floor.clone(), scaled(&column, Vec3::new(1.0, 1.0, 0.0))],
+            vec![column.clone()],
         ];
         let mut kept = SurfelCloud::default();
         for (revision, primitives) in (1_u64..).zip(states) {
-            let revisions = Revisions {
-                geometry: revision,
-                materials: revision,
-                statics: revision.div_ceil(2),
-                ..Default::default()
-            };
-            let scene = Scene { identity: 1, revisions, primitives: primitives.to_vec(), ..Default::default() };
+            let statics = revision.div_ceil(2);
+            let revisions = Revisions { geometry: revision, materials: revision, statics, ..Default::default() };
+            let scene = Scene { identity: 1, revisions, primitives, ..Default::default() };
             kept.update(&scene, 0.1);
             let mut fresh = SurfelCloud::default();
             fresh.update(&scene, 0.1);
             assert!(kept.surfels == fresh.surfels, "state {revision}");
         }
+    }
+
+    #[test]
+    fn a_mirrored_solid_buries_as_well_and_a_flattened_one_nothing() {
+        let lower = box_at(1, [2.0; 3], Vec3::new(0.0, -1.0, 0.0), stone());
+        let buried = |scale: Vec3| {
+            let upper = box_at(2, [1.0; 3], Vec3::new(0.0, 0.5, 0.0), stone());
+            let world_from_object = upper.world_from_object * Affine3A::from_scale(scale);
+            let bounds = upper.mesh.bounds.transformed(&world_from_object);
+            let found = areas(vec![lower.clone(), Primitive { world_from_object, bounds, ..upper }]);
+            24.0 - found[0]
+        };
+        assert!((buried(Vec3::new(1.0, 1.0, -1.0)) - 1.0).abs() < 0.05);
+        assert!(buried(Vec3::new(1.0, 0.0, 1.0)).abs() < 0.05);
     }
 }

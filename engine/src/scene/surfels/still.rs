@@ -1,0 +1,169 @@
+//! What does not move and casts shadows, ready for rays: a hierarchy over objects, above that of each mesh.
+
+use crate::assets::{AlphaMode, AssetId, Material, Mesh, parallel};
+use crate::bvh::{Bvh, MeshBvh, Ray};
+use crate::scene::{Aabb, Primitive, Scene, SceneId};
+use glam::Affine3A;
+use std::sync::Arc;
+
+/// All objects that stand still, in the order of their identities.
+#[derive(Debug, Default)]
+pub(super) struct Still {
+    objects: Vec<Object>,
+    hierarchy: Bvh,
+}
+
+/// Where a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Met {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// It is the back of a surface of which only the front can be seen.
+    pub is_back: bool,
+}
+
+#[derive(Debug)]
+struct Object {
+    state: State,
+    bounds: Aabb,
+    form: Form,
+}
+
+/// All that rays find out about an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct State {
+    id: SceneId,
+    mesh: AssetId,
+    place: [u32; 12],
+    has_back: bool,
+}
+
+#[derive(Debug)]
+enum Form {
+    Mesh {
+        mesh: Arc<Mesh>,
+        object_from_world: Affine3A,
+    },
+    /// A place that flattens it has no inverse: its triangles in the world.
+    Flat {
+        triangles: MeshBvh,
+        is_mirrored: bool,
+    },
+}
+
+impl Still {
+    /// Brings everything up to date with the scene. Boxes of what has come, gone or changed, where it was and where it is:
+    /// a ray that meets none of them meets what it met before.
+    pub fn update(&mut self, scene: &Scene) -> Vec<Aabb> {
+        let stands = |p: &&Primitive| p.casts_shadow && !p.moving && p.world_from_object.is_finite();
+        let mut before = std::mem::take(&mut self.objects).into_iter().peekable();
+        let mut changed = Vec::new();
+        for primitive in scene.primitives.iter().filter(stands) {
+            while let Some(gone) = before.next_if(|object| object.state.id < primitive.id) {
+                changed.push(gone.bounds);
+            }
+            let known = before.next_if(|object| object.state.id == primitive.id);
+            let state = State::of(primitive);
+            match known {
+                Some(object) if object.state == state => self.objects.push(object),
+                known => {
+                    changed.extend(known.map(|object| object.bounds));
+                    changed.push(primitive.bounds);
+                    self.objects.push(Object { state, bounds: primitive.bounds, form: Form::of(primitive) });
+                }
+            }
+        }
+        changed.extend(before.map(|gone| gone.bounds));
+        if !changed.is_empty() {
+            // All that is needed, on all cores.
+            parallel::map(&self.objects, |object| object.form.prepare());
+            let boxes: Vec<Aabb> = self.objects.iter().map(|object| object.bounds).collect();
+            self.hierarchy = Bvh::new(&boxes, 2);
+        }
+        changed.retain(|bounds| !bounds.is_empty());
+        changed
+    }
+
+    /// The nearest surface that a ray meets, and of those that coincide the one of the least identity, so that nothing
+    /// depends on how the hierarchy came about.
+    pub fn closest(&self, ray: &Ray) -> Option<Met> {
+        let mut closest: Option<(Met, u32)> = None;
+        self.hierarchy.traverse(ray, f32::INFINITY, |index, bound| {
+            let found = self.objects[index as usize].meets(ray, bound.next_up());
+            let is_nearer =
+                |met: &Met| closest.is_none_or(|(best, of)| met.t < best.t || met.t == best.t && index < of);
+            match found.filter(is_nearer) {
+                Some(met) => {
+                    closest = Some((met, index));
+                    met.t
+                }
+                None => bound,
+            }
+        });
+        closest.map(|(met, _)| met)
+    }
+}
+
+impl State {
+    fn of(primitive: &Primitive) -> Self {
+        Self {
+            id: primitive.id,
+            mesh: primitive.mesh.id,
+            place: primitive.world_from_object.to_cols_array().map(f32::to_bits),
+            has_back: has_back(&primitive.material),
+        }
+    }
+}
+
+impl Object {
+    fn meets(&self, ray: &Ray, t_max: f32) -> Option<Met> {
+        ray.enters(&self.bounds, t_max)?;
+        let (hit, is_back) = match &self.form {
+            Form::Mesh { mesh, object_from_world } => {
+                // The direction is not normalised in object space, so that distances stay those of the world.
+                let origin = object_from_world.transform_point3(ray.origin);
+                let ray = Ray::new(origin, object_from_world.transform_vector3(ray.direction));
+                let hit = mesh.hierarchy().closest_hit(&ray, t_max, |_| true)?;
+                (hit, is_behind(mesh.hierarchy(), hit.triangle, &ray))
+            }
+            Form::Flat { triangles, is_mirrored } => {
+                let hit = triangles.closest_hit(ray, t_max, |_| true)?;
+                (hit, is_behind(triangles, hit.triangle, ray) != *is_mirrored)
+            }
+        };
+        Some(Met { t: hit.t, is_back: is_back && self.state.has_back })
+    }
+}
+
+impl Form {
+    fn of(primitive: &Primitive) -> Self {
+        let world_from_object = primitive.world_from_object;
+        let object_from_world = world_from_object.inverse();
+        let is_invertible = object_from_world.is_finite() && world_from_object.matrix3.determinant() != 0.0;
+        if is_invertible {
+            return Self::Mesh { mesh: primitive.mesh.clone(), object_from_world };
+        }
+        let corners = primitive.mesh.hierarchy().corners().iter();
+        let in_world = corners.map(|triangle| triangle.map(|corner| world_from_object.transform_point3(corner)));
+        let is_mirrored = world_from_object.matrix3.determinant() < 0.0;
+        Self::Flat { triangles: MeshBvh::from_triangles(in_world.collect()), is_mirrored }
+    }
+
+    /// Builds what rays need.
+    fn prepare(&self) {
+        if let Self::Mesh { mesh, .. } = self {
+            mesh.hierarchy();
+        }
+    }
+}
+
+/// Whether the ray meets the side from which the corners run clockwise.
+fn is_behind(mesh: &MeshBvh, triangle: u32, ray: &Ray) -> bool {
+    let [a, b, c] = mesh.corners()[triangle as usize];
+    (b - a).cross(c - a).dot(ray.direction) >= 0.0
+}
+
+/// Whether what lies behind a surface of it is the inside of something.
+fn has_back(material: &Material) -> bool {
+    !material.double_sided && material.alpha_mode == AlphaMode::Opaque
+}
