@@ -6,11 +6,12 @@
 
 use clap::Parser;
 use fastrand::Rng;
-use lightwell::assets::{AssetLibrary, Gltf, Sampling};
+use lightwell::assets::{AssetLibrary, Gltf, Sampling, SkyMap};
 use lightwell::files::{LoadOptions, load_scene};
 use lightwell::gpu::{Gpu, GpuOptions};
 use lightwell_game::cli::Cli;
 use lightwell_tests::{folder_from_env, root};
+use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -141,9 +142,9 @@ fn mutate(random: &mut Rng, input: &mut Vec<u8>, seeds: &[Vec<u8>]) {
 /// Another number for the next one in a text; in bytes, four that are a large or a small number.
 fn replace_number(random: &mut Rng, input: &mut Vec<u8>, at: usize) {
     let is_number = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+' | b'e');
-    let Some(start) = input[at..].iter().position(u8::is_ascii_digit).map(|from| at + from) else { return };
-    let end = input[start..].iter().position(|byte| !is_number(byte)).map_or(input.len(), |to| start + to);
     if input.is_ascii() {
+        let Some(start) = input[at..].iter().position(u8::is_ascii_digit).map(|from| at + from) else { return };
+        let end = input[start..].iter().position(|byte| !is_number(byte)).map_or(input.len(), |to| start + to);
         input.splice(start..end, WORDS[random.usize(..10)].bytes());
     } else if at + 4 <= input.len() {
         let value = [0, 1, u32::MAX, 1 << 31, 1 << 20, u32::MAX - 3][random.usize(..6)];
@@ -206,7 +207,7 @@ const PREFAB: &str = r#"Prefab(
 
 /// A triangle with a joint, a clip and a picture in a data URI.
 fn gltf_text() -> String {
-    let picture = picture();
+    let picture = pictures_of_all_kinds().swap_remove(0);
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
 "nodes":[{{"mesh":0,"children":[1],"skin":0}},{{"translation":[0,1,0],"rotation":[0,0,0,1],"scale":[1,1,1]}}],
@@ -236,13 +237,50 @@ fn triangle() -> Vec<u8> {
     bytes
 }
 
-/// A PNG file of 4 by 4 pixels.
-fn picture() -> Vec<u8> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.png");
-    let colors: Vec<u8> = (0..48).map(|i| i * 5).collect();
-    lightwell::measure::write_png_rgb8(&path, [4, 4], &colors).expect("written");
-    std::fs::read(path).expect("a picture")
+/// Pictures of 8 by 8 pixels in every format that textures may have.
+fn pictures_of_all_kinds() -> Vec<Vec<u8>> {
+    let color = |x: u32, y: u32| image::Rgb([(30 * x) as u8, (30 * y) as u8, (x * y) as u8]);
+    let picture = image::RgbImage::from_fn(8, 8, color);
+    let encode = |format: image::ImageFormat| {
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).expect("encoded");
+        bytes.into_inner()
+    };
+    let data = |name: &str| std::fs::read(root().join("engine/tests/data").join(name)).expect("a picture of the tests");
+    let mut all = [image::ImageFormat::Png, image::ImageFormat::Jpeg, image::ImageFormat::WebP].map(encode).to_vec();
+    all.extend(["gradient.webp", "gradient_etc1s.ktx2", "gradient_uastc.ktx2", "gradient_uastc_zstd.ktx2"].map(data));
+    all
+}
+
+/// Pictures of the sky: the two formats.
+fn skies_of_all_kinds() -> Vec<Vec<u8>> {
+    let picture = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([x as f32, 0.1 * y as f32, 7.5]));
+    let encode = |format: image::ImageFormat| {
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).expect("encoded");
+        bytes.into_inner()
+    };
+    [image::ImageFormat::Hdr, image::ImageFormat::OpenExr].map(encode).to_vec()
+}
+
+/// Gives the chunks of a PNG file the checksums of what they hold now, so that more than the checksums is tried.
+fn repair_checksums(png: &mut [u8]) {
+    let mut at = 8;
+    while let Some(length) = png.get(at..at + 4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]) as usize) {
+        let Some(end) = at.checked_add(8).and_then(|start| start.checked_add(length)) else { return };
+        let Some(content) = png.get(at + 4..end) else { return };
+        let sum = crc32(content);
+        let Some(place) = png.get_mut(end..end + 4) else { return };
+        place.copy_from_slice(&sum.to_be_bytes());
+        at = end + 4;
+    }
+}
+
+/// The checksum of PNG (ISO 3309).
+fn crc32(bytes: &[u8]) -> u32 {
+    let of_bit = |sum: u32| if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 };
+    let of_byte = |sum: u32, byte: &u8| (0..8).fold(sum ^ u32::from(*byte), |sum, _| of_bit(sum));
+    !bytes.iter().fold(!0, of_byte)
 }
 
 fn base64(bytes: &[u8]) -> String {
@@ -305,6 +343,16 @@ fn the_seeds_are_valid() {
     let path = folder.path().join("a.scene.ron");
     load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     Gltf::from_bytes(Path::new("a.glb"), &glb()).unwrap_or_else(|e| panic!("{e}"));
+    for bytes in pictures_of_all_kinds() {
+        let path = folder.path().join("picture");
+        std::fs::write(&path, bytes).expect("written");
+        AssetLibrary::new().texture(&path, true, Sampling::default()).unwrap_or_else(|e| panic!("{e}"));
+    }
+    for bytes in skies_of_all_kinds() {
+        let path = folder.path().join("sky");
+        std::fs::write(&path, bytes).expect("written");
+        SkyMap::load(&path, 1.0, 0.0).unwrap_or_else(|e| panic!("{e}"));
+    }
 }
 
 #[test]
@@ -338,9 +386,26 @@ fn models() {
 fn pictures() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.png");
-    fuzz("picture.png", &[picture()], |input| {
+    let mut turn = 0;
+    fuzz("picture.png", &pictures_of_all_kinds(), |input| {
+        let mut input = input.to_vec();
+        turn += 1;
+        if turn % 4 != 0 && input.starts_with(b"\x89PNG") {
+            repair_checksums(&mut input);
+        }
         std::fs::write(&path, input).expect("written");
         let _ = AssetLibrary::new().texture(&path, true, Sampling::default());
+    });
+}
+
+#[test]
+fn skies() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.exr");
+    fuzz("sky.exr", &skies_of_all_kinds(), |input| {
+        std::fs::write(&path, input).expect("written");
+        let _ = SkyMap::load(&path, 1.0, 0.0);
+        let _ = lightwell::measure::read_image(&path);
     });
 }
 

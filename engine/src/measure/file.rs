@@ -2,6 +2,7 @@
 
 use super::Image;
 use super::image::srgb_decode;
+use crate::assets::MAX_IMAGE_SIZE;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -98,6 +99,14 @@ fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {
 
 fn decode_exr(bytes: &[u8]) -> Result<Image, exr::error::Error> {
     use exr::prelude::*;
+    // Memory is taken by what the header says.
+    let most = MAX_IMAGE_SIZE as usize;
+    for header in MetaData::read_from_buffered(Cursor::new(bytes), false)?.headers {
+        let Vec2(width, height) = header.layer_size;
+        if width > most || height > most {
+            return Err(Error::Invalid(format!("it has {width}x{height} pixels, more than {most} on an edge").into()));
+        }
+    }
     let read = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -169,6 +178,21 @@ mod tests {
         }
         let missing = read_image(&dir.path().join("none.exr")).unwrap_err().to_string();
         assert!(missing.contains("none.exr"), "{missing}");
+    }
+
+    #[test]
+    fn no_memory_is_taken_for_what_only_the_header_says() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.exr");
+        write_image(&path, &gradient()).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let name = b"dataWindow\0box2i\0";
+        // The name, the length of the value, and the least x and y; then the greatest.
+        let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 12;
+        bytes[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
+        std::fs::write(&path, bytes).unwrap();
+        let message = read_image(&path).unwrap_err().to_string();
+        assert!(message.contains("1073741824x1073741824"), "{message}");
     }
 
     #[test]
