@@ -1,6 +1,7 @@
 //! Skies by direction: radiance on an equirectangular grid, with the tables to choose bright directions by.
 
 use super::{AssetError, AssetId};
+use crate::measure::{check_exr, may_hold};
 use glam::Vec3;
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::f32::consts::{PI, TAU};
@@ -219,9 +220,10 @@ impl SkyMap {
 }
 
 fn decode(path: &Path, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), AssetError> {
-    let fail = |error: image::ImageError| {
+    let broken = |error: &dyn std::fmt::Display| {
         AssetError::format(path, "sky image", format!("cannot be decoded ({error}): save it again as .hdr or .exr"))
     };
+    let fail = |error: image::ImageError| broken(&error);
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Hdr | ImageFormat::OpenExr)) => format,
         _ => {
@@ -229,6 +231,9 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), AssetError>
             return Err(AssetError::format(path, "sky image", problem));
         }
     };
+    if format == ImageFormat::OpenExr {
+        check_exr(bytes).map_err(|error| broken(&error))?;
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_EDGE), Some(MAX_EDGE));
@@ -238,6 +243,10 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), AssetError>
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 || width > MAX_EDGE || height > MAX_EDGE {
         let problem = format!("has {width}×{height} texels; both must lie between 1 and {MAX_EDGE}: scale it");
+        return Err(AssetError::format(path, "sky image", problem));
+    }
+    if !may_hold(bytes, width.into(), height.into()) {
+        let problem = format!("says that it has {width}×{height} texels, more than {} bytes can hold", bytes.len());
         return Err(AssetError::format(path, "sky image", problem));
     }
     if width.abs_diff(2 * height) > 2 {
@@ -305,6 +314,8 @@ mod tests {
         assert!(message(&path).contains("convert it"), "{}", message(&path));
         std::fs::write(&path, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\nxx").unwrap();
         assert!(message(&path).contains("sky.hdr"), "{}", message(&path));
+        std::fs::write(&path, b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4096 +X 8192\nxx").unwrap();
+        assert!(message(&path).contains("more than 55 bytes can hold"), "{}", message(&path));
         let square = dir.path().join("square.exr");
         image::Rgb32FImage::new(4, 4).save(&square).unwrap();
         assert!(message(&square).contains("twice as wide"), "{}", message(&square));

@@ -97,16 +97,38 @@ fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {
     Ok(Image::from_pixels(width, height, pixels).unwrap_or_else(|| Image::filled(width, height, [0.0; 3])))
 }
 
-fn decode_exr(bytes: &[u8]) -> Result<Image, exr::error::Error> {
-    use exr::prelude::*;
-    // Memory is taken by what the header says.
-    let most = MAX_IMAGE_SIZE as usize;
+/// Whether a file may hold so many floating-point pixels: deflate packs 1,032 bytes into one at best, no other method of
+/// such files packs more, and four times that is let pass.
+pub(crate) fn may_hold(bytes: &[u8], width: u64, height: u64) -> bool {
+    const PACKED: u64 = 4096;
+    let most = u64::from(MAX_IMAGE_SIZE);
+    width <= most && height <= most && width * height * size_of::<[f32; 3]>() as u64 <= PACKED * bytes.len() as u64
+}
+
+/// Checks the sizes in the headers of an EXR file, which memory is taken by.
+pub(crate) fn check_exr(bytes: &[u8]) -> Result<(), exr::error::Error> {
+    use exr::meta::BlockDescription;
+    use exr::prelude::{Error, MetaData, Vec2};
+    const TILE: usize = 4096;
+    let fail = |problem: String| Err(Error::Invalid(problem.into()));
     for header in MetaData::read_from_buffered(Cursor::new(bytes), false)?.headers {
         let Vec2(width, height) = header.layer_size;
-        if width > most || height > most {
-            return Err(Error::Invalid(format!("it has {width}x{height} pixels, more than {most} on an edge").into()));
+        if !may_hold(bytes, width as u64, height as u64) {
+            return fail(format!("{width}x{height} pixels are more than {} bytes can hold", bytes.len()));
+        }
+        if let BlockDescription::Tiles(tiles) = header.blocks
+            && tiles.tile_size.0.max(tiles.tile_size.1) > TILE
+        {
+            let Vec2(width, height) = tiles.tile_size;
+            return fail(format!("its tiles have {width}x{height} pixels; at most {TILE} on an edge can be read"));
         }
     }
+    Ok(())
+}
+
+fn decode_exr(bytes: &[u8]) -> Result<Image, exr::error::Error> {
+    use exr::prelude::*;
+    check_exr(bytes)?;
     let read = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -192,7 +214,7 @@ mod tests {
         bytes[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
         std::fs::write(&path, bytes).unwrap();
         let message = read_image(&path).unwrap_err().to_string();
-        assert!(message.contains("1073741824x1073741824"), "{message}");
+        assert!(message.contains("1073741824x1073741824 pixels are more than"), "{message}");
     }
 
     #[test]

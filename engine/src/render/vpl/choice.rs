@@ -176,7 +176,9 @@ fn set_nearest(lights: &mut [Candidate], bound: f32) -> Vec<(u32, f32)> {
     for group in lights.chunk_by_mut(|a, b| a.hit == b.hit) {
         let mut areas: Vec<f32> = group.iter().map(|left| left.area).filter(|area| area.is_finite()).collect();
         areas.sort_unstable_by(f32::total_cmp);
-        let nearest = areas.get((areas.len() as f32 * BOUNDED) as usize).map_or(0.0, |area| bound * area.sqrt());
+        let spacing = areas.get((areas.len() as f32 * BOUNDED) as usize).map_or(0.0, |area| bound * area.sqrt());
+        // Of later hits there are fewer, and they lie as far apart: a few whose ways were short do not tell how far.
+        let nearest = all.last().map_or(spacing, |(_, before)| spacing.max(*before));
         group.iter_mut().for_each(|left| left.light.nearest = nearest);
         all.push((group[0].hit, nearest));
     }

@@ -6,6 +6,9 @@ use crate::scene::{Aabb, Primitive, Scene, SceneId};
 use glam::Affine3A;
 use std::sync::Arc;
 
+/// Distance, over that from the origin, within which surfaces coincide.
+const ROUNDING: f32 = 1e-5;
+
 /// All objects that stand still, in the order of their identities.
 #[derive(Debug, Default)]
 pub(super) struct Still {
@@ -84,23 +87,20 @@ impl Still {
         changed
     }
 
-    /// The nearest surface that a ray meets, and of those that coincide the one of the least identity, so that nothing
-    /// depends on how the hierarchy came about.
+    /// The nearest surface that a ray meets. Where a back and a front coincide but for rounding it is the back, as below a
+    /// block on a floor: nothing depends on the order of objects, how they are turned, or how the hierarchy came about.
     pub fn closest(&self, ray: &Ray) -> Option<Met> {
-        let mut closest: Option<(Met, u32)> = None;
+        let (mut nearest, mut nearest_back) = (f32::INFINITY, f32::INFINITY);
+        let beyond = |t: f32| t + ROUNDING * (t + ray.origin.abs().max_element());
         self.hierarchy.traverse(ray, f32::INFINITY, |index, bound| {
-            let found = self.objects[index as usize].meets(ray, bound.next_up());
-            let is_nearer =
-                |met: &Met| closest.is_none_or(|(best, of)| met.t < best.t || met.t == best.t && index < of);
-            match found.filter(is_nearer) {
-                Some(met) => {
-                    closest = Some((met, index));
-                    met.t
-                }
-                None => bound,
+            let Some(met) = self.objects[index as usize].meets(ray, bound) else { return bound };
+            nearest = nearest.min(met.t);
+            if met.is_back {
+                nearest_back = nearest_back.min(met.t);
             }
+            beyond(nearest)
         });
-        closest.map(|(met, _)| met)
+        (nearest < f32::INFINITY).then(|| Met { t: nearest, is_back: nearest_back <= beyond(nearest) })
     }
 }
 
