@@ -211,10 +211,10 @@ mod tests {
         let name = b"dataWindow\0box2i\0";
         // The name, the length of the value, and the least x and y; then the greatest.
         let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 12;
-        bytes[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
+        bytes[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0, 0xff, 0xff, 0xff, 0]);
         std::fs::write(&path, bytes).unwrap();
         let message = read_image(&path).unwrap_err().to_string();
-        assert!(message.contains("1073741824x1073741824 pixels are more than"), "{message}");
+        assert!(message.contains("16777216x16777216 pixels are more than"), "{message}");
     }
 
     #[test]
