@@ -116,7 +116,7 @@ impl Invariant {
             (Self::Order, Diffusion) => Bound::of(0.01, Some(TIES)),
             (Self::Order, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (image, Vpl | Reference) if image.compares_places() => Bound::of(2.0, Some(NOISE)),
-            (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(2.5, Some(PAIRS)),
+            (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(3.0, Some(PAIRS)),
             (Self::Mirror | Self::QuarterTurn, Direct | Diffusion | Sweep | Slc) => Bound::of(0.1, Some(TEXELS)),
             (Self::Orientation | Self::PartOfCell, Diffusion | Sweep) => Bound::of(0.5, Some(CELLS)),
             (image, Direct | Slc) if image.compares_places() => Bound::of(0.1, Some(TEXELS)),
