@@ -233,6 +233,17 @@ pub enum GatherRays {
     Count(u32),
 }
 
+/// How precisely light is kept on its way from cell to cell (sweep transport). What is summed up is in single precision
+/// either way, and so are sources and blockers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Precision {
+    /// 32 bits a number.
+    #[default]
+    Single,
+    /// 16 bits a number, under an exposure that follows the brightest source: half the memory traffic of the sweep.
+    Half,
+}
+
 /// Cascaded light propagation volumes: indirect light for the scene that holds this component.
 ///
 /// Design and formulas: Šefčík 2016, chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
@@ -255,6 +266,8 @@ pub struct Clpv {
     /// Sweeps light along other directions in each frame where frames are averaged, as windows do: single small emitters
     /// then show no rays, and every frame sweeps. With `transport: Sweep` alone.
     pub vary_directions: bool,
+    /// How precisely light is kept on its way; with `transport: Sweep` alone.
+    pub precision: Precision,
     /// Number of nested volumes, 1 to 4; each has twice the cell size of the one before. With [`CellSize::Auto`] the
     /// sweep's coarsest covers the scene and the finer ones lie before the camera. Each costs about as much as the first.
     pub cascades: u32,
@@ -291,6 +304,7 @@ impl Default for Clpv {
             gather_rays: GatherRays::Auto,
             gather_filter: 8,
             vary_directions: false,
+            precision: Precision::Single,
             cascades: 1,
             cells: [16, 16, 16],
             cell_size: CellSize::Auto,

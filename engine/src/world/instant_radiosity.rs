@@ -119,8 +119,9 @@ pub struct InstantRadiosity {
     pub placement: VirtualPlacement,
     /// Lights whose front nothing that is drawn lies before are left out. It changes no pixel.
     pub view_driven: bool,
-    /// Near-light rule: d_min in units of the distance between neighbouring lights. It bounds the bright spots around
-    /// them; what it takes away is for `near_rays` to find. 0: no bound.
+    /// Near-light rule: d_min in units of the distance between neighbouring lights, and for those of a later hit no less
+    /// than for those before. It bounds the bright spots around them; what it takes away is for `near_rays` to find.
+    /// 0: no bound.
     pub near_bound: f32,
     /// Rays of a pixel that find what the bound takes away, 0 to 16; 0: none. Particles alone, with shadow rays.
     pub near_rays: u32,

@@ -102,25 +102,29 @@ impl Invariant {
     /// The largest deviation that is right. Of methods with noise most are counted in units of what other random numbers
     /// change.
     pub fn bound(self, method: Method) -> Bound {
-        use Method::{Diffusion, Direct, Reference, Slc, Sweep, Vpl};
+        use Method::{Diffusion, Direct, HalfSweep, Reference, Slc, Sweep, Vpl};
         let exact = Bound { most: 0.0, why: None };
         match (self, method) {
+            (Self::Intensity, HalfSweep) => Bound::of(1e-3, Some(HALVES)),
+            (Self::Order, HalfSweep) => Bound::of(1e-4, Some(HALVES)),
             (Self::Intensity, _) => Bound::of(1e-4, None),
             (Self::Moved, _) => Bound::of(0.05, None),
             (Self::Energy, _) => Bound::of(0.05, Some(EVEN)),
             (Self::Superposition, Direct) => Bound::of(1e-4, None),
             (Self::Superposition, Diffusion) => Bound::of(0.05, Some(LOBES)),
-            (Self::Superposition, Sweep) => Bound::of(0.02, Some(BALANCE)),
+            (Self::Superposition, Sweep | HalfSweep) => Bound::of(0.02, Some(BALANCE)),
             (Self::Superposition, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (Self::Order, Direct | Sweep) => Bound::of(1e-6, Some(ROUNDING)),
             (Self::Order, Diffusion) => Bound::of(0.01, Some(TIES)),
             (Self::Order, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (image, Vpl | Reference) if image.compares_places() => Bound::of(2.0, Some(NOISE)),
             (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(3.0, Some(PAIRS)),
-            (Self::Mirror | Self::QuarterTurn, Direct | Diffusion | Sweep | Slc) => Bound::of(0.1, Some(TEXELS)),
-            (Self::Orientation | Self::PartOfCell, Diffusion | Sweep) => Bound::of(0.5, Some(CELLS)),
+            (Self::Mirror | Self::QuarterTurn, Direct | Diffusion | Sweep | HalfSweep | Slc) => {
+                Bound::of(0.1, Some(TEXELS))
+            }
+            (Self::Orientation | Self::PartOfCell, Diffusion | Sweep | HalfSweep) => Bound::of(0.5, Some(CELLS)),
             (image, Direct | Slc) if image.compares_places() => Bound::of(0.1, Some(TEXELS)),
-            (image, Diffusion | Sweep) if image.compares_places() => Bound::of(0.3, Some(CELLS)),
+            (image, Diffusion | Sweep | HalfSweep) if image.compares_places() => Bound::of(0.3, Some(CELLS)),
             _ => exact,
         }
     }
@@ -156,13 +160,13 @@ impl Bound {
 }
 
 const NOISE: &str = "in units of the difference that other random numbers make";
-const PAIRS: &str =
-    "in units of the difference that other random numbers make; of dozens of such differences one is twice another";
+const PAIRS: &str = "in units of the difference that other random numbers make; of dozens of such differences one is nearly three times another";
 const NUMBERS: &str = "lights are numbered as they stand in the file, and their random numbers go by that";
 const EVEN: &str = "the series holds on the mean over all walls, an image is the mean over what it shows";
 const LOBES: &str = "lobes of light are cut off below zero, of all lamps together";
 const BALANCE: &str = "what surfaces reflect is held to what all lamps together lost, region by region";
 const ROUNDING: &str = "light of three lamps is added in another order, which rounds otherwise";
+const HALVES: &str = "light on its way has eleven bits, and another number is rounded otherwise";
 const TIES: &str = "of two views that see as much of a cell the first one tells its orientation";
 const TEXELS: &str = "a sun's map is laid on a grid of texels in the world, over which the edges of shadows shift";
 const CELLS: &str = "the room lies otherwise among the cells, eight to sixteen of which are as wide as it";

@@ -21,7 +21,7 @@ pub fn excess(rig: &mut Rig, method: Method, grid: Grid, albedo: f32) -> Result<
 
 /// A cube of two metres with walls of a tenth, seen from one wall towards the other.
 fn text(method: Method, albedo: f32) -> String {
-    let transport = if method == Method::Diffusion { "Diffusion" } else { "Sweep" };
+    let transport = method.transport();
     let walls = [("Left", [-1.05, 0.0, 0.0], [0.1, 2.2, 2.2]), ("Right", [1.05, 0.0, 0.0], [0.1, 2.2, 2.2])]
         .into_iter()
         .chain([("Floor", [0.0, -1.05, 0.0], [2.0, 0.1, 2.0]), ("Ceiling", [0.0, 1.05, 0.0], [2.0, 0.1, 2.0])])
@@ -36,7 +36,7 @@ fn text(method: Method, albedo: f32) -> String {
     format!(
         "Scene(materials: {{\"wall\": (color: ({albedo}, {albedo}, {albedo}), specular: 0)}}, entities: [\n{walls}\
          (name: \"Lamp\", light: (kind: Point, intensity: 1, rsm_size: 64)),\n\
-         (name: \"Methods\", clpv: (quality: Low, transport: {transport}, cells: (18, 18, 18), cell_size: Meters(0.125), \
+         (name: \"Methods\", clpv: (quality: Low, {transport}, cells: (18, 18, 18), cell_size: Meters(0.125), \
          cascades: 1, steps: 1000), vpl: (particles: 256), slc: (rsm_size: 64, interleave: 2)),\n\
          (name: \"Camera\", transform: (translation: (0, 0, 0.99)), camera: (fov: 90, near: 0.005)),\n])\n"
     )

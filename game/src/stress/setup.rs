@@ -12,6 +12,8 @@ pub enum Method {
     Diffusion,
     /// Light propagation volumes, swept.
     Sweep,
+    /// The same with light on its way in half precision.
+    HalfSweep,
     /// Instant radiosity.
     Vpl,
     /// Stochastic light culling.
@@ -22,7 +24,8 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Direct, Self::Diffusion, Self::Sweep, Self::Vpl, Self::Slc, Self::Reference];
+    pub const ALL: [Self; 7] =
+        [Self::Direct, Self::Diffusion, Self::Sweep, Self::HalfSweep, Self::Vpl, Self::Slc, Self::Reference];
 
     /// Name in tables.
     pub fn name(self) -> &'static str {
@@ -30,6 +33,7 @@ impl Method {
             Self::Direct => "direct",
             Self::Diffusion => "diffusion",
             Self::Sweep => "sweep",
+            Self::HalfSweep => "half sweep",
             Self::Vpl => "vpl",
             Self::Slc => "slc",
             Self::Reference => "reference",
@@ -41,11 +45,20 @@ impl Method {
         matches!(self, Self::Vpl | Self::Reference)
     }
 
+    /// How its volumes carry light, as a scene writes it.
+    pub fn transport(self) -> &'static str {
+        match self {
+            Self::Diffusion => "transport: Diffusion",
+            Self::HalfSweep => "transport: Sweep, precision: Half",
+            _ => "transport: Sweep",
+        }
+    }
+
     /// What is drawn of it: the light that the method itself computes.
     pub fn look(self, grid: Grid, seed: u32) -> LookArgs {
         let (gi, only) = match self {
             Self::Direct => (Gi::None, Only::Direct),
-            Self::Diffusion | Self::Sweep => (Gi::Clpv, Only::Indirect),
+            Self::Diffusion | Self::Sweep | Self::HalfSweep => (Gi::Clpv, Only::Indirect),
             Self::Vpl => (Gi::Vpl, Only::Indirect),
             Self::Slc => (Gi::Slc, Only::Indirect),
             Self::Reference => (Gi::Reference, Only::Indirect),
@@ -192,12 +205,12 @@ impl Setup {
             Grid::Camera => ("Camera(ahead: 0.5)", format!("Meters({cell:e})")),
         };
         let cells = 32;
-        let transport = if self.method == Method::Diffusion { "Diffusion" } else { "Sweep" };
+        let transport = self.method.transport();
         let (particles, rsm) = ([32, 64, 128][self.grid as usize], [32, 64, 64][self.grid as usize]);
         let cascades = if has_two { 2 } else { 1 };
         let seed = self.seed;
         let parts = format!(
-            "clpv: (quality: Low, transport: {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \
+            "clpv: (quality: Low, {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \
              {cells}), cascades: {cascades}, steps: 12), vpl: (particles: {particles}, seed: {seed}), slc: (rsm_size: {rsm}, interleave: 2, seed: {seed})"
         );
         Entity { name: "Methods", place: [0.0, 1.0, 0.0], turn: [0.0; 3], parts }

@@ -1,6 +1,8 @@
 // Sources: what each cell sends out, from the texels of reflective shadow maps, from emissive surfaces, and from what
 // the surfaces reflect of the bounce before, or of all bounces before.
 //   COUNTED     the flux of this cascade is the scene's, and is summed up
+//   EXPOSED     the brightest source is found, for the exposure of light that is kept in half precision
+//   NO_OUTER    no coarser cascade lies around this one
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
@@ -28,13 +30,19 @@ struct Emit {
 @group(0) @binding(8) var<storage, read> opacity: array<vec4f>;
 // Irradiance of the surfels, as much of it as they reflect a share of [W/m²].
 @group(0) @binding(9) var<storage, read> received: array<vec4f>;
-// Thirty-six a cell, for each axis that a normal may lie nearest to high and low words of: F (RGB), Σ F·n.
+// Thirty-six a cell, for each axis that a normal may lie nearest to high and low words of: F (RGB), Σ F·n. Behind them the
+// bits of the brightest source, which are in the order of the numbers.
 @group(0) @binding(10) var<storage, read_write> sums: array<atomic<i32>>;
 // Six vectors a cell, for each of those axes: F/h² [W/m²] and whether it leaves in all directions alike; mean normal.
-// One mean for all would send the light of two walls that meet into neither.
+// One mean for all would send the light of two walls that meet into neither. Behind them, with EXPOSED, the brightest source
+// of this cascade and the coarser ones, and of those alone [W/(m² sr)].
 @group(0) @binding(11) var<storage, read_write> emission: array<vec4f>;
 // Six a bounce: emitted flux (RGB), high and low words each.
 @group(0) @binding(12) var<storage, read_write> totals: array<atomic<i32>>;
+#ifndef NO_OUTER
+// That of the next coarser cascade.
+@group(0) @binding(13) var<storage, read> outer_emission: array<vec4f>;
+#endif
 // Unit direction and weight [sr] of the sweep that follows.
 @group(0) @binding(15) var<storage, read> directions: array<vec4f>;
 
@@ -161,12 +169,29 @@ fn lobe_integral(n: vec3f) -> f32 {
     return sum * 0.318309886;
 }
 
+fn cell_count() -> u32 {
+    return volume.cells.x * volume.cells.y * volume.cells.z;
+}
+
+// What `transport.wgsl` chooses its exposure by.
+@compute @workgroup_size(1)
+fn keep_brightest() {
+    let here = bitcast<f32>(atomicLoad(&sums[36u * cell_count()]));
+#ifdef NO_OUTER
+    let around = 0.0;
+#else
+    let around = outer_emission[arrayLength(&outer_emission) - 1u].x;
+#endif
+    emission[6u * cell_count()] = vec4f(max(here, around), around, 0.0, 0.0);
+}
+
 @compute @workgroup_size(64)
 fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
-    if index >= volume.cells.x * volume.cells.y * volume.cells.z {
+    if index >= cell_count() {
         return;
     }
+    var bright = 0.0;
     for (var axis = 0u; axis < 3u; axis++) {
         let first = 36u * index + 12u * axis;
         var flux: vec3f;
@@ -189,9 +214,17 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         if sum > 0.0 && !isotropic {
             whole = lobe_integral(n);
         }
-        emission[to] = vec4f(flux / emit.scale / volume.cell / volume.cell / whole, select(0.0, 1.0, isotropic));
+        let sent = flux / emit.scale / volume.cell / volume.cell / whole;
+        emission[to] = vec4f(sent, select(0.0, 1.0, isotropic));
         emission[to + 1u] = vec4f(n, 0.0);
+        bright += max(sent.r, max(sent.g, sent.b));
     }
+#ifdef EXPOSED
+    if bright > 0.0 {
+        // No direction lies farther than √3 from its axis.
+        atomicMax(&sums[36u * cell_count()], bitcast<i32>(bright * (1.7320508 * 0.318309886)));
+    }
+#endif
 #ifdef COUNTED
     if index == 0u {
         for (var i = 0u; i < 3u; i++) {

@@ -9,7 +9,8 @@
 // the corner: light along a slanting wall passes the steps that cells make of it.
 //
 // Cascades are nested: what leaves the cells of the coarser one that lie around the finer one, its shell, enters the
-// finer one. NO_OUTER: no coarser cascade lies around this one. NO_INNER: no finer one lies in it.
+// finer one. NO_OUTER: no coarser cascade lies around this one. NO_INNER: no finer one lies in it. HALF: light on its way
+// is kept in half precision; all that is summed up stays in single.
 
 #import lightwell::volume::{Volume, cell_index}
 
@@ -21,7 +22,7 @@ struct Slice {
     quarter: u32,          // directions of one quadrant: a group has four quadrants
     before: u32,           // where in `fronts` the slice before is
     after: u32,            // and this one
-    padding: u32,
+    brightest: f32,        // radiance of the brightest direction beyond the border [W/(m² sr)]
 }
 
 struct Ordinate {
@@ -37,9 +38,9 @@ struct Ordinate {
 @group(0) @binding(2) var<storage, read> ordinates: array<Ordinate>;
 @group(0) @binding(3) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(4) var<storage, read> emission: array<vec4f>;
-// L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u.
-// and, in the fourth place, the flux that the cell took out of the light, without regard to colour [W/m²].
-@group(0) @binding(5) var<storage, read_write> fronts: array<vec4f>;
+// L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u; in the fourth place what the cell took
+// out of the light, the mean of its colours times |d_AXIS| [W/(m² sr)].
+@group(0) @binding(5) var<storage, read_write> fronts: array<Stored>;
 // Irradiance [W/m²] by cell, normal and channel: for +x −x +y −y +z −z, and for the normals of the surfaces that look
 // their light up in the cell, by nearest axis. For its own normal a surface gets the exact cosine integral over all
 // directions. Spherical harmonics of order 3 would give it 9 % of the light that only grazes it and 6 % of what comes
@@ -49,10 +50,69 @@ struct Ordinate {
 @group(0) @binding(8) var<storage, read_write> facing: array<f32>;
 // L_out of the shells for the directions of this axis [W/(m² sr)]: sense, direction, place in the shell.
 #ifndef NO_OUTER
-@group(0) @binding(9) var<storage, read> outer_shell: array<vec4f>;
+@group(0) @binding(9) var<storage, read> outer_shell: array<Stored>;
 #endif
 #ifndef NO_INNER
-@group(0) @binding(10) var<storage, read_write> inner_shell: array<vec4f>;
+@group(0) @binding(10) var<storage, read_write> inner_shell: array<Stored>;
+#endif
+
+#ifdef HALF
+// A half has eleven bits from 2⁻¹⁴ up to 2¹⁶, and fewer below. The exposure, a power of two, lays the brightest source of
+// any cell between 2⁵ and 2⁶: a thousand of them in a row do not reach the end, and the eleven bits last down to the
+// millionth part of one. What is brighter still is held there.
+alias Stored = vec2u;
+
+var<private> exposure: f32 = 1.0;        // of this cascade; the other two are one by the exposure
+var<private> unexposed: f32 = 1.0;
+var<private> outer_unexposed: f32 = 1.0; // of the next coarser cascade
+
+// Exponent bits of the exposure for a peak in [2ᵉ⁻¹²⁷, 2ᵉ⁻¹²⁶) are those of 2¹³²⁻ᵉ.
+fn exposure_bits(peak: f32) -> u32 {
+    return clamp(259u - ((bitcast<u32>(peak) >> 23u) & 255u), 6u, 248u);
+}
+
+fn power_of_two(bits: u32) -> f32 {
+    return bitcast<f32>(bits << 23u);
+}
+
+// Behind the emission of all cells stand the brightest source of this cascade and the coarser ones, and of those alone.
+fn expose() {
+    let peaks = emission[6u * volume.cells.x * volume.cells.y * volume.cells.z].xy + slice.brightest;
+    let bits = exposure_bits(peaks.x);
+    exposure = power_of_two(bits);
+    unexposed = power_of_two(254u - bits);
+    outer_unexposed = power_of_two(254u - exposure_bits(peaks.y));
+}
+
+fn to_stored(light: vec4f) -> Stored {
+    let exposed = min(light * exposure, vec4f(65504.0));
+    return vec2u(pack2x16float(exposed.xy), pack2x16float(exposed.zw));
+}
+
+fn from_stored(stored: Stored) -> vec4f {
+    return vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)) * unexposed;
+}
+
+fn from_outer(stored: Stored) -> vec3f {
+    return vec3f(unpack2x16float(stored.x), unpack2x16float(stored.y).x) * outer_unexposed;
+}
+#else
+alias Stored = vec4f;
+
+fn expose() {
+}
+
+fn to_stored(light: vec4f) -> Stored {
+    return light;
+}
+
+fn from_stored(stored: Stored) -> vec4f {
+    return stored;
+}
+
+fn from_outer(stored: Stored) -> vec3f {
+    return stored.rgb;
+}
 #endif
 
 #ifdef AXIS
@@ -99,14 +159,14 @@ fn light_before(direction: u32, first: u32, past: i32, u: i32, v: i32, border: v
     let size = vec3i(volume.cells);
     let cell = place_of(past, u, v);
     if all(cell >= vec3i(0)) && all(cell < size) {
-        return fronts[first + u32(v * size[U] + u)];
+        return from_stored(fronts[first + u32(v * size[U] + u)]);
     }
 #ifdef NO_OUTER
     return vec4f(border, 0.0);
 #else
     // Two cells for one of the coarser cascade.
     let n = volume.cells / 2u;
-    return vec4f(outer_shell[direction * shell_size(n) + shell_place(vec3u((cell + 2) / 2), n)].rgb, 0.0);
+    return vec4f(from_outer(outer_shell[direction * shell_size(n) + shell_place(vec3u((cell + 2) / 2), n)]), 0.0);
 #endif
 }
 
@@ -140,7 +200,7 @@ fn into_shell(direction: u32, cell: vec3i, d: vec3f, leaving: vec3f) {
             light *= no_wall(face(vec3u(onward), axis, 1u), d);
         }
     }
-    inner_shell[direction * shell_size(n) + shell_place(vec3u(g), n)] = vec4f(light, 0.0);
+    inner_shell[direction * shell_size(n) + shell_place(vec3u(g), n)] = to_stored(vec4f(light, 0.0));
 }
 #endif
 
@@ -211,6 +271,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if u >= size[U] || v >= size[V] || step < 0 || step > size[A] {
         return;
     }
+    expose();
     let here = select(step, size[A] - 1 - step, is_backward);
     let past = select(step - 1, size[A] - step, is_backward);
     let has_here = step < size[A];
@@ -296,7 +357,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let sent = straight * own_column.rgb + left + low + corner;
             let arriving = straight * own_column.rgb + tau_u * left + tau_v * low + tau_uv * corner;
             if has_past {
-                lost += own_column.a;
+                lost += 3.0 * ordinate.weight * own_column.a;
                 // What reaches the downwind face of the cell before, less what the cell itself sends out, and before
                 // the seal: the irradiance of a surface that closes that face.
                 var w = ordinate.weight * arriving;
@@ -320,8 +381,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 if own.is_lit {
                     leaving += emitted(own, d);
                 }
-                let flux = ordinate.weight * abs(d[A]) * (taken.r + taken.g + taken.b);
-                fronts[slice.after + front + i * stride + at] = vec4f(leaving, flux);
+                let loss = abs(d[A]) / 3.0 * (taken.r + taken.g + taken.b);
+                fronts[slice.after + front + i * stride + at] = to_stored(vec4f(leaving, loss));
 #ifndef NO_INNER
                 into_shell(direction, place_of(here, u, v), d, leaving);
 #endif

@@ -7,7 +7,8 @@ use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
     Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling,
-    LightKind, LightVisibility, Projection, Quality, SceneSettings, StochasticLightCulling, Transform, Transport,
+    LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling, Transform,
+    Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -221,13 +222,15 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     let bounces = prop_oneof![Just(Bounces::Converged), (1u32..=32).prop_map(Bounces::Count)];
     let quality = prop_oneof![Just(Quality::Low), Just(Quality::Medium), Just(Quality::High), Just(Quality::Ultra)];
     let rays = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
-    let method = (transport, bounces, quality, rays);
+    let precision = prop_oneof![Just(Precision::Single), Just(Precision::Half)];
+    let method = (transport, bounces, quality, rays, precision);
     (method, placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
-        |((transport, bounces, quality, gather_rays), placement, cascades, cells, cell_size, steps)| Clpv {
+        |((transport, bounces, quality, gather_rays, precision), placement, cascades, cells, cell_size, steps)| Clpv {
             transport,
             bounces,
             quality,
             gather_rays,
+            precision,
             placement,
             cascades,
             cells,

@@ -9,6 +9,7 @@ use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
 use crate::render::rsm::Rsm;
 use crate::scene::LightShape;
+use crate::world::Precision;
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
 use std::f32::consts::PI;
@@ -102,6 +103,7 @@ pub(super) fn declare<'a>(
 ) {
     let is_coarsest = step.index + 1 == levels.len();
     let inner = step.index.checked_sub(1).map(|finer| levels[finer].volume);
+    let outer = levels.get(step.index + 1).map(|outer| outer.emission);
     let level = &mut levels[step.index];
     let volume = level.volume;
     let name = match step.bounce {
@@ -109,7 +111,10 @@ pub(super) fn declare<'a>(
         bounce => format!("emit, {}, bounce {}", level.name, bounce + 1),
     };
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let sums = graph.buffer(format!("{name}, sums"), BufferDesc::new(144 * u64::from(volume.cell_count()), usage));
+    let sum_bytes = 144 * u64::from(volume.cell_count()) + size_of::<f32>() as u64;
+    let sums = graph.buffer(format!("{name}, sums"), BufferDesc::new(sum_bytes, usage));
+    let is_exposed = level.precision == Precision::Half;
+    let outer = outer.filter(|_| is_exposed);
     let mut pass = graph.pass(name);
     pass.read(sources.surfels);
     pass.read(level.opacity);
@@ -120,9 +125,7 @@ pub(super) fn declare<'a>(
             pass.read(rsm.depth);
         }
     }
-    if let Some(received) = step.received {
-        pass.read(received);
-    }
+    step.received.into_iter().chain(outer).for_each(|buffer| pass.read(buffer));
     let totals = totals.filter(|_| is_coarsest).map(|totals| {
         *totals = pass.write(*totals);
         *totals
@@ -133,6 +136,8 @@ pub(super) fn declare<'a>(
         received: step.received,
         sums: pass.write(sums),
         emission: pass.write(level.emission),
+        is_exposed,
+        outer,
         totals,
     };
     level.emission = buffers.emission;
@@ -149,6 +154,7 @@ pub(super) fn declare<'a>(
         step.bounce,
         directions.key(),
         frame.scene.identity,
+        is_exposed,
     ));
     let in_cells = |point: Vec3| (point - volume.origin) / volume.cell;
     let emit = EmitUniform {
@@ -174,7 +180,8 @@ pub(super) fn declare<'a>(
         if buffers.received.is_some() {
             from_surfels(cx, "from_bounce", surfels.count(), &uniforms, &buffers, buffers.received)?;
         }
-        finish(cx, &volume, &directions, &uniforms, &buffers)
+        finish(cx, &volume, &directions, &uniforms, &buffers)?;
+        if buffers.is_exposed { keep_brightest(cx, &uniforms, &buffers) } else { Ok(()) }
     });
 }
 
@@ -184,6 +191,10 @@ struct Buffers {
     received: Option<Handle<Buffer>>,
     sums: Handle<Buffer>,
     emission: Handle<Buffer>,
+    /// Whether the brightest source is asked for.
+    is_exposed: bool,
+    /// Emission of the next coarser cascade, where it is.
+    outer: Option<Handle<Buffer>>,
     totals: Option<Handle<Buffer>>,
 }
 
@@ -255,10 +266,30 @@ fn finish(
         ("sums", Binding::Buffer(&sums)),
         ("emission", Binding::Buffer(&emission)),
     ];
+    if buffers.is_exposed {
+        key = key.def("EXPOSED", ShaderDef::Flag(true));
+    }
     if let Some(totals) = &totals {
         key = key.def("COUNTED", ShaderDef::Flag(true));
         bindings.push(("totals", Binding::Buffer(totals)));
     }
     cx.counts().cells += u64::from(volume.cell_count());
     cx.dispatch(&key, &bindings, linear_groups(volume.cell_count()))
+}
+
+/// Leaves the brightest source of this cascade and the coarser ones behind the emission.
+fn keep_brightest(cx: &mut PassContext, uniforms: &Uniforms, buffers: &Buffers) -> Result<(), PassError> {
+    let [sums, emission] = [buffers.sums, buffers.emission].map(|h| cx.buffer(h).clone());
+    let outer = buffers.outer.map(|handle| cx.buffer(handle).clone());
+    let mut key = ComputeKey::new("lpv/sweep/emit.wgsl", "keep_brightest");
+    let mut bindings = vec![
+        ("volume", Binding::Buffer(&uniforms.volume)),
+        ("sums", Binding::Buffer(&sums)),
+        ("emission", Binding::Buffer(&emission)),
+    ];
+    match &outer {
+        Some(outer) => bindings.push(("outer_emission", Binding::Buffer(outer))),
+        None => key = key.def("NO_OUTER", ShaderDef::Flag(true)),
+    }
+    cx.dispatch(&key, &bindings, [1, 1, 1])
 }

@@ -43,7 +43,7 @@ use crate::render::gbuffer::GBuffer;
 use crate::render::rsm::{self, Rsm};
 use crate::render::sky_light;
 use crate::scene::{Aabb, SceneClpv, SceneLight};
-use crate::world::{Bounces, Clpv, Quality, Transport};
+use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
 use transport::Kept;
@@ -65,6 +65,8 @@ struct Level {
     /// What the names of its passes and resources have for it.
     name: String,
     volume: Volume,
+    /// Of the light on its way.
+    precision: Precision,
     opacity: Handle<Buffer>,
     emission: Handle<Buffer>,
     /// Irradiance of the bounce that is under way.
@@ -121,7 +123,8 @@ pub(super) fn declare<'a>(
     let kept = if bounces.swept == 1 || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
-        levels.push(level(graph, frame, surfels, &format!("cascade {index}"), volume, kept));
+        let name = format!("cascade {index}");
+        levels.push(level(graph, frame, surfels, &name, volume, settings.precision, kept));
     }
     let scale = emit::scale(frame, &rsms, &levels);
     let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
@@ -131,7 +134,8 @@ pub(super) fn declare<'a>(
         // All bounces but the last are swept in the coarser grid, and tell what the surfaces send out.
         Some(volume) => {
             let before = BounceCount { swept: bounces.swept - 1, ..bounces };
-            let level = level(graph, frame, surfels, "further bounces", &volume, Kept::Nothing);
+            let (name, precision) = ("further bounces", settings.precision);
+            let level = level(graph, frame, surfels, name, &volume, precision, Kept::Nothing);
             let received = further::declare(graph, &work, level, before, further);
             let once = BounceCount { swept: 1, has_tail: false };
             let bounce = Bounce { number: 0, of: once, directions: straight, received: Some(received) };
@@ -170,10 +174,11 @@ fn level<'a>(
     surfels: Handle<Buffer>,
     name: &str,
     volume: &Volume,
+    precision: Precision,
     kept: Kept,
 ) -> Level {
     let opacity = opacity::declare(graph, frame, surfels, name, volume);
-    transport::level(graph, opacity, name, volume, kept)
+    transport::level(graph, opacity, name, volume, precision, kept)
 }
 
 /// What all sweeps of a frame share.

@@ -9,7 +9,7 @@ use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::lpv::{Field, Volume};
 use crate::scene::Aabb;
-use crate::world::Quality;
+use crate::world::{Precision, Quality};
 
 /// What the names of its passes and resources have in place of a cascade's number.
 const NAME: &str = "sky";
@@ -33,7 +33,7 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
 
 /// Declares the sweep of the sky's light through a grid.
 pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, opacity: Handle<Buffer>, volume: &Volume) -> Level {
-    let mut level = transport::level(graph, opacity, NAME, volume, Kept::OneSweep);
+    let mut level = transport::level(graph, opacity, NAME, volume, Precision::Single, Kept::OneSweep);
     send_nothing(graph, &mut level);
     let bounces = BounceCount { swept: 1, has_tail: false };
     let step = transport::Step { index: 0, bounce: 0, bounces };

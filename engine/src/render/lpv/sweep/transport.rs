@@ -7,6 +7,7 @@ use super::{BounceCount, Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
+use crate::world::Precision;
 use bytemuck::{Pod, Zeroable};
 use encase::ShaderType;
 use glam::{IVec3, UVec3, Vec3};
@@ -22,7 +23,7 @@ pub(crate) struct SliceUniform {
     quarter: u32,
     before: u32,
     after: u32,
-    padding: u32,
+    brightest: f32,
 }
 
 /// `Sum` of `lpv/sweep/sum.wgsl`.
@@ -68,10 +69,18 @@ pub(super) enum Kept {
 }
 
 /// The buffers of a cascade.
-pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, volume: &Volume, kept: Kept) -> Level {
+pub(super) fn level(
+    graph: &mut Graph<'_>,
+    opacity: Handle<Buffer>,
+    name: &str,
+    volume: &Volume,
+    precision: Precision,
+    kept: Kept,
+) -> Level {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = |bytes: u64| BufferDesc::new(bytes * u64::from(volume.cell_count()), usage);
-    let emission = graph.buffer(format!("emission, {name}"), desc(96));
+    let emission_bytes = 96 * u64::from(volume.cell_count()) + BRIGHTEST_BYTES;
+    let emission = graph.buffer(format!("emission, {name}"), BufferDesc::new(emission_bytes, usage));
     let mut irradiance = |of: &str, axes: u64, is_retained: bool| {
         let mut buffer = |name: String, bytes: u64| match is_retained {
             true => graph.retained_buffer(name, desc(bytes)),
@@ -88,10 +97,26 @@ pub(super) fn level(graph: &mut Graph<'_>, opacity: Handle<Buffer>, name: &str, 
         Kept::Nothing | Kept::Sum => irradiance(" of a bounce", 76, false),
     };
     let sum = (kept == Kept::Sum).then(|| irradiance("", 72, true));
-    Level { name: name.to_owned(), volume: *volume, opacity, emission, bounce, sum, shell: None }
+    Level { name: name.to_owned(), volume: *volume, precision, opacity, emission, bounce, sum, shell: None }
 }
 
-/// Bytes of a cell and direction of a front: light of both senses before and after a slice, RGB and the flux lost.
+/// Bytes behind the emission of all cells: the brightest sources.
+const BRIGHTEST_BYTES: u64 = 16;
+
+/// Bytes of light on its way: RGB, and what was lost of it.
+fn light_bytes(precision: Precision) -> u64 {
+    match precision {
+        Precision::Single => 16,
+        Precision::Half => 8,
+    }
+}
+
+/// Bytes of a cell and direction of a front: light of both senses before and after a slice.
+fn front_bytes(precision: Precision) -> u64 {
+    4 * light_bytes(precision)
+}
+
+/// The most that they are: grids are the same in either precision.
 pub(super) const FRONT_BYTES: u64 = 64;
 
 /// Declares the sweep of a bounce through a cascade, and its addition to the sum of all bounces.
@@ -108,10 +133,11 @@ pub(super) fn declare<'a>(
     let volume = level.volume;
     let name = format!("sweep, {}, bounce {}", level.name, step.bounce + 1);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let front_bytes = FRONT_BYTES * u64::from(directions.group()) * u64::from(largest_slice(&volume));
-    let fronts = graph.buffer(format!("{name}, fronts"), BufferDesc::new(front_bytes, usage));
+    let precision = level.precision;
+    let bytes = front_bytes(precision) * u64::from(directions.group()) * u64::from(largest_slice(&volume));
+    let fronts = graph.buffer(format!("{name}, fronts"), BufferDesc::new(bytes, usage));
     let outer = level.shell.take();
-    let shell = inner.map(|inner| Shell::new(graph, &name, &volume, &inner, directions));
+    let shell = inner.map(|inner| Shell::new(graph, &name, level, &inner, directions));
     let mut pass = graph.pass(name);
     let totals = totals.filter(|_| level.sum.is_some());
     let inputs = [level.opacity, level.emission].into_iter().chain(totals).chain(outer.into_iter().flatten());
@@ -122,6 +148,7 @@ pub(super) fn declare<'a>(
     };
     let (bounce, sum) = (written(&mut level.bounce), level.sum.as_mut().map(written));
     let buffers = Buffers {
+        precision,
         opacity: level.opacity,
         emission: level.emission,
         bounce,
@@ -137,7 +164,7 @@ pub(super) fn declare<'a>(
     let map = frame.scene.sky_map.as_deref().filter(|_| step.bounce == 0);
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
     let inner_key = inner.map(|inner| inner.key());
-    pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces));
+    pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces, precision));
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {
@@ -154,6 +181,7 @@ pub(super) fn declare<'a>(
 }
 
 struct Buffers {
+    precision: Precision,
     opacity: Handle<Buffer>,
     emission: Handle<Buffer>,
     bounce: Irradiance,
@@ -178,19 +206,26 @@ struct Shell {
 }
 
 impl Shell {
-    fn new(graph: &mut Graph<'_>, name: &str, volume: &Volume, inner: &Volume, directions: &Directions) -> Self {
+    fn new(graph: &mut Graph<'_>, name: &str, level: &Level, inner: &Volume, directions: &Directions) -> Self {
+        let volume = &level.volume;
         let low = ((inner.origin - volume.origin) / volume.cell).round().as_ivec3();
         let size = inner.cells.as_ivec3() / 2;
-        let desc = BufferDesc::new(shell_bytes(size.as_uvec3(), directions), BufferUsages::STORAGE);
+        let bytes = shell_places(size.as_uvec3(), directions) * light_bytes(level.precision);
+        let desc = BufferDesc::new(bytes, BufferUsages::STORAGE);
         let light = [0, 1, 2].map(|axis| graph.buffer(format!("{name}, shell along axis {axis}"), desc.clone()));
         Self { low, size, light }
     }
 }
 
-/// Bytes of the light of a shell around so many cells, for the directions of one axis.
+/// The most bytes of the light of a shell around so many cells, for the directions of one axis.
 pub(super) fn shell_bytes(inner: UVec3, directions: &Directions) -> u64 {
+    shell_places(inner, directions) * light_bytes(Precision::Single)
+}
+
+/// Places of such a shell.
+fn shell_places(inner: UVec3, directions: &Directions) -> u64 {
     let n = inner.as_u64vec3() + 2;
-    2 * (n.x * n.y + n.y * n.z + n.z * n.x) * 2 * u64::from(directions.group()) * 16
+    2 * (n.x * n.y + n.y * n.z + n.z * n.x) * 2 * u64::from(directions.group())
 }
 
 fn largest_slice(volume: &Volume) -> u32 {
@@ -213,13 +248,17 @@ fn sweep(
     let uniform = cx.gpu.uniform("volume", &volume.uniform());
     let ordinates = directions.values.iter().zip(border).map(|(&direction, &border)| Ordinate { direction, border });
     let ordinates = cx.gpu.storage("ordinates", &ordinates.collect::<Vec<_>>(), BufferUsages::empty());
-    let half = (fronts.size() / 32) as u32;
+    let half = (fronts.size() / light_bytes(buffers.precision) / 2) as u32;
+    let brightest = border.iter().flat_map(|light| &light[..3]).fold(0.0, |most: f32, &light| most.max(light));
     for axis in 0..3 {
         let along = volume.cells[axis];
         let across = [volume.cells[(axis + 1) % 3], volume.cells[(axis + 2) % 3]];
         let mut key = ComputeKey::new("lpv/sweep/transport.wgsl", "main").def("AXIS", ShaderDef::Int(axis as i32));
         let outer = buffers.outer.map(|shell| cx.buffer(shell[axis]).clone());
         let inner = buffers.inner.map(|shell| cx.buffer(shell.light[axis]).clone());
+        if buffers.precision == Precision::Half {
+            key = key.def("HALF", ShaderDef::Flag(true));
+        }
         for (name, shell) in [("NO_OUTER", &outer), ("NO_INNER", &inner)] {
             if shell.is_none() {
                 key = key.def(name, ShaderDef::Flag(true));
@@ -238,7 +277,7 @@ fn sweep(
                 quarter: directions.quarter,
                 before: turn * half,
                 after: (1 - turn) * half,
-                padding: 0,
+                brightest,
             };
             let slice = cx.gpu.uniform("slice", &slice);
             let mut bindings = vec![
