@@ -6,6 +6,9 @@ use super::setup::{CELL, Grid, Lamps, Setup};
 use anyhow::Result;
 use lightwell::measure::Image;
 
+/// Images of other random numbers that tell how large noise is.
+const OTHERS: u32 = 3;
+
 /// Deviations that were found.
 pub type Found = Vec<(Invariant, f64)>;
 
@@ -31,14 +34,18 @@ pub fn check(rig: &mut Rig, row: &Setup) -> Result<Found> {
     Ok(found)
 }
 
-/// The unit of deviations that random numbers have a part in: how far images of other random numbers differ. One where
-/// there are none.
+/// The unit of deviations that random numbers have a part in: how far images of other random numbers differ, the root of
+/// the mean square over three of them, since one may be off by twice that. One where there are no such numbers.
 fn noise(rig: &mut Rig, row: &Setup, base: &Image) -> Result<f64> {
     if !row.method.is_random() {
         return Ok(1.0);
     }
-    let other = rig.image(&Setup { seed: 1, ..row.clone() })?;
-    let noise = nrmse(base, &other, 1.0);
+    let mut sum = 0.0;
+    for seed in 1..=OTHERS {
+        let other = rig.image(&Setup { seed, ..row.clone() })?;
+        sum += nrmse(base, &other, 1.0).powi(2);
+    }
+    let noise = (sum / f64::from(OTHERS)).sqrt();
     Ok(if noise > 0.0 { noise } else { 1.0 })
 }
 
