@@ -27,7 +27,7 @@ pub struct Course {
     pub first: u32,
     /// Frames from that one on, 3 at least.
     pub frames: u32,
-    /// Frames averaged for an image.
+    /// Frames averaged for an image with smooth edges.
     pub aa: u32,
     /// Samples a pixel of the references.
     pub samples: u32,
@@ -102,6 +102,12 @@ struct Sums {
     tremble: Squares,
 }
 
+/// A variant's row as it is played, and one with smooth edges.
+struct Rows {
+    played: Sums,
+    smooth: Option<Sums>,
+}
+
 impl Sums {
     fn new(size: [u32; 2]) -> Self {
         Self { trail: Trail::default(), change: Squares::new(size), tremble: Squares::new(size) }
@@ -125,7 +131,8 @@ impl Sums {
 
 /// Measures the flicker of indirect light of some variants, and draws it into pictures below `folder`. The change beyond
 /// the reference's own is sqrt(mean((Δa − Δr₁)·(Δa − Δr₂))) / mean(r), where Δ is the difference of successive frames and
-/// r₁, r₂ are the reference's two halves, whose noise cancels; trembling is the same of second differences over √3.
+/// r₁, r₂ are the reference's two halves, whose noise cancels; trembling is the same of second differences over √3. Frames are
+/// single ones, and beside them such as are averaged over shifts by parts of a pixel, whose edges do not jump.
 ///
 /// # Errors
 /// If a frame cannot be drawn or traced, or a picture not be written.
@@ -141,7 +148,11 @@ pub fn measure(
     let (_, rate) = lab.clock();
     let (scene, size) = (lab.name(), course.size);
     let black = Image::filled(size[0], size[1], [0.0; 3]);
-    let mut sums = vec![Sums::new(size); which.len()];
+    // What frames before lend to it would be lent to images that are drawn twice.
+    let lends = |variant: &Variant| variant.is_traced() || variant.average == Some(Switch::On);
+    let smooth = |index: &usize| (!lends(&lab.runners[*index].0)).then(|| Sums::new(size));
+    let rows = |index: &usize| Rows { played: Sums::new(size), smooth: smooth(index) };
+    let mut rows: Vec<Rows> = which.iter().map(rows).collect();
     let mut own = Sums::new(size);
     let mut halves = [Trail::default(), Trail::default()];
     let mut mean = 0.0;
@@ -155,15 +166,19 @@ pub fn measure(
         mean += 0.5 * (both[0].mean() + both[1].mean()) / f64::from(course.frames);
         halves.iter_mut().zip(both).for_each(|(trail, half)| trail.push(half));
         own.push(black.clone(), &halves);
-        for (sums, &index) in sums.iter_mut().zip(which) {
+        for (rows, &index) in rows.iter_mut().zip(which) {
             let traced = lab.runners[index].0.is_traced();
-            let light = if traced { lab.trace(index, size)? } else { lab.draw(index, size, course.aa)? };
-            sums.push(light.indirect, &halves);
+            let light = if traced { lab.trace(index, size)? } else { lab.draw(index, size, 1)? };
+            rows.played.push(light.indirect, &halves);
+            if let Some(smooth) = &mut rows.smooth {
+                smooth.push(lab.draw(index, size, course.aa)?.indirect, &halves);
+            }
             progress(Some(&lab.runners[index].0));
         }
     }
     let mut all = Vec::new();
-    for (sums, &index) in sums.iter().zip(which) {
+    for (rows, &index) in rows.iter().zip(which) {
+        let sums = &rows.played;
         let mut flicker = Flicker {
             scene: scene.clone(),
             variant: lab.runners[index].0.name.clone(),
@@ -172,6 +187,7 @@ pub fn measure(
             reference: own.change.root() / mean,
             tremble: Some(sums.tremble.root() / mean),
             reference_tremble: Some(own.tremble.root() / mean),
+            smooth: rows.smooth.as_ref().map(|smooth| smooth.change.root() / mean),
             ..Flicker::default()
         };
         flicker.picture = Some(draw(folder, &flicker, size, [&own.change, &sums.change, &sums.tremble], mean)?);

@@ -241,6 +241,9 @@ pub struct Flicker {
     /// The reference's own in the same measure.
     #[serde(default)]
     pub reference_tremble: Option<f64>,
+    /// The change, where each frame is averaged over shifts by parts of a pixel.
+    #[serde(default)]
+    pub smooth: Option<f64>,
     /// The picture of it, relative to the folder of the results.
     #[serde(default)]
     pub picture: Option<String>,
@@ -373,6 +376,7 @@ mod tests {
             change: f64::INFINITY,
             reference: 0.5,
             tremble: Some(0.25),
+            smooth: Some(0.125),
             ..Flicker::default()
         });
         store.save().unwrap();

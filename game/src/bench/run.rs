@@ -119,7 +119,10 @@ impl Run {
                 millions(*size) * all(&frame)
             }
             Task::Flicker { frames, size } => {
-                let image = |v: &super::variant::Variant| if v.is_traced() { f64::from(v.spp) } else { 2.0 * DRAWN };
+                let image = |v: &super::variant::Variant| match v.is_traced() {
+                    true => f64::from(v.spp),
+                    false => 2.0 * DRAWN * f64::from(1 + self.plan.aa),
+                };
                 let spp = f64::from(self.flicker_samples());
                 millions(*size) * f64::from(*frames) * (spp + all(&image))
             }
@@ -236,7 +239,7 @@ impl Run {
         let samples = self.flicker_samples();
         // At a third of the loop, as errors are: what moves often rests at its ends.
         let first = (duration / 3.0 * rate as f32).round() as u32;
-        let course = flicker::Course { size, first, frames, aa: 1, samples };
+        let course = flicker::Course { size, first, frames, aa: self.plan.aa, samples };
         let seconds = |frame: u32| f64::from(frame) / f64::from(rate.max(1));
         let times = [seconds(first), seconds(first + frames)];
         let mut missing = Vec::new();

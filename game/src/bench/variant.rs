@@ -42,6 +42,7 @@ const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
 const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
 const NO_RAYS: (&str, &str) = ("clpv.gather_rays", "Count(0)");
 const BY_QUALITY: (&str, &str) = ("clpv.gather_rays", "Auto");
+const HALF: (&str, &str) = ("clpv.precision", "Half");
 const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
@@ -53,6 +54,7 @@ pub const METHODS: &[Method] = &[
     Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, NO_RAYS], what: "sweep transport, medium, looked up", runs: Runs::Always },
     Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS], what: "sweep transport, high, looked up", runs: Runs::Always },
     Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, NO_RAYS], what: "sweep transport, ultra, looked up", runs: Runs::Thorough },
+    Method { name: "sweep high half", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, HALF], what: "sweep transport, high, light on its way in half precision", runs: Runs::Asked },
     Method { name: "gather medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY], what: "medium quality: volumes of low quality, gathered by 4 rays a pixel", runs: Runs::Always },
     Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, BY_QUALITY], what: "high quality: volumes of medium quality, gathered by 8 rays a pixel", runs: Runs::Always },
     Method { name: "gather ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, BY_QUALITY], what: "ultra quality: volumes of high quality, gathered by 16 rays a pixel", runs: Runs::Thorough },

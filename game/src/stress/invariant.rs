@@ -115,7 +115,7 @@ impl Invariant {
             (Self::Superposition, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (Self::Order, Direct | Sweep) => Bound::of(1e-6, Some(ROUNDING)),
             (Self::Order, Diffusion) => Bound::of(0.01, Some(TIES)),
-            (Self::Order, Slc) => Bound::of(0.01, Some(NUMBERS)),
+            (Self::Order, Slc) => Bound::of(0.02, Some(NUMBERS)),
             (image, Vpl | Reference) if image.compares_places() => Bound::of(2.0, Some(NOISE)),
             (Self::Superposition | Self::Order, Vpl | Reference) => Bound::of(3.0, Some(PAIRS)),
             (Self::Mirror | Self::QuarterTurn, Direct | Diffusion | Sweep | HalfSweep | Slc) => {

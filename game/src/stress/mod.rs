@@ -22,7 +22,7 @@
 //! | window of 1 × 1 pixel, off the screen and back | `window.rs`: `a_window_comes_back_from_nothing` |
 //! | monitor of another scale | `window.rs`: `a_monitor_of_another_scale_is_followed` |
 //! | textures of 16,384 texels | `faults.rs`: `a_texture_of_16384_texels_is_drawn` |
-//! | input of any bytes | `tests/fuzz.rs` |
+//! | input of any bytes | `tests/fuzz` |
 
 mod aside;
 mod checks;

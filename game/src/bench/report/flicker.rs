@@ -28,6 +28,12 @@ pub fn section(results: &Results) -> Option<String> {
                  frame has as much of it as of change, light that is wrong but moves evenly has none.\n\n";
         text += &grid(results, &scenes, |f| f.tremble, |f| f.reference_tremble);
     }
+    if results.flicker.iter().any(|flicker| flicker.smooth.is_some()) {
+        text += "\nThe change again with smooth edges: each frame is the mean of several, shifted by parts of a pixel, as the \
+                 reference's are. What is left is the light's own unrest; noise is less by the number of those frames, so that \
+                 it is a figure for methods that have none (`clpv`, `sweep`).\n\n";
+        text += &grid(results, &scenes, |f| f.smooth, |f| Some(f.reference));
+    }
     for scene in scenes {
         let words = words(&of(results, scene).collect::<Vec<_>>());
         text += &format!("\n**{scene}.** {}\n", words.join(" "));
