@@ -45,6 +45,23 @@ fn thickness_for(surfel: Surfel, cell: f32) -> f32 {
 // Surfaces are taken this far before where they are when a cell is chosen [cells]: ties break the same way everywhere.
 const BEFORE: f32 = 1e-3;
 
+// The cells that a surfel has to do with (`lpv/sweep/links.wgsl`), in one word: of the eight cells around the point half a
+// cell before it which are reached, a bit each; then whether there is one to send light to, and its place from the
+// surfel's own, from −2 to 2 along each axis.
+const LINKED: u32 = 0x100u;
+
+fn encode_link(reached: u32, way: vec3f, is_any: bool) -> u32 {
+    if !is_any {
+        return reached;
+    }
+    let place = vec3u(clamp(way, vec3f(-2.0), vec3f(2.0)) + 2.0);
+    return reached | LINKED | (place.x << 9u) | (place.y << 12u) | (place.z << 15u);
+}
+
+fn link_way(link: u32) -> vec3f {
+    return vec3f(vec3u(link >> 9u, link >> 12u, link >> 15u) & vec3u(7u)) - 2.0;
+}
+
 // A number as the sum of two words, high·2¹⁶ + low with 0 ≤ low < 2¹⁶. Sums of both words are exact and do not depend
 // on order; together they span 2⁴⁵, so that a light far weaker than another is not rounded away. Up to 2¹⁶ summands.
 fn to_fixed(value: f32) -> vec2i {

@@ -2,7 +2,7 @@
 
 // Irradiance at a point from a swept volume. FORWARD: the bindings of a raster pass, whose first groups are taken.
 
-#import lightwell::sweep::nearest_axis
+#import lightwell::sweep::{BEFORE, LINKED, link_way, nearest_axis}
 #import lightwell::volume::{Volume, cell_index}
 
 #ifdef FORWARD
@@ -176,4 +176,35 @@ fn irradiance_around(volume: Volume, point: vec3f, n: vec3f, d: vec3f, to_eye: v
 // Irradiance of a surface, see `irradiance_around`.
 fn irradiance(volume: Volume, point: vec3f, n: vec3f, to_eye: vec3f) -> vec3f {
     return irradiance_around(volume, point, n, n, to_eye);
+}
+
+// Irradiance of a surfel: of the cells before it that it is linked to (`lpv/sweep/links.wgsl`).
+fn linked_irradiance(volume: Volume, point: vec3f, n: vec3f, link: u32) -> vec3f {
+    let x = (point - volume.origin) / volume.cell;
+    let at = x + 0.5 * n - 0.5;
+    let low = floor(at);
+    let t = at - low;
+    var all_cells = Gathered(vec3f(0.0), 0.0);
+    for (var i = 0u; i < 8u; i++) {
+        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
+        let cell = select(low, low + 1.0, upper);
+        let w = select(1.0 - t, t, upper);
+        if ((link >> i) & 1u) != 0u && inside(volume, cell) {
+            let index = cell_index(volume, vec3u(cell));
+            let clear = w.x * w.y * w.z * clearance(index);
+            if clear > 0.0 {
+                all_cells.sum += clear * of_cell(index, n);
+                all_cells.weights += clear;
+            }
+        }
+    }
+    if all_cells.weights >= 1e-3 {
+        return all_cells.sum / all_cells.weights;
+    }
+    // Nothing of the room is known next to it.
+    let cell = floor(x + BEFORE * n) + link_way(link);
+    if (link & LINKED) == 0u || !inside(volume, cell) {
+        return vec3f(0.0);
+    }
+    return of_cell(cell_index(volume, vec3u(cell)), n);
 }

@@ -7,7 +7,8 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Surfel, BEFORE, to_fixed, from_fixed, nearest_axis, thickness_for}
+#import lightwell::sweep::{Surfel, BEFORE, LINKED, link_way, to_fixed, from_fixed, nearest_axis}
+#import lightwell::sweep_walls::{linked_cell, source_cell}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {
@@ -43,6 +44,8 @@ struct Emit {
 // That of the next coarser cascade.
 @group(0) @binding(13) var<storage, read> outer_emission: array<vec4f>;
 #endif
+// Where each surfel's light goes, see `lpv/sweep/links.wgsl`.
+@group(0) @binding(16) var<storage, read> links: array<u32>;
 // Unit direction and weight [sr] of the sweep that follows.
 @group(0) @binding(15) var<storage, read> directions: array<vec4f>;
 
@@ -76,24 +79,6 @@ fn add_to_cell(wanted: vec3f, own: vec3f, n: vec3f, flux: vec3f) {
     }
 }
 
-// The source's cell is the first whose centre lies before the surface. Behind a thin wall is another room: there that
-// is made sure of.
-fn deposit(p: vec3f, n: vec3f, flux: vec3f, thin: bool) {
-    let before = p + BEFORE * n;
-    if !thin {
-        add_to_cell(floor(before + 0.5 * n), floor(before), n, flux);
-        return;
-    }
-    let axis = nearest_axis(n);
-    var cell = floor(before);
-    for (var i = 0u; i < 2u; i++) {
-        if dot(n, cell + 0.5 - before) < 0.0 {
-            cell[axis] += sign(n[axis]);
-        }
-    }
-    add_to_cell(cell, floor(before), n, flux);
-}
-
 @compute @workgroup_size(8, 8)
 fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
     let texel = thread.xy;
@@ -116,17 +101,20 @@ fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
     if !inside(cell) || all(flux <= vec3f(0.0)) {
         return;
     }
-    let thin = opacity[11u * cell_index(volume, vec3u(cell)) + 1u].z > 0.0;
-    deposit(p, n, flux, thin);
+    let is_thin = opacity[11u * cell_index(volume, vec3u(cell)) + 1u].z > 0.0;
+    let linked = linked_cell(volume, p, n, source_cell(p, n, is_thin));
+    if linked.is_any {
+        add_to_cell(linked.cell, cell, n, flux);
+    }
 }
 
-fn from_surfel(surfel: Surfel, flux: vec3f) {
-    let p = (surfel.position - volume.origin) / volume.cell;
-    let thickness = thickness_for(surfel, volume.cell);
-    if thickness < 0.0 || !inside(floor(p + BEFORE * surfel.normal)) || all(flux <= vec3f(0.0)) {
-        return;
+fn from_surfel(index: u32, flux: vec3f) {
+    let link = links[index];
+    let n = surfels[index].normal;
+    let own = floor((surfels[index].position - volume.origin) / volume.cell + BEFORE * n);
+    if (link & LINKED) != 0u && inside(own) && any(flux > vec3f(0.0)) {
+        add_to_cell(own + link_way(link), own, n, flux);
     }
-    deposit(p, surfel.normal, flux, thickness < volume.cell);
 }
 
 // Emissive surfaces: F = π·L·A.
@@ -137,7 +125,7 @@ fn from_emissive(@builtin(global_invocation_id) thread: vec3u, @builtin(num_work
         return;
     }
     let surfel = surfels[index];
-    from_surfel(surfel, surfel.emissive * (3.14159265 * surfel.area));
+    from_surfel(index, surfel.emissive * (3.14159265 * surfel.area));
 }
 
 // Reflected light: F = ρ·A·E.
@@ -148,7 +136,7 @@ fn from_bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgr
         return;
     }
     let surfel = surfels[index];
-    from_surfel(surfel, surfel.albedo * received[index].rgb * surfel.area);
+    from_surfel(index, surfel.albedo * received[index].rgb * surfel.area);
 }
 
 fn add_to_totals(channel: u32, flux: f32) {

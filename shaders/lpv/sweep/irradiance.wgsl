@@ -2,7 +2,7 @@
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::sweep::{Surfel, openness, thickness_for}
-#import lightwell::sweep_lookup::irradiance
+#import lightwell::sweep_lookup::{irradiance, linked_irradiance}
 #import lightwell::view::{View, toward_eye}
 #import lightwell::volume::Volume
 
@@ -24,6 +24,8 @@ struct Lookup {
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Irradiance of the surfels [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
+// Of this cascade, see `lpv/sweep/links.wgsl`.
+@group(0) @binding(5) var<storage, read> links: array<u32>;
 @group(0) @binding(6) var<uniform> view: View;
 @group(0) @binding(7) var base_color: texture_2d<u32>;
 @group(0) @binding(8) var normal: texture_2d<u32>;
@@ -53,12 +55,8 @@ fn share(point: vec3f) -> f32 {
 }
 
 // The finest level that covers a point gives its light; over its border the next coarser takes over.
-fn blend(so_far: vec4f, point: vec3f, n: vec3f, to_eye: vec3f) -> vec4f {
-    let w = so_far.a * share(point);
-    if w <= 0.0 {
-        return so_far;
-    }
-    return vec4f(so_far.rgb + w * irradiance(lookup.cascade.volume, point, n, to_eye), so_far.a - w);
+fn blend(so_far: vec4f, light: vec3f, w: f32) -> vec4f {
+    return vec4f(so_far.rgb + w * light, so_far.a - w);
 }
 
 @compute @workgroup_size(64)
@@ -70,8 +68,9 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
 #ifndef FIRST
         e = received[index];
 #endif
-        if surfel.area > 0.0 && thickness_for(surfel, lookup.cascade.volume.cell) >= 0.0 {
-            e = blend(e, surfel.position, surfel.normal, vec3f(0.0));
+        let w = e.a * share(surfel.position);
+        if w > 0.0 && surfel.area > 0.0 && thickness_for(surfel, lookup.cascade.volume.cell) >= 0.0 {
+            e = blend(e, linked_irradiance(lookup.cascade.volume, surfel.position, surfel.normal, links[index]), w);
         }
 #ifdef LAST
         e = vec4f(e.rgb * openness(surfel), e.a);
@@ -95,7 +94,11 @@ fn relight(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let to_eye = normalize(toward_eye(view, point));
-        e = blend(e, point, decode_normal(textureLoad(normal, pixel, 0)), to_eye);
+        let w = e.a * share(point);
+        if w > 0.0 {
+            let n = decode_normal(textureLoad(normal, pixel, 0));
+            e = blend(e, irradiance(lookup.cascade.volume, point, n, to_eye), w);
+        }
     }
 #ifdef LAST
     let albedo = decode_albedo(textureLoad(base_color, pixel, 0));

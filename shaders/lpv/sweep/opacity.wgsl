@@ -3,6 +3,7 @@
 // no gap; surfels tell which way it faces. What is smaller than a cell, or has holes, closes faces by its area.
 
 #import lightwell::sweep::{Surfel, BEFORE, nearest_axis, thickness_for}
+#import lightwell::sweep_walls::is_face_walled
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
@@ -13,9 +14,6 @@
 @group(0) @binding(2) var<storage, read_write> sums: array<atomic<i32>>;
 // The same as numbers, eleven vectors a cell; N and n normalised, a at most 1.
 @group(0) @binding(3) var<storage, read_write> opacity: array<vec4f>;
-
-// Faces that surfaces close, see `lpv/sweep/walls.wgsl`.
-@group(0) @binding(4) var<storage, read> walls: array<u32>;
 
 // A cell's areas sum to far less than 2⁷ faces.
 const AREA_SCALE: f32 = 16777216.0;
@@ -116,8 +114,8 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
 }
 
 // Closes what walls close. Where a wall's surfels miss the face, the wall counts as one across the axis.
-fn with_wall(index: u32, axis: u32, side: u32, from_surfels: vec4f) -> vec4f {
-    if (walls[index] & (1u << (2u * axis + side))) == 0u {
+fn with_wall(cell: vec3u, axis: u32, side: u32, from_surfels: vec4f) -> vec4f {
+    if !is_face_walled(volume, cell, axis, side) {
         return from_surfels;
     }
     var n = from_surfels.xyz;
@@ -133,6 +131,7 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
     if index >= volume.cells.x * volume.cells.y * volume.cells.z {
         return;
     }
+    let cell = vec3u(index % volume.cells.x, index / volume.cells.x % volume.cells.y, index / volume.cells.x / volume.cells.y);
     for (var i = 0u; i < 8u; i++) {
         let first = 44u * index + 4u * i;
         var v = vec4f(
@@ -141,7 +140,7 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         ) / AREA_SCALE;
         if i >= 2u {
             v = vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
-            v = with_wall(index, (i - 2u) / 2u, i % 2u, v);
+            v = with_wall(cell, (i - 2u) / 2u, i % 2u, v);
         }
         opacity[11u * index + i] = v;
     }

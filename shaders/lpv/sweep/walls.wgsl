@@ -1,17 +1,17 @@
-// Walls between cells: which faces of the cells a surface closes, found by drawing the scene along each axis with a pixel
-// for each column of cells. A pixel is covered where a surface crosses the line through the centres of its column, so that
-// surfaces without gaps close a set of faces without gaps: the rasterizer draws no pixel along an edge that two triangles
-// share twice, and leaves none out.
+// Walls between the parts of cells: a cell has 3³, and which of their faces a surface closes is found by drawing the scene
+// along each axis with a pixel for each column of parts. A pixel is covered where a surface crosses the line through the
+// centres of its column, so that surfaces without gaps close a set of faces without gaps: the rasterizer draws no pixel
+// along an edge that two triangles share twice, and leaves none out.
 
 #import lightwell::mesh::{Vertex, Instance, world_from_object_point}
 #import lightwell::sweep::BEFORE
-#import lightwell::volume::{Volume, cell_index}
+#import lightwell::sweep_walls::{PARTS, wall_bit, wall_word}
+#import lightwell::volume::Volume
 
 @group(0) @binding(0) var<uniform> view: Volume;
 @group(0) @binding(1) var<storage, read> instances: array<Instance>;
-// A word for each cell; of its lower face along an axis bit 2·axis is set by surfaces that stop light along +axis, and
-// the bit after it by those that stop light along −axis.
-@group(1) @binding(0) var<storage, read_write> walls: array<atomic<u32>>;
+// See `lib/sweep_walls.wgsl`.
+@group(1) @binding(0) var<storage, read_write> closed: array<atomic<u32>>;
 
 #ifdef AXIS
 const A: u32 = #{AXIS}u;
@@ -38,26 +38,25 @@ fn vertex(in: Vertex, @builtin(instance_index) index: u32) -> Varying {
     return out;
 }
 
-fn close(in: Varying, faces_up: bool, bits: u32) {
-    let along = i32(round(in.along + select(-BEFORE, BEFORE, faces_up)));
-    let column = vec2u(in.clip.xy);
-    if along < 0 || u32(along) >= view.cells[A] || column.x >= view.cells[U] || column.y >= view.cells[V] {
-        return;
-    }
-    var cell: vec3u;
-    cell[A] = u32(along);
-    cell[U] = column.x;
+fn close(in: Varying, faces_up: bool, side: u32) {
+    let size = vec3i(PARTS * view.cells);
+    var part: vec3i;
+    part[A] = i32(round(f32(PARTS) * (in.along + select(-BEFORE, BEFORE, faces_up))));
+    part[U] = i32(in.clip.x);
     // Rows of pixels count downwards.
-    cell[V] = view.cells[V] - 1u - column.y;
-    atomicOr(&walls[cell_index(view, cell)], bits << (2u * A));
+    part[V] = size[V] - 1 - i32(in.clip.y);
+    if all(part >= vec3i(0)) && all(part < size) {
+        atomicOr(&closed[wall_word(view, vec3u(part), A, side)], wall_bit(vec3u(part)));
+    }
 }
 
 @fragment
 fn one_sided(in: Varying, @builtin(front_facing) front: bool) {
-    close(in, front, select(1u, 2u, front));
+    close(in, front, select(0u, 1u, front));
 }
 
 @fragment
 fn double_sided(in: Varying, @builtin(front_facing) front: bool) {
-    close(in, front, 3u);
+    close(in, front, 0u);
+    close(in, front, 1u);
 }

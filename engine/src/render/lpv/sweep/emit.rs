@@ -4,6 +4,7 @@ use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
 use super::Level;
 use super::directions::Directions;
+use super::opacity::Obstacles;
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
@@ -117,7 +118,8 @@ pub(super) fn declare<'a>(
     let outer = outer.filter(|_| is_exposed);
     let mut pass = graph.pass(name);
     pass.read(sources.surfels);
-    pass.read(level.opacity);
+    let obstacles = level.obstacles;
+    [obstacles.opacity, obstacles.walls, obstacles.links].into_iter().for_each(|buffer| pass.read(buffer));
     if step.bounce == 0 {
         for rsm in sources.rsms {
             pass.read(rsm.base_color);
@@ -132,7 +134,7 @@ pub(super) fn declare<'a>(
     });
     let buffers = Buffers {
         surfels: sources.surfels,
-        opacity: level.opacity,
+        obstacles,
         received: step.received,
         sums: pass.write(sums),
         emission: pass.write(level.emission),
@@ -187,7 +189,7 @@ pub(super) fn declare<'a>(
 
 struct Buffers {
     surfels: Handle<Buffer>,
-    opacity: Handle<Buffer>,
+    obstacles: Obstacles,
     received: Option<Handle<Buffer>>,
     sums: Handle<Buffer>,
     emission: Handle<Buffer>,
@@ -216,11 +218,13 @@ fn from_rsm(
     uniforms: &Uniforms,
     buffers: &Buffers,
 ) -> Result<(), PassError> {
-    let (opacity, sums) = (cx.buffer(buffers.opacity).clone(), cx.buffer(buffers.sums).clone());
+    let handles = [buffers.obstacles.opacity, buffers.obstacles.walls, buffers.sums];
+    let [opacity, walls, sums] = handles.map(|handle| cx.buffer(handle).clone());
     cx.counts().lights += 1;
     let more = [
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("opacity", Binding::Buffer(&opacity)),
+        ("walls", Binding::Buffer(&walls)),
         ("sums", Binding::Buffer(&sums)),
     ];
     let key = ComputeKey::new("lpv/sweep/emit.wgsl", "from_rsm");
@@ -235,12 +239,14 @@ fn from_surfels(
     buffers: &Buffers,
     received: Option<Handle<Buffer>>,
 ) -> Result<(), PassError> {
-    let [surfels, sums] = [buffers.surfels, buffers.sums].map(|h| cx.buffer(h).clone());
+    let handles = [buffers.surfels, buffers.obstacles.links, buffers.sums];
+    let [surfels, links, sums] = handles.map(|handle| cx.buffer(handle).clone());
     let received = received.map(|handle| cx.buffer(handle).clone());
     let mut bindings = vec![
         ("volume", Binding::Buffer(&uniforms.volume)),
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("surfels", Binding::Buffer(&surfels)),
+        ("links", Binding::Buffer(&links)),
         ("sums", Binding::Buffer(&sums)),
     ];
     bindings.extend(received.iter().map(|received| ("received", Binding::Buffer(received))));

@@ -64,7 +64,7 @@ pub(super) fn declare<'a>(
     };
     let swept = level.map(|level| Swept {
         volume: level.volume,
-        buffers: [level.light().axes, level.light().facing, level.opacity],
+        buffers: [level.light().axes, level.light().facing, level.obstacles.opacity],
         nearest: if settings.bounces == Bounces::Converged { NEAR * level.volume.cell } else { 0.0 },
     });
     let mut pass = graph.pass("gather");

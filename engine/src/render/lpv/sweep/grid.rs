@@ -3,6 +3,7 @@
 use super::super::volume::{self, Volume};
 use super::directions::Directions;
 use super::transport;
+use super::walls;
 use crate::render::RenderError;
 use crate::scene::{Aabb, SceneClpv, SceneView};
 use crate::world::{CellSize, ClpvPlacement, Quality};
@@ -16,8 +17,8 @@ const AHEAD: f32 = 0.6;
 const BINDING: u64 = 128 << 20;
 /// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding.
 const MAX_CELLS: u32 = BINDING as u32 / 176;
-/// Most cells along an axis: a texture that walls are drawn into has a texel for each, and this is the portable limit.
-const MAX_EDGE: u32 = 8192;
+/// Most cells along an axis: a texture that walls are drawn into has a texel for each part, and 8192 is the portable limit.
+const MAX_EDGE: u32 = 8192 / walls::PARTS;
 
 /// The cascades of the settings for this view, finest first; `quality` is that of the volumes.
 ///

@@ -4,6 +4,7 @@ use super::super::linear_groups;
 use super::super::relight::CascadeUniform;
 use super::super::volume::Volume;
 use super::emit::Sources;
+use super::opacity::Obstacles;
 use super::{Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
@@ -65,9 +66,10 @@ pub(super) fn at_surfels<'a>(
         pass.read(*axes);
         pass.read(*facing);
     }
-    let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
-    for opacity in &opacities {
+    let obstacles: Vec<_> = levels.iter().map(|level| level.obstacles).collect();
+    for Obstacles { opacity, links, .. } in &obstacles {
         pass.read(*opacity);
+        pass.read(*links);
     }
     let received = pass.write(received);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
@@ -75,37 +77,50 @@ pub(super) fn at_surfels<'a>(
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
     pass.execute(move |cx| {
         let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
-        look_up(cx, &lookups, &light, &opacities, [&surfels, &target], count)
+        for index in 0..lookups.len() {
+            let links = cx.buffer(obstacles[index].links).clone();
+            let at = Lookup { lookups: &lookups, index, light: light[index], opacity: obstacles[index].opacity };
+            look_up(cx, at, [&surfels, &links, &target], count)?;
+        }
+        Ok(())
     });
     received
 }
 
-/// Looks up the light of all cascades at surfels, and writes what each receives.
+/// A cascade to look light up in.
+pub(super) struct Lookup<'l> {
+    /// Of all cascades.
+    pub lookups: &'l [LookupUniform],
+    /// Which one it is, the finest is 0.
+    pub index: usize,
+    /// Its light.
+    pub light: Irradiance,
+    /// Opacity of its cells.
+    pub opacity: Handle<Buffer>,
+}
+
+/// Looks up the light of a cascade at surfels, by their links to it, and adds it to what each receives.
 pub(super) fn look_up(
     cx: &mut PassContext,
-    lookups: &[LookupUniform],
-    light: &[Irradiance],
-    opacities: &[Handle<Buffer>],
-    [surfels, received]: [&wgpu::Buffer; 2],
+    Lookup { lookups, index, light, opacity }: Lookup<'_>,
+    [surfels, links, received]: [&wgpu::Buffer; 3],
     count: u32,
 ) -> Result<(), PassError> {
-    for (index, ((lookup, light), opacity)) in lookups.iter().zip(light).zip(opacities).enumerate() {
-        let lookup = cx.gpu.uniform("lookup", lookup);
-        let [axes, facing, opacity] = [light.axes, light.facing, *opacity].map(|handle| cx.buffer(handle).clone());
-        cx.dispatch(
-            &shader("at_surfels", index, lookups.len()),
-            &[
-                ("lookup", Binding::Buffer(&lookup)),
-                ("axes", Binding::Buffer(&axes)),
-                ("facing", Binding::Buffer(&facing)),
-                ("opacity", Binding::Buffer(&opacity)),
-                ("surfels", Binding::Buffer(surfels)),
-                ("received", Binding::Buffer(received)),
-            ],
-            linear_groups(count),
-        )?;
-    }
-    Ok(())
+    let lookup = cx.gpu.uniform("lookup", &lookups[index]);
+    let [axes, facing, opacity] = [light.axes, light.facing, opacity].map(|handle| cx.buffer(handle).clone());
+    cx.dispatch(
+        &shader("at_surfels", index, lookups.len()),
+        &[
+            ("lookup", Binding::Buffer(&lookup)),
+            ("axes", Binding::Buffer(&axes)),
+            ("facing", Binding::Buffer(&facing)),
+            ("opacity", Binding::Buffer(&opacity)),
+            ("surfels", Binding::Buffer(surfels)),
+            ("links", Binding::Buffer(links)),
+            ("received", Binding::Buffer(received)),
+        ],
+        linear_groups(count),
+    )
 }
 
 /// What the pass at the visible surfaces and its image are called.
@@ -143,7 +158,7 @@ pub(super) fn relight<'a>(
         pass.read(*axes);
         pass.read(*facing);
     }
-    let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
+    let opacities: Vec<_> = levels.iter().map(|level| level.obstacles.opacity).collect();
     for opacity in &opacities {
         pass.read(*opacity);
     }

@@ -19,6 +19,7 @@ pub(in crate::render) mod gather;
 mod gather_filter;
 mod grid;
 mod irradiance;
+mod links;
 mod opacity;
 mod probes;
 pub(in crate::render) mod sky;
@@ -46,6 +47,7 @@ use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
+use opacity::Obstacles;
 use transport::Kept;
 
 pub(crate) use probes::{PROBE_LIGHT, probe_light};
@@ -67,7 +69,7 @@ struct Level {
     volume: Volume,
     /// Of the light on its way.
     precision: Precision,
-    opacity: Handle<Buffer>,
+    obstacles: Obstacles,
     emission: Handle<Buffer>,
     /// Irradiance of the bounce that is under way.
     bounce: Irradiance,
@@ -157,8 +159,8 @@ pub(super) fn declare<'a>(
     let sky = levels
         .last()
         .filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene))
-        .map(|level| (level.opacity, level.volume));
-    let sky = sky.map(|(opacity, volume)| sky::field_of(&sky::level(graph, frame, opacity, &volume)));
+        .map(|level| (level.obstacles, level.volume));
+    let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
     Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
 }
 
@@ -177,8 +179,8 @@ fn level<'a>(
     precision: Precision,
     kept: Kept,
 ) -> Level {
-    let opacity = opacity::declare(graph, frame, surfels, name, volume);
-    transport::level(graph, opacity, name, volume, precision, kept)
+    let obstacles = opacity::declare(graph, frame, surfels, name, volume);
+    transport::level(graph, obstacles, name, volume, precision, kept)
 }
 
 /// What all sweeps of a frame share.

@@ -2,7 +2,7 @@
 
 use super::super::linear_groups;
 use super::super::volume::Volume;
-use super::walls;
+use super::{links, walls};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
@@ -12,15 +12,27 @@ use wgpu::BufferUsages;
 /// Bytes of a cell: 44 numbers.
 const CELL_BYTES: u64 = 176;
 
-/// Declares the opacity of one cascade. It depends on the scene's surfaces alone, not on any light.
+/// What stands in the way of light in a cascade.
+#[derive(Clone, Copy)]
+pub(super) struct Obstacles {
+    /// Opacity of the cells and their faces, see `lpv/sweep/opacity.wgsl`.
+    pub opacity: Handle<Buffer>,
+    /// Walls between the parts of cells, see `lpv/sweep/walls.wgsl`.
+    pub walls: Handle<Buffer>,
+    /// Which cells each surfel has to do with, see `lpv/sweep/links.wgsl`.
+    pub links: Handle<Buffer>,
+}
+
+/// Declares what stops light in one cascade. It depends on the scene's surfaces alone, not on any light.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     surfels: Handle<Buffer>,
     level: &str,
     volume: &Volume,
-) -> Handle<Buffer> {
+) -> Obstacles {
     let walls = walls::declare(graph, frame, level, volume);
+    let links = links::declare(graph, [surfels, walls], frame.surfels.count(), level, volume);
     let name = format!("opacity, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
@@ -60,5 +72,5 @@ pub(super) fn declare<'a>(
             linear_groups(volume.cell_count()),
         )
     });
-    opacity
+    Obstacles { opacity, walls, links }
 }

@@ -1,7 +1,8 @@
 //! Indirect light at points that a game asks for: looked up as for the surfels of a bounce, in the sum over all bounces.
 
-use super::irradiance::{look_up, lookup_at_surfels};
-use super::{Irradiance, Level};
+use super::irradiance::{Lookup, look_up, lookup_at_surfels};
+use super::opacity::Obstacles;
+use super::{Irradiance, Level, links};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::scene::{ProbePoint, Surfel};
@@ -40,21 +41,27 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     let found = graph.retained_buffer(PROBE_LIGHT, desc);
     let mut pass = graph.pass("probes");
     let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
-    let opacities: Vec<_> = levels.iter().map(|level| level.opacity).collect();
-    for (Irradiance { axes, facing }, opacity) in light.iter().zip(&opacities) {
-        pass.read(*axes);
-        pass.read(*facing);
-        pass.read(*opacity);
+    let obstacles: Vec<_> = levels.iter().map(|level| level.obstacles).collect();
+    for (Irradiance { axes, facing }, Obstacles { opacity, walls, .. }) in light.iter().zip(&obstacles) {
+        [axes, facing, opacity, walls].into_iter().for_each(|buffer| pass.read(*buffer));
     }
     let found = pass.write(found);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
     let places: Vec<u32> = bytemuck::cast_slice::<Surfel, u32>(&surfels).to_vec();
     pass.key(&(keys, places));
+    let volumes: Vec<_> = levels.iter().map(|level| level.volume).collect();
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
     pass.execute(move |cx| {
         let target = cx.buffer(found).clone();
         let surfels = cx.gpu.storage("probes", &surfels, BufferUsages::empty());
-        look_up(cx, &lookups, &light, &opacities, [&surfels, &target], count)
+        let links = cx.gpu.storage("links of probes", &vec![0_u32; count as usize], BufferUsages::empty());
+        for (index, volume) in volumes.iter().enumerate() {
+            let walls = cx.buffer(obstacles[index].walls).clone();
+            links::find(cx, volume, [&surfels, &walls, &links], count)?;
+            let at = Lookup { lookups: &lookups, index, light: light[index], opacity: obstacles[index].opacity };
+            look_up(cx, at, [&surfels, &links, &target], count)?;
+        }
+        Ok(())
     });
     found
 }

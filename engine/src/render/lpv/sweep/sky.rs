@@ -2,9 +2,10 @@
 //! glossy surfaces learn from it how much of the sky they see.
 
 use super::directions::Directions;
+use super::opacity::Obstacles;
 use super::transport::{self, Kept};
 use super::{BounceCount, Indirect, Level, grid, irradiance, opacity, surfels};
-use crate::graph::{Buffer, Graph, Handle};
+use crate::graph::Graph;
 use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::lpv::{Field, Volume};
@@ -23,8 +24,8 @@ pub(in crate::render) fn volume(bounds: &Aabb) -> Volume {
 pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer) -> Indirect {
     let volume = volume(&frame.bounds);
     let surfels = surfels::declare(graph, frame);
-    let opacity = opacity::declare(graph, frame, surfels, NAME, &volume);
-    let level = level(graph, frame, opacity, &volume);
+    let obstacles = opacity::declare(graph, frame, surfels, NAME, &volume);
+    let level = level(graph, frame, obstacles, &volume);
     let field = field_of(&level);
     let names = irradiance::Names { pass: "relight, sky", image: "sky radiance" };
     let radiance = irradiance::relight(graph, frame, gbuffer, names, 0.0, &[level]);
@@ -32,8 +33,8 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
 }
 
 /// Declares the sweep of the sky's light through a grid.
-pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, opacity: Handle<Buffer>, volume: &Volume) -> Level {
-    let mut level = transport::level(graph, opacity, NAME, volume, Precision::Single, Kept::OneSweep);
+pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, obstacles: Obstacles, volume: &Volume) -> Level {
+    let mut level = transport::level(graph, obstacles, NAME, volume, Precision::Single, Kept::OneSweep);
     send_nothing(graph, &mut level);
     let bounces = BounceCount { swept: 1, has_tail: false };
     let step = transport::Step { index: 0, bounce: 0, bounces };
@@ -44,7 +45,7 @@ pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, opacity: Handl
 }
 
 pub(super) fn field_of(level: &Level) -> Field {
-    Field::Swept { volume: level.volume, buffers: [level.light().axes, level.light().facing, level.opacity] }
+    Field::Swept { volume: level.volume, buffers: [level.light().axes, level.light().facing, level.obstacles.opacity] }
 }
 
 /// Nothing inside the grid sends out light.

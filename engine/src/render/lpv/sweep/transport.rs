@@ -3,6 +3,7 @@
 use super::super::linear_groups;
 use super::super::volume::Volume;
 use super::directions::Directions;
+use super::opacity::Obstacles;
 use super::{BounceCount, Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
@@ -71,7 +72,7 @@ pub(super) enum Kept {
 /// The buffers of a cascade.
 pub(super) fn level(
     graph: &mut Graph<'_>,
-    opacity: Handle<Buffer>,
+    obstacles: Obstacles,
     name: &str,
     volume: &Volume,
     precision: Precision,
@@ -97,7 +98,7 @@ pub(super) fn level(
         Kept::Nothing | Kept::Sum => irradiance(" of a bounce", 76, false),
     };
     let sum = (kept == Kept::Sum).then(|| irradiance("", 72, true));
-    Level { name: name.to_owned(), volume: *volume, precision, opacity, emission, bounce, sum, shell: None }
+    Level { name: name.to_owned(), volume: *volume, precision, obstacles, emission, bounce, sum, shell: None }
 }
 
 /// Bytes behind the emission of all cells: the brightest sources.
@@ -140,7 +141,7 @@ pub(super) fn declare<'a>(
     let shell = inner.map(|inner| Shell::new(graph, &name, level, &inner, directions));
     let mut pass = graph.pass(name);
     let totals = totals.filter(|_| level.sum.is_some());
-    let inputs = [level.opacity, level.emission].into_iter().chain(totals).chain(outer.into_iter().flatten());
+    let inputs = [level.obstacles.opacity, level.emission].into_iter().chain(totals).chain(outer.into_iter().flatten());
     inputs.for_each(|buffer| pass.read(buffer));
     let mut written = |light: &mut Irradiance| {
         *light = Irradiance { axes: pass.write(light.axes), facing: pass.write(light.facing) };
@@ -149,7 +150,7 @@ pub(super) fn declare<'a>(
     let (bounce, sum) = (written(&mut level.bounce), level.sum.as_mut().map(written));
     let buffers = Buffers {
         precision,
-        opacity: level.opacity,
+        opacity: level.obstacles.opacity,
         emission: level.emission,
         bounce,
         sum: sum.zip(totals),

@@ -12,12 +12,18 @@ use wgpu::{BufferUsages, ColorTargetState, ColorWrites, TextureFormat, TextureUs
 /// Of the texture that the scene is drawn into, and that nothing is written to.
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
-/// Declares the walls of a cascade: a word for each cell, see `lpv/sweep/walls.wgsl`. Surfaces with holes in them are
+/// Parts of a cell along an axis, as in `lib/sweep_walls.wgsl`.
+pub(super) const PARTS: u32 = 3;
+
+/// Bytes of a cell: a bit for each face of its parts and each side of it.
+const CELL_BYTES: u64 = 24;
+
+/// Declares the walls of a cascade between the parts of its cells, see `lpv/sweep/walls.wgsl`. Surfaces with holes in them are
 /// left out, and objects smaller than a cell: those stop light by their area.
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str, volume: &Volume) -> Handle<Buffer> {
     let name = format!("walls, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let walls = graph.buffer(name.as_str(), BufferDesc::new(4 * u64::from(volume.cell_count()), usage));
+    let walls = graph.retained_buffer(name.as_str(), BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage));
     let columns = [0, 1, 2].map(|axis| {
         let [width, height] = across(volume, axis);
         let desc = TextureDesc::d2(width, height, FORMAT, TextureUsages::RENDER_ATTACHMENT);
@@ -39,9 +45,9 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str,
     walls
 }
 
-/// Columns of cells along an axis.
+/// Columns of parts of cells along an axis.
 fn across(volume: &Volume, axis: usize) -> [u32; 2] {
-    [1, 2].map(|next| volume.cells[(axis + next) % 3])
+    [1, 2].map(|next| PARTS * volume.cells[(axis + next) % 3])
 }
 
 fn draw_along(
@@ -55,7 +61,7 @@ fn draw_along(
     let view = cx.gpu.uniform("volume", &volume.uniform());
     let any_class = MaterialClass { double_sided: false, masked: false, blended: false, mirrored: false, plain: true };
     let pipeline = cx.gpu.pipelines.raster(cx.gpu, &raster_key(any_class, axis))?;
-    let group = pipeline.bind(cx.gpu, 1, &[("walls", Binding::Buffer(walls))])?;
+    let group = pipeline.bind(cx.gpu, 1, &[("closed", Binding::Buffer(walls))])?;
     let mut pass = cx
         .encoder()
         .begin_render_pass(&wgpu::RenderPassDescriptor {
