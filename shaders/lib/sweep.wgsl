@@ -75,43 +75,6 @@ fn from_fixed(high: i32, low: i32) -> f32 {
     return f32(high + i32(unsigned >> 16u)) * 65536.0 + f32(unsigned & 0xffffu);
 }
 
-// The lattice on which what surfaces claim is held against what the light lost, see `lpv/sweep/balance.wgsl`.
-struct Balance {
-    nodes: vec3u,          // along each axis
-    block: f32,            // distance of the nodes [cells]
-    scale: f32,            // power of two that turns flux [W] into fixed point
-    most: f32,             // largest share
-    padding: vec2u,
-}
-
-// A place on the lattice: the node below, and how far on the next one is.
-struct Place {
-    low: vec3u,
-    t: vec3f,
-}
-
-// The place of a point [cells]; outside the lattice that of the border.
-fn lattice_place(balance: Balance, x: vec3f) -> Place {
-    let at = clamp(x / balance.block, vec3f(0.0), vec3f(balance.nodes - 1u));
-    let low = min(vec3u(at), balance.nodes - 2u);
-    return Place(low, at - vec3f(low));
-}
-
-// The eight nodes around a place, and their trilinear weights.
-fn corner(place: Place, i: u32) -> vec3u {
-    return place.low + vec3u(i & 1u, (i >> 1u) & 1u, i >> 2u);
-}
-
-fn corner_weight(place: Place, i: u32) -> f32 {
-    let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
-    let w = select(1.0 - place.t, place.t, upper);
-    return w.x * w.y * w.z;
-}
-
-fn node_index(balance: Balance, node: vec3u) -> u32 {
-    return (node.z * balance.nodes.y + node.y) * balance.nodes.x + node.x;
-}
-
 // Axis of the coordinate system that a normal lies nearest to.
 fn nearest_axis(n: vec3f) -> u32 {
     let a = abs(n);

@@ -10,7 +10,7 @@ use super::direct_tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
-use super::lpv::sweep::{BalanceUniform, EmitUniform, GatherUniform, LookupUniform, SliceUniform, SumUniform};
+use super::lpv::sweep::{EmitUniform, GatherUniform, LookupUniform, SliceUniform, SumUniform};
 use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
 use super::ray_scene::{Emitter, RayMaterial};
@@ -63,7 +63,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");
     check(&gpu, EmitUniform::min_size().get(), "lpv/sweep/emit.wgsl", "Emit");
-    check(&gpu, BalanceUniform::min_size().get(), "lpv/sweep/balance.wgsl", "Balance");
     check(&gpu, LookupUniform::min_size().get(), "lpv/sweep/irradiance.wgsl", "Lookup");
     check(&gpu, SliceUniform::min_size().get(), "lpv/sweep/transport.wgsl", "Slice");
     check(&gpu, SumUniform::min_size().get(), "lpv/sweep/sum.wgsl", "Sum");

@@ -87,6 +87,7 @@ pub struct SurfelCloud {
     pub revision: u64,
     /// Sum of area·reflectance over the sum of areas: the mean share of light that a surface returns.
     pub mean_albedo: Vec3,
+    area: f64,
     /// Whether any surface emits light.
     pub is_emissive: bool,
     built: HashMap<GroupKey, Arc<Vec<Surfel>>>,
@@ -170,8 +171,14 @@ impl SurfelCloud {
         }
     }
 
+    /// Area of all surfels \[m²\].
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
     fn summarise(&mut self, surfels: &[Surfel]) {
         let area: f64 = surfels.iter().map(|s| f64::from(s.area)).sum();
+        self.area = area;
         let sum = |channel: usize| -> f64 {
             surfels.iter().map(|s| f64::from(s.albedo[channel]) * f64::from(s.area)).sum::<f64>()
         };

@@ -7,7 +7,7 @@
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
-#import lightwell::sweep::{Surfel, BEFORE, LINKED, link_way, to_fixed, from_fixed, nearest_axis}
+#import lightwell::sweep::{Surfel, BEFORE, LINKED, link_way, openness, to_fixed, from_fixed, nearest_axis}
 #import lightwell::sweep_walls::{linked_cell, source_cell}
 #import lightwell::volume::{Volume, cell_index}
 
@@ -126,6 +126,15 @@ fn from_emissive(@builtin(global_invocation_id) thread: vec3u, @builtin(num_work
     }
     let surfel = surfels[index];
     from_surfel(index, surfel.emissive * (3.14159265 * surfel.area));
+}
+
+// White light, of radiance 1 from all surfaces: F = π·A.
+@compute @workgroup_size(64)
+fn from_white(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index < arrayLength(&surfels) {
+        from_surfel(index, vec3f(3.14159265 * surfels[index].area * openness(surfels[index])));
+    }
 }
 
 // Reflected light: F = ρ·A·E.

@@ -14,7 +14,7 @@ struct Cascade {
     padding: f32,
 }
 
-// FIRST: the cascade is the finest, it starts the sum. LAST: the coarsest, it takes all that is left. No uniforms: where a
+// FIRST: the cascade is the finest, it starts the sum. LAST: the coarsest, it takes all that is left. CALIBRATED: by the white furnace. No uniforms: where a
 // branch hangs on a uniform alone, Mesa's software driver (22.3) makes the shader anew in every frame, and keeps all.
 struct Lookup {
     cascade: Cascade,
@@ -24,6 +24,8 @@ struct Lookup {
 @group(0) @binding(3) var<storage, read> surfels: array<Surfel>;
 // Irradiance of the surfels [W/m²], and the share that coarser cascades still have to give.
 @group(0) @binding(4) var<storage, read_write> received: array<vec4f>;
+// Irradiance of the surfels where all surfaces and the sky have radiance 1 [W/m²].
+@group(0) @binding(13) var<storage, read> white: array<vec4f>;
 // Of this cascade, see `lpv/sweep/links.wgsl`.
 @group(0) @binding(5) var<storage, read> links: array<u32>;
 @group(0) @binding(6) var<uniform> view: View;
@@ -33,6 +35,17 @@ struct Lookup {
 // As `received`, for the pixels.
 @group(0) @binding(10) var<storage, read_write> partial: array<vec4f>;
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
+
+// The most that light is raised by where the sweep brings too little: what hardly any light finds stays dark.
+const MOST_GAIN: f32 = 2.0;
+
+// What the light of a surfel is multiplied by. Where all surfaces send out radiance 1, irradiance is π whatever the scene
+// (a white furnace); of what the sweep makes of it instead, known before, the inverse corrects all light of the surfel.
+// So each bounce takes even light to even light times the reflectance, and as no weight is negative none can be brighter
+// than the brightest of the bounce before it.
+fn gain(white_light: f32) -> f32 {
+    return min(MOST_GAIN, 3.14159265 / max(white_light, 1e-6));
+}
 
 // Share of the cascade at a point: 1 inside, falling to 0 over the fade; the coarsest is whole to its border.
 fn share(point: vec3f) -> f32 {
@@ -72,8 +85,8 @@ fn at_surfels(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgro
         if w > 0.0 && surfel.area > 0.0 && thickness_for(surfel, lookup.cascade.volume.cell) >= 0.0 {
             e = blend(e, linked_irradiance(lookup.cascade.volume, surfel.position, surfel.normal, links[index]), w);
         }
-#ifdef LAST
-        e = vec4f(e.rgb * openness(surfel), e.a);
+#ifdef CALIBRATED
+        e = vec4f(e.rgb * openness(surfel) * gain(white[index].r), e.a);
 #endif
         received[index] = e;
     }

@@ -38,14 +38,12 @@ struct Ordinate {
 @group(0) @binding(2) var<storage, read> ordinates: array<Ordinate>;
 @group(0) @binding(3) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(4) var<storage, read> emission: array<vec4f>;
-// L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u; in the fourth place what the cell took
-// out of the light, the mean of its colours times |d_AXIS| [W/(m² sr)].
+// L_out of the slice before and of this one [W/(m² sr)]: sense, direction, v, u; nothing in the fourth place.
 @group(0) @binding(5) var<storage, read_write> fronts: array<Stored>;
 // Irradiance [W/m²] by cell, normal and channel: for +x −x +y −y +z −z, and for the normals of the surfaces that look
 // their light up in the cell, by nearest axis. For its own normal a surface gets the exact cosine integral over all
 // directions. Spherical harmonics of order 3 would give it 9 % of the light that only grazes it and 6 % of what comes
-// from behind, its own included, which can be ten times all that it receives. Behind the irradiance of all cells `axes`
-// holds what each took out of the light [W/m²].
+// from behind, its own included, which can be ten times all that it receives.
 @group(0) @binding(7) var<storage, read_write> axes: array<f32>;
 @group(0) @binding(8) var<storage, read_write> facing: array<f32>;
 // L_out of the shells for the directions of this axis [W/(m² sr)]: sense, direction, place in the shell.
@@ -84,13 +82,13 @@ fn expose() {
     outer_unexposed = power_of_two(254u - exposure_bits(peaks.y));
 }
 
-fn to_stored(light: vec4f) -> Stored {
-    let exposed = min(light * exposure, vec4f(65504.0));
-    return vec2u(pack2x16float(exposed.xy), pack2x16float(exposed.zw));
+fn to_stored(light: vec3f) -> Stored {
+    let exposed = min(light * exposure, vec3f(65504.0));
+    return vec2u(pack2x16float(exposed.xy), pack2x16float(vec2f(exposed.z, 0.0)));
 }
 
-fn from_stored(stored: Stored) -> vec4f {
-    return vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)) * unexposed;
+fn from_stored(stored: Stored) -> vec3f {
+    return vec3f(unpack2x16float(stored.x), unpack2x16float(stored.y).x) * unexposed;
 }
 
 fn from_outer(stored: Stored) -> vec3f {
@@ -102,12 +100,12 @@ alias Stored = vec4f;
 fn expose() {
 }
 
-fn to_stored(light: vec4f) -> Stored {
-    return light;
+fn to_stored(light: vec3f) -> Stored {
+    return vec4f(light, 0.0);
 }
 
-fn from_stored(stored: Stored) -> vec4f {
-    return stored;
+fn from_stored(stored: Stored) -> vec3f {
+    return stored.rgb;
 }
 
 fn from_outer(stored: Stored) -> vec3f {
@@ -155,18 +153,18 @@ fn shell_place(g: vec3u, n: vec3u) -> u32 {
 }
 
 // L_out of a column of the slice before: `direction` counts both senses of the axis, `first` is where its front begins.
-fn light_before(direction: u32, first: u32, past: i32, u: i32, v: i32, border: vec3f) -> vec4f {
+fn light_before(direction: u32, first: u32, past: i32, u: i32, v: i32, border: vec3f) -> vec3f {
     let size = vec3i(volume.cells);
     let cell = place_of(past, u, v);
     if all(cell >= vec3i(0)) && all(cell < size) {
         return from_stored(fronts[first + u32(v * size[U] + u)]);
     }
 #ifdef NO_OUTER
-    return vec4f(border, 0.0);
+    return border;
 #else
     // Two cells for one of the coarser cascade.
     let n = volume.cells / 2u;
-    return vec4f(from_outer(outer_shell[direction * shell_size(n) + shell_place(vec3u((cell + 2) / 2), n)]), 0.0);
+    return from_outer(outer_shell[direction * shell_size(n) + shell_place(vec3u((cell + 2) / 2), n)]);
 #endif
 }
 
@@ -200,7 +198,7 @@ fn into_shell(direction: u32, cell: vec3i, d: vec3f, leaving: vec3f) {
             light *= no_wall(face(vec3u(onward), axis, 1u), d);
         }
     }
-    inner_shell[direction * shell_size(n) + shell_place(vec3u(g), n)] = to_stored(vec4f(light, 0.0));
+    inner_shell[direction * shell_size(n) + shell_place(vec3u(g), n)] = to_stored(light);
 }
 #endif
 
@@ -281,7 +279,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let count = 4u * slice.quarter;
     let group = (2u * A + sense) * count;
     let stride = u32(size[U] * size[V]);
-    let size_product = volume.cells.x * volume.cells.y * volume.cells.z;
     let front = sense * count * stride;
     let at = u32(v * size[U] + u);
 
@@ -317,7 +314,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var facing_x = vec3f(0.0);
     var facing_y = vec3f(0.0);
     var facing_z = vec3f(0.0);
-    var lost = 0.0;
 
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         let side_u = quadrant & 1u;
@@ -348,16 +344,14 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
             let direction = sense * count + i;
             let base = slice.before + front + i * stride;
             let own_column = light_before(direction, base, past, u, v, ordinate.border);
-            let left = s.x * (1.0 - s.y) * light_before(direction, base, past, um, v, ordinate.border).rgb;
-            let low = (1.0 - s.x) * s.y * light_before(direction, base, past, u, vm, ordinate.border).rgb;
-            let corner = s.x * s.y * light_before(direction, base, past, um, vm, ordinate.border).rgb;
+            let left = s.x * (1.0 - s.y) * light_before(direction, base, past, um, v, ordinate.border);
+            let low = (1.0 - s.x) * s.y * light_before(direction, base, past, u, vm, ordinate.border);
+            let corner = s.x * s.y * light_before(direction, base, past, um, vm, ordinate.border);
             let tau_u = open(face_u, d);
             let tau_v = open(face_v, d);
             let tau_uv = max(open(face_u_at_vm, d) * tau_v, open(face_v_at_um, d) * tau_u);
-            let sent = straight * own_column.rgb + left + low + corner;
-            let arriving = straight * own_column.rgb + tau_u * left + tau_v * low + tau_uv * corner;
+            let arriving = straight * own_column + tau_u * left + tau_v * low + tau_uv * corner;
             if has_past {
-                lost += 3.0 * ordinate.weight * own_column.a;
                 // What reaches the downwind face of the cell before, less what the cell itself sends out, and before
                 // the seal: the irradiance of a surface that closes that face.
                 var w = ordinate.weight * arriving;
@@ -377,12 +371,10 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
                 let alpha = min(1.0, sqrt(max(0.0, squared * trace)) * inverse);
                 let entering = open(ahead, d) * arriving;
                 var leaving = (1.0 - alpha) * entering;
-                let taken = sent - leaving;
                 if own.is_lit {
                     leaving += emitted(own, d);
                 }
-                let loss = abs(d[A]) / 3.0 * (taken.r + taken.g + taken.b);
-                fronts[slice.after + front + i * stride + at] = to_stored(vec4f(leaving, loss));
+                fronts[slice.after + front + i * stride + at] = to_stored(leaving);
 #ifndef NO_INNER
                 into_shell(direction, place_of(here, u, v), d, leaving);
 #endif
@@ -398,7 +390,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         add_axis(first + 9u, my);
         add_axis(first + 12u, pz);
         add_axis(first + 15u, mz);
-        axes[18u * size_product + cell] += lost;
         add_facing(9u * cell, facing_x);
         add_facing(9u * cell + 3u, facing_y);
         add_facing(9u * cell + 6u, facing_z);

@@ -2,9 +2,9 @@
 
 use super::super::volume::Volume;
 use super::super::{dispatch_rsm, linear_groups};
-use super::Level;
 use super::directions::Directions;
 use super::opacity::Obstacles;
+use super::{Level, Light};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
@@ -49,8 +49,8 @@ pub(super) struct Step {
     pub index: usize,
     /// 0: light straight from the lights.
     pub bounce: u32,
-    /// Irradiance of which the surfels reflect their share \[W/m²\].
-    pub received: Option<Handle<Buffer>>,
+    /// What the surfaces send out.
+    pub light: Light,
 }
 
 /// The buffer of the flux of all bounces.
@@ -86,6 +86,11 @@ pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
     ((38.0 - total.clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
 }
 
+/// The same for the light of surfaces of radiance 1.
+fn white_scale(frame: &Frame) -> f32 {
+    ((38.0 - (std::f64::consts::PI * frame.surfels.area()).clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
+}
+
 /// What enters a box from the sky [W].
 fn sky_flux(frame: &Frame, volume: &Volume) -> Vec3 {
     let size = volume.cells.as_vec3() * volume.cell;
@@ -107,6 +112,13 @@ pub(super) fn declare<'a>(
     let outer = levels.get(step.index + 1).map(|outer| outer.emission);
     let level = &mut levels[step.index];
     let volume = level.volume;
+    let received = match step.light {
+        Light::White => None,
+        Light::Scene(received) => received,
+    };
+    let is_white = matches!(step.light, Light::White);
+    let is_straight = step.bounce == 0 && !is_white;
+    let scale = if is_white { white_scale(frame) } else { sources.scale };
     let name = match step.bounce {
         0 => format!("emit, {}", level.name),
         bounce => format!("emit, {}, bounce {}", level.name, bounce + 1),
@@ -120,14 +132,14 @@ pub(super) fn declare<'a>(
     pass.read(sources.surfels);
     let obstacles = level.obstacles;
     [obstacles.opacity, obstacles.walls, obstacles.links].into_iter().for_each(|buffer| pass.read(buffer));
-    if step.bounce == 0 {
+    if is_straight {
         for rsm in sources.rsms {
             pass.read(rsm.base_color);
             pass.read(rsm.normal);
             pass.read(rsm.depth);
         }
     }
-    step.received.into_iter().chain(outer).for_each(|buffer| pass.read(buffer));
+    received.into_iter().chain(outer).for_each(|buffer| pass.read(buffer));
     let totals = totals.filter(|_| is_coarsest).map(|totals| {
         *totals = pass.write(*totals);
         *totals
@@ -135,7 +147,7 @@ pub(super) fn declare<'a>(
     let buffers = Buffers {
         surfels: sources.surfels,
         obstacles,
-        received: step.received,
+        received,
         sums: pass.write(sums),
         emission: pass.write(level.emission),
         is_exposed,
@@ -143,31 +155,31 @@ pub(super) fn declare<'a>(
         totals,
     };
     level.emission = buffers.emission;
-    let sky = if is_coarsest && step.bounce == 0 { sky_flux(frame, &volume) } else { Vec3::ZERO };
+    let sky = if is_coarsest && is_straight { sky_flux(frame, &volume) } else { Vec3::ZERO };
     let lights: Vec<u64> = sources.rsms.iter().map(|rsm| rsm.light.revision).collect();
-    let lights = if step.bounce == 0 { lights } else { Vec::new() };
+    let lights = if is_straight { lights } else { Vec::new() };
     let sky_bits = sky.to_array().map(f32::to_bits);
     pass.key(&(
         volume.key(),
         inner.map(|inner| inner.key()),
         lights,
         sky_bits,
-        sources.scale.to_bits(),
+        scale.to_bits(),
         step.bounce,
         directions.key(),
         frame.scene.identity,
-        is_exposed,
+        (is_exposed, is_white),
     ));
     let in_cells = |point: Vec3| (point - volume.origin) / volume.cell;
     let emit = EmitUniform {
-        scale: sources.scale,
+        scale,
         bounce: step.bounce,
         padding: UVec2::ZERO,
-        sky: sky * sources.scale,
+        sky: sky * scale,
         inner_low: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().min).round()),
         inner_high: inner.map_or(Vec3::ZERO, |inner| in_cells(inner.bounds().max).round()),
     };
-    let rsms = if step.bounce == 0 { sources.rsms.to_vec() } else { Vec::new() };
+    let rsms = if is_straight { sources.rsms.to_vec() } else { Vec::new() };
     let (surfels, directions) = (frame.surfels, directions.clone());
     pass.execute(move |cx| {
         let sums = cx.buffer(buffers.sums).clone();
@@ -176,8 +188,11 @@ pub(super) fn declare<'a>(
         for rsm in &rsms {
             from_rsm(cx, rsm, &volume, &uniforms, &buffers)?;
         }
-        if step.bounce == 0 && surfels.is_emissive() {
+        if is_straight && surfels.is_emissive() {
             from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers, None)?;
+        }
+        if is_white {
+            from_surfels(cx, "from_white", surfels.count(), &uniforms, &buffers, None)?;
         }
         if buffers.received.is_some() {
             from_surfels(cx, "from_bounce", surfels.count(), &uniforms, &buffers, buffers.received)?;

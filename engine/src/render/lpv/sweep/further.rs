@@ -7,7 +7,7 @@
 
 use super::super::linear_groups;
 use super::directions::Directions;
-use super::{Bounce, BounceCount, Level, Work, emit, transport};
+use super::{Bounce, BounceCount, Level, Light, Work, bounce_name, emit, irradiance, transport};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use wgpu::BufferUsages;
@@ -25,13 +25,15 @@ pub(super) fn declare<'a>(
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(16 * u64::from(work.source.count), usage);
     let mut all = graph.buffer("irradiance of surfels, all bounces", desc);
-    let mut received = None;
+    let white = work.white(graph, &levels, directions);
+    let mut light = Light::Scene(None);
     for number in 0..bounces.swept {
-        work.sweep(graph, &mut levels, Some(&mut totals), Bounce { number, of: bounces, directions, received });
-        let light = work.received(graph, &levels, number);
+        work.sweep(graph, &mut levels, Some(&mut totals), Bounce { number, of: bounces, directions, light });
+        let name = bounce_name(number + 1);
+        let received = irradiance::at_surfels(graph, &work.source, &levels, &name, Some(white));
         let step = transport::Step { index: 0, bounce: number, bounces };
-        all = add(graph, [totals, light, all], step, work.source.count);
-        received = Some(light);
+        all = add(graph, [totals, received, all], step, work.source.count);
+        light = Light::Scene(Some(received));
     }
     all
 }

@@ -47,20 +47,23 @@ fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
 /// Width of the border between cascades at the surfels [cells].
 const SURFEL_FADE: f32 = 2.0;
 
-/// Declares the irradiance that the surfels receive in a bounce; the result is E [W/m²], a vector each.
+/// Declares the irradiance that the surfels receive in a bounce; the result is E [W/m²], a vector each. `white` is what they
+/// have of light that is even everywhere; without it they are taken as they are.
 pub(super) fn at_surfels<'a>(
     graph: &mut Graph<'a>,
     sources: &Sources<'_, 'a>,
     levels: &[Level],
-    bounce: u32,
+    name: &str,
+    white: Option<Handle<Buffer>>,
 ) -> Handle<Buffer> {
-    let name = format!("receive, bounce {}", bounce + 1);
+    let name = format!("receive, {name}");
     let surfels = sources.surfels;
     let count = sources.count;
     let received =
         graph.buffer(format!("{name}, irradiance"), BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE));
     let mut pass = graph.pass(name);
     pass.read(surfels);
+    white.into_iter().for_each(|white| pass.read(white));
     let light: Vec<Irradiance> = levels.iter().map(|level| level.bounce).collect();
     for Irradiance { axes, facing } in &light {
         pass.read(*axes);
@@ -73,13 +76,14 @@ pub(super) fn at_surfels<'a>(
     }
     let received = pass.write(received);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
-    pass.key(&(keys, bounce));
+    pass.key(&keys);
     let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
     pass.execute(move |cx| {
         let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
         for index in 0..lookups.len() {
             let links = cx.buffer(obstacles[index].links).clone();
-            let at = Lookup { lookups: &lookups, index, light: light[index], opacity: obstacles[index].opacity };
+            let opacity = obstacles[index].opacity;
+            let at = Lookup { lookups: &lookups, index, light: light[index], opacity, white };
             look_up(cx, at, [&surfels, &links, &target], count)?;
         }
         Ok(())
@@ -97,30 +101,36 @@ pub(super) struct Lookup<'l> {
     pub light: Irradiance,
     /// Opacity of its cells.
     pub opacity: Handle<Buffer>,
+    /// What the surfels have of light that is even everywhere, if theirs is held against it.
+    pub white: Option<Handle<Buffer>>,
 }
 
 /// Looks up the light of a cascade at surfels, by their links to it, and adds it to what each receives.
 pub(super) fn look_up(
     cx: &mut PassContext,
-    Lookup { lookups, index, light, opacity }: Lookup<'_>,
+    Lookup { lookups, index, light, opacity, white }: Lookup<'_>,
     [surfels, links, received]: [&wgpu::Buffer; 3],
     count: u32,
 ) -> Result<(), PassError> {
     let lookup = cx.gpu.uniform("lookup", &lookups[index]);
     let [axes, facing, opacity] = [light.axes, light.facing, opacity].map(|handle| cx.buffer(handle).clone());
-    cx.dispatch(
-        &shader("at_surfels", index, lookups.len()),
-        &[
-            ("lookup", Binding::Buffer(&lookup)),
-            ("axes", Binding::Buffer(&axes)),
-            ("facing", Binding::Buffer(&facing)),
-            ("opacity", Binding::Buffer(&opacity)),
-            ("surfels", Binding::Buffer(surfels)),
-            ("links", Binding::Buffer(links)),
-            ("received", Binding::Buffer(received)),
-        ],
-        linear_groups(count),
-    )
+    let mut key = shader("at_surfels", index, lookups.len());
+    let mut bindings = vec![
+        ("lookup", Binding::Buffer(&lookup)),
+        ("axes", Binding::Buffer(&axes)),
+        ("facing", Binding::Buffer(&facing)),
+        ("opacity", Binding::Buffer(&opacity)),
+        ("surfels", Binding::Buffer(surfels)),
+        ("links", Binding::Buffer(links)),
+        ("received", Binding::Buffer(received)),
+    ];
+    // Once the light of all cascades is there.
+    let white = white.filter(|_| index + 1 == lookups.len()).map(|handle| cx.buffer(handle).clone());
+    if let Some(white) = &white {
+        key = key.def("CALIBRATED", ShaderDef::Flag(true));
+        bindings.push(("white", Binding::Buffer(white)));
+    }
+    cx.dispatch(&key, &bindings, linear_groups(count))
 }
 
 /// What the pass at the visible surfaces and its image are called.

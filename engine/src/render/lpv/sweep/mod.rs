@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! surfels ── opacity (a cascade) ──────────────┐
-//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── receive ── balance ── emit ── sweep ── … ── relight, or gather
+//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── receive ── emit ── sweep ── … ── relight, or gather
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`), and from the second bounce on
 //! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
@@ -11,7 +11,6 @@
 //! Where the grid is fine, all bounces but the last are swept in a coarser one (`further`): it tells what the surfaces send
 //! out, and one sweep of the fine grid brings all of that and the first bounce's light.
 
-mod balance;
 mod directions;
 mod emit;
 mod further;
@@ -31,7 +30,7 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
-    balance::BalanceUniform, emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform,
+    emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform,
     transport::SliceUniform, transport::SumUniform,
 };
 
@@ -48,7 +47,7 @@ use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
 use opacity::Obstacles;
-use transport::Kept;
+use transport::{Kept, Sky};
 
 pub(crate) use probes::{PROBE_LIGHT, probe_light};
 pub use surfels::GpuSurfels;
@@ -140,7 +139,7 @@ pub(super) fn declare<'a>(
             let level = level(graph, frame, surfels, name, &volume, precision, Kept::Nothing);
             let received = further::declare(graph, &work, level, before, further);
             let once = BounceCount { swept: 1, has_tail: false };
-            let bounce = Bounce { number: 0, of: once, directions: straight, received: Some(received) };
+            let bounce = Bounce { number: 0, of: once, directions: straight, light: Light::Scene(Some(received)) };
             work.sweep(graph, &mut levels, None, bounce);
         }
         None => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
@@ -196,8 +195,16 @@ struct Bounce<'d> {
     number: u32,
     of: BounceCount,
     directions: &'d Directions,
-    /// Irradiance of which the surfels reflect their share \[W/m²\].
-    received: Option<Handle<Buffer>>,
+    light: Light,
+}
+
+/// What the surfaces send out.
+#[derive(Clone, Copy)]
+enum Light {
+    /// Radiance 1 from all of them, and from the sky.
+    White,
+    /// Of the scene: straight from the lights, if it is the first bounce, and what they reflect of this irradiance \[W/m²\].
+    Scene(Option<Handle<Buffer>>),
 }
 
 impl<'a> Work<'_, 'a> {
@@ -208,16 +215,16 @@ impl<'a> Work<'_, 'a> {
         graph: &mut Graph<'a>,
         levels: &mut [Level],
         bounces: BounceCount,
-        directions: [&Directions; 2],
+        [straight, further]: [&Directions; 2],
     ) {
         let mut totals = emit::totals(graph, bounces.swept);
-        let mut received = None;
-        for number in 0..bounces.swept {
-            if number > 0 {
-                received = Some(self.received(graph, levels, number - 1));
-            }
-            let directions = directions[usize::from(number > 0)];
-            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, directions, received });
+        let white = self.white(graph, levels, further);
+        let first = Bounce { number: 0, of: bounces, directions: straight, light: Light::Scene(None) };
+        self.sweep(graph, levels, Some(&mut totals), first);
+        for number in 1..bounces.swept {
+            let received = irradiance::at_surfels(graph, &self.source, levels, &bounce_name(number), Some(white));
+            let light = Light::Scene(Some(received));
+            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, directions: further, light });
         }
     }
 
@@ -227,22 +234,38 @@ impl<'a> Work<'_, 'a> {
         graph: &mut Graph<'a>,
         levels: &mut [Level],
         mut totals: Option<&mut Handle<Buffer>>,
-        bounce: Bounce<'_>,
+        Bounce { number: bounce, of: bounces, directions, light }: Bounce<'_>,
     ) {
-        let directions = bounce.directions;
         for index in (0..levels.len()).rev() {
-            let step = emit::Step { index, bounce: bounce.number, received: bounce.received };
+            let step = emit::Step { index, bounce, light };
             emit::declare(graph, self.frame, &self.source, directions, levels, totals.as_deref_mut(), step);
-            let step = transport::Step { index, bounce: bounce.number, bounces: bounce.of };
-            transport::declare(graph, self.frame, directions, levels, totals.as_deref().copied(), step);
+            let sky = match light {
+                Light::White => Sky::White,
+                Light::Scene(_) if bounce == 0 => Sky::Scene,
+                Light::Scene(_) => Sky::Dark,
+            };
+            let step = transport::Step { index, bounce, bounces };
+            transport::declare(graph, self.frame, directions, levels, totals.as_deref().copied(), sky, step);
         }
     }
 
-    /// Declares what the surfels have of a bounce.
-    fn received(&self, graph: &mut Graph<'a>, levels: &[Level], number: u32) -> Handle<Buffer> {
-        let irradiance = irradiance::at_surfels(graph, &self.source, levels, number);
-        balance::declare(graph, &self.source, &levels[levels.len() - 1], irradiance, number)
+    /// Declares what the surfels have where all surfaces and the sky are white. Each light that is swept to them is held
+    /// against it, see `lpv/sweep/irradiance.wgsl`. It depends on the scene's surfaces alone.
+    fn white(&self, graph: &mut Graph<'a>, levels: &[Level], directions: &Directions) -> Handle<Buffer> {
+        let white = |level: &Level| {
+            let name = format!("white, {}", level.name);
+            transport::level(graph, level.obstacles, &name, &level.volume, level.precision, Kept::Nothing)
+        };
+        let mut levels: Vec<Level> = levels.iter().map(white).collect();
+        let once = BounceCount { swept: 1, has_tail: false };
+        self.sweep(graph, &mut levels, None, Bounce { number: 0, of: once, directions, light: Light::White });
+        irradiance::at_surfels(graph, &self.source, &levels, "white", None)
     }
+}
+
+/// What the names of a bounce's passes have for it.
+fn bounce_name(number: u32) -> String {
+    format!("bounce {number}")
 }
 
 /// The directions that light is swept along when it comes straight from the lights.

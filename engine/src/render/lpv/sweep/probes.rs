@@ -58,7 +58,8 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
         for (index, volume) in volumes.iter().enumerate() {
             let walls = cx.buffer(obstacles[index].walls).clone();
             links::find(cx, volume, [&surfels, &walls, &links], count)?;
-            let at = Lookup { lookups: &lookups, index, light: light[index], opacity: obstacles[index].opacity };
+            let opacity = obstacles[index].opacity;
+            let at = Lookup { lookups: &lookups, index, light: light[index], opacity, white: None };
             look_up(cx, at, [&surfels, &links, &target], count)?;
         }
         Ok(())

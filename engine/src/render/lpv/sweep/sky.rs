@@ -3,7 +3,7 @@
 
 use super::directions::Directions;
 use super::opacity::Obstacles;
-use super::transport::{self, Kept};
+use super::transport::{self, Kept, Sky};
 use super::{BounceCount, Indirect, Level, grid, irradiance, opacity, surfels};
 use crate::graph::Graph;
 use crate::render::frame::Frame;
@@ -39,7 +39,7 @@ pub(super) fn level<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, obstacles: Obs
     let bounces = BounceCount { swept: 1, has_tail: false };
     let step = transport::Step { index: 0, bounce: 0, bounces };
     let mut levels = [level];
-    transport::declare(graph, frame, &Directions::of(Quality::Medium), &mut levels, None, step);
+    transport::declare(graph, frame, &Directions::of(Quality::Medium), &mut levels, None, Sky::Scene, step);
     let [level] = levels;
     level
 }

@@ -69,6 +69,11 @@ impl GpuSurfels {
         self.emitted
     }
 
+    /// Area of all surfaces \[m²\].
+    pub fn area(&self) -> f64 {
+        self.cloud.area()
+    }
+
     /// Mean reflectance of all surfaces.
     pub fn mean_albedo(&self) -> Vec3 {
         self.cloud.mean_albedo

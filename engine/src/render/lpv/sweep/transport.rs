@@ -69,6 +69,17 @@ pub(super) enum Kept {
     Sum,
 }
 
+/// What enters the coarsest cascade from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sky {
+    /// Nothing.
+    Dark,
+    /// Radiance 1 from all directions.
+    White,
+    /// The scene's sky.
+    Scene,
+}
+
 /// The buffers of a cascade.
 pub(super) fn level(
     graph: &mut Graph<'_>,
@@ -82,29 +93,29 @@ pub(super) fn level(
     let desc = |bytes: u64| BufferDesc::new(bytes * u64::from(volume.cell_count()), usage);
     let emission_bytes = 96 * u64::from(volume.cell_count()) + BRIGHTEST_BYTES;
     let emission = graph.buffer(format!("emission, {name}"), BufferDesc::new(emission_bytes, usage));
-    let mut irradiance = |of: &str, axes: u64, is_retained: bool| {
+    let mut irradiance = |of: &str, is_retained: bool| {
         let mut buffer = |name: String, bytes: u64| match is_retained {
             true => graph.retained_buffer(name, desc(bytes)),
             false => graph.buffer(name, desc(bytes)),
         };
         Irradiance {
-            axes: buffer(format!("axes{of}, {name}"), axes),
+            axes: buffer(format!("axes{of}, {name}"), 72),
             facing: buffer(format!("facing{of}, {name}"), 36),
         }
     };
-    // A bounce's holds what the cells took out of the light too. Debug views find what is kept by its name.
+    // Debug views find what is kept by its name.
     let bounce = match kept {
-        Kept::OneSweep => irradiance("", 76, true),
-        Kept::Nothing | Kept::Sum => irradiance(" of a bounce", 76, false),
+        Kept::OneSweep => irradiance("", true),
+        Kept::Nothing | Kept::Sum => irradiance(" of a bounce", false),
     };
-    let sum = (kept == Kept::Sum).then(|| irradiance("", 72, true));
+    let sum = (kept == Kept::Sum).then(|| irradiance("", true));
     Level { name: name.to_owned(), volume: *volume, precision, obstacles, emission, bounce, sum, shell: None }
 }
 
 /// Bytes behind the emission of all cells: the brightest sources.
 const BRIGHTEST_BYTES: u64 = 16;
 
-/// Bytes of light on its way: RGB, and what was lost of it.
+/// Bytes of light on its way: RGB, and nothing.
 fn light_bytes(precision: Precision) -> u64 {
     match precision {
         Precision::Single => 16,
@@ -127,6 +138,7 @@ pub(super) fn declare<'a>(
     directions: &Directions,
     levels: &mut [Level],
     totals: Option<Handle<Buffer>>,
+    sky: Sky,
     step: Step,
 ) {
     let inner = step.index.checked_sub(1).map(|finer| levels[finer].volume);
@@ -161,8 +173,12 @@ pub(super) fn declare<'a>(
     if let Some(inner) = &buffers.inner {
         levels[step.index - 1].shell = Some(inner.light);
     }
-    let border = if step.bounce == 0 { frame.scene.sky } else { Vec3::ZERO };
-    let map = frame.scene.sky_map.as_deref().filter(|_| step.bounce == 0);
+    let border = match sky {
+        Sky::White => Vec3::ONE,
+        Sky::Scene => frame.scene.sky,
+        Sky::Dark => Vec3::ZERO,
+    };
+    let map = frame.scene.sky_map.as_deref().filter(|_| sky == Sky::Scene);
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
     let inner_key = inner.map(|inner| inner.key());
     pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces, precision));
