@@ -113,16 +113,35 @@ fn scatter(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups
     }
 }
 
-// Closes what walls close. Where a wall's surfels miss the face, the wall counts as one across the axis.
-fn with_wall(cell: vec3u, axis: u32, side: u32, from_surfels: vec4f) -> vec4f {
-    if !is_face_walled(volume, cell, axis, side) {
-        return from_surfels;
-    }
-    var n = from_surfels.xyz;
+fn face_sums(index: u32, axis: u32, side: u32) -> vec4f {
+    let first = 44u * index + 4u * (2u + 2u * axis + side);
+    let v = vec4f(
+        f32(atomicLoad(&sums[first])), f32(atomicLoad(&sums[first + 1u])),
+        f32(atomicLoad(&sums[first + 2u])), f32(atomicLoad(&sums[first + 3u])),
+    ) / AREA_SCALE;
+    return vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
+}
+
+// What surfels tell of a face, or the axis where a wall's surfels miss it.
+fn facing(n: vec3f, axis: u32, side: u32) -> vec3f {
+    var out = n;
     if all(n == vec3f(0.0)) {
-        n[axis] = select(-1.0, 1.0, side == 1u);
+        out[axis] = select(-1.0, 1.0, side == 1u);
     }
-    return vec4f(n, 1.0);
+    return out;
+}
+
+// N and a of a face for light along +axis (side 0) or −axis. Walls close it whole, and where they have but one side their
+// backs close it too: nothing is seen through them.
+fn closed_face(cell: vec3u, index: u32, axis: u32, side: u32) -> vec4f {
+    let here = face_sums(index, axis, side);
+    if is_face_walled(volume, cell, axis, side) {
+        return vec4f(facing(here.xyz, axis, side), 1.0);
+    }
+    if is_face_walled(volume, cell, axis, 1u - side) {
+        return vec4f(-facing(face_sums(index, axis, 1u - side).xyz, axis, 1u - side), 1.0);
+    }
+    return here;
 }
 
 @compute @workgroup_size(64)
@@ -132,17 +151,15 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         return;
     }
     let cell = vec3u(index % volume.cells.x, index / volume.cells.x % volume.cells.y, index / volume.cells.x / volume.cells.y);
-    for (var i = 0u; i < 8u; i++) {
+    for (var i = 0u; i < 2u; i++) {
         let first = 44u * index + 4u * i;
-        var v = vec4f(
+        opacity[11u * index + i] = vec4f(
             f32(atomicLoad(&sums[first])), f32(atomicLoad(&sums[first + 1u])),
             f32(atomicLoad(&sums[first + 2u])), f32(atomicLoad(&sums[first + 3u])),
         ) / AREA_SCALE;
-        if i >= 2u {
-            v = vec4f(v.xyz / max(length(v.xyz), 1e-12), min(v.w, 1.0));
-            v = with_wall(cell, (i - 2u) / 2u, i % 2u, v);
-        }
-        opacity[11u * index + i] = v;
+    }
+    for (var i = 0u; i < 6u; i++) {
+        opacity[11u * index + 2u + i] = closed_face(cell, index, i / 2u, i % 2u);
     }
     for (var axis = 0u; axis < 3u; axis++) {
         let first = 44u * index + 32u + 3u * axis;

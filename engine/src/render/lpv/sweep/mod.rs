@@ -30,8 +30,7 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
-    emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform,
-    transport::SliceUniform, transport::SumUniform,
+    emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform, transport::SliceUniform, transport::SumUniform,
 };
 
 use super::Indirect;

@@ -98,10 +98,7 @@ pub(super) fn level(
             true => graph.retained_buffer(name, desc(bytes)),
             false => graph.buffer(name, desc(bytes)),
         };
-        Irradiance {
-            axes: buffer(format!("axes{of}, {name}"), 72),
-            facing: buffer(format!("facing{of}, {name}"), 36),
-        }
+        Irradiance { axes: buffer(format!("axes{of}, {name}"), 72), facing: buffer(format!("facing{of}, {name}"), 36) }
     };
     // Debug views find what is kept by its name.
     let bounce = match kept {

@@ -23,7 +23,8 @@ const CELL_BYTES: u64 = 24;
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str, volume: &Volume) -> Handle<Buffer> {
     let name = format!("walls, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let walls = graph.retained_buffer(name.as_str(), BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage));
+    let walls =
+        graph.retained_buffer(name.as_str(), BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage));
     let columns = [0, 1, 2].map(|axis| {
         let [width, height] = across(volume, axis);
         let desc = TextureDesc::d2(width, height, FORMAT, TextureUsages::RENDER_ATTACHMENT);
