@@ -20,7 +20,11 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "IB", what: "inject and merge blockers", passes: &["blockers"] },
     Stage { name: "PRP", what: "propagate", passes: &["propagate"] },
     Stage { name: "SRF", what: "place surfels", passes: &["surfels"] },
-    Stage { name: "OPA", what: "opacity of cells and faces", passes: &["walls", "opacity"] },
+    Stage {
+        name: "OPA",
+        what: "opacity of cells and faces, and which of them surfels reach",
+        passes: &["walls", "links", "opacity"],
+    },
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "add"] },

@@ -108,10 +108,11 @@ impl Invariant {
             (Self::Order, HalfSweep) => Bound::of(1e-4, Some(HALVES)),
             (Self::Intensity, _) => Bound::of(1e-4, None),
             (Self::Moved, _) => Bound::of(0.05, None),
+            (Self::Energy, Sweep | HalfSweep) => Bound::of(0.08, Some(NEARER)),
             (Self::Energy, _) => Bound::of(0.05, Some(EVEN)),
             (Self::Superposition, Direct) => Bound::of(1e-4, None),
             (Self::Superposition, Diffusion) => Bound::of(0.05, Some(LOBES)),
-            (Self::Superposition, Sweep | HalfSweep) => Bound::of(0.02, Some(BALANCE)),
+            (Self::Superposition, Sweep | HalfSweep) => Bound::of(0.02, Some(MEANS)),
             (Self::Superposition, Slc) => Bound::of(0.01, Some(NUMBERS)),
             (Self::Order, Direct | Sweep) => Bound::of(1e-6, Some(ROUNDING)),
             (Self::Order, Diffusion) => Bound::of(0.01, Some(TIES)),
@@ -162,8 +163,10 @@ const NOISE: &str = "in units of the difference that other random numbers make";
 const PAIRS: &str = "in units of the difference that other random numbers make; of dozens of such differences one is nearly three times another";
 const NUMBERS: &str = "lights are numbered as they stand in the file, and their random numbers go by that";
 const EVEN: &str = "the series holds on the mean over all walls, an image is the mean over what it shows";
+const NEARER: &str =
+    "as for the others; and light is sent and found half a cell before the surfaces, which so are nearer to each other";
 const LOBES: &str = "lobes of light are cut off below zero, of all lamps together";
-const BALANCE: &str = "what surfaces reflect is held to what all lamps together lost, region by region";
+const MEANS: &str = "what the surfaces of a cell send out leaves around one mean normal, of all lamps together";
 const ROUNDING: &str = "light of three lamps is added in another order, which rounds otherwise";
 const HALVES: &str =
     "light on its way has eleven bits: what rounds otherwise in the last of single precision may there too";
