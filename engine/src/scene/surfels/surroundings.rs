@@ -19,9 +19,9 @@ use std::sync::Arc;
 const CHUNK: usize = 4096;
 /// How far before a surfel its rays start \[cells\]: where two surfaces coincide, each is behind the other.
 const BEFORE: f32 = 0.01;
-/// Distance within which cells do not know what is in the way \[cells\]. With 0, 1, 2.5 the indirect light of `cathedral`
-/// (`High`) is 9.1, 5.6, 4.1 % too dark, that of `courtyard` 5.5, 3.4, 2.6 % too bright, if what is near gives back its own
-/// reflectance and not [`NEAR`].
+/// Distance within which cells do not know what is in the way \[cells\]. It matters little, since what the surfels have is
+/// calibrated by even light, in which the same is in their way: the error of `cathedral` at `Medium` without rays is .232
+/// with 1 and .228 with 2, that of `meeting_room` .183 and .181.
 const REACH: f32 = 2.0;
 /// Share of the light that comes from what is in the way: its reflectance, of which nothing is known here, so that another
 /// colour of one surface changes nothing around it.

@@ -1,12 +1,14 @@
 //! The sweep transport: directions kept, light swept once through the grid for each (discrete ordinates).
 //!
 //! ```text
-//! surfels ── opacity (a cascade) ──────────────┐
-//! rsm (a light) ── emit (a cascade) ── sweep (a cascade) ── receive ── emit ── sweep ── … ── relight, or gather
+//! the scene's surfaces:  walls ──┬── opacity ─── white (emit, sweep, receive)
+//!            surfels ────────────┴── links            │
+//! its light: rsm (a light) ── emit ── sweep ── receive ── emit ── sweep ── … ── relight, or gather
 //! ```
-//! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`), and from the second bounce on
-//! they are its sources; those of the first are the texels of reflective shadow maps, whose flux is exact, and
-//! emissive surfels. All lengths in the shaders are in cells.
+//! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`, with what closes whole faces of cells,
+//! `walls`), and from the second bounce on they are its sources; those of the first are the texels of reflective shadow maps,
+//! whose flux is exact, and emissive surfels. `links` tells which cells a surfel has to do with, and `white` what it has
+//! of light that is even everywhere, by which all other is calibrated. All lengths in the shaders are in cells.
 //!
 //! Where the grid is fine, all bounces but the last are swept in a coarser one (`further`): it tells what the surfaces send
 //! out, and one sweep of the fine grid brings all of that and the first bounce's light.
