@@ -29,7 +29,7 @@ pub fn take_telling(
 ) -> Result<Image> {
     let camera = session.camera()?;
     // Shifted images are averaged anyway, each by itself.
-    let settings = &RenderSettings { average: settings.average && aa == 1, ..settings.clone() };
+    let settings = &RenderSettings { average: settings.average && aa == 1, images: aa, ..settings.clone() };
     let mut sum = vec![[0.0f64; 3]; size[0] as usize * size[1] as usize];
     for index in 0..aa {
         let view = SceneView { camera: camera.clone(), size, jitter: jitter::shift(index, aa) };

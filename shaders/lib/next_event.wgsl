@@ -90,10 +90,11 @@ struct LightSample {
     light: vec3f,          // over the chance of the choice [W/(m² sr)]
     ray: Ray,
     reach: f32,            // 0: no ray is needed
+    irradiance: f32,       // of a lamp, on a plane across its light, all channels together [W/m²]
 }
 
 fn no_light() -> LightSample {
-    return LightSample(vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)), 0.0);
+    return LightSample(vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)), 0.0, 0.0);
 }
 
 // One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
@@ -141,14 +142,16 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
 
 // What a surface reflects of a light if nothing is between them.
 fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, casts_shadow: bool) -> LightSample {
+    let irradiance = incidence.irradiance.r + incidence.irradiance.g + incidence.irradiance.b;
     if !casts_shadow {
-        return LightSample(reflected_light, Ray(vec3f(0.0), vec3f(0.0)), 0.0);
+        return LightSample(reflected_light, Ray(vec3f(0.0), vec3f(0.0)), 0.0, irradiance);
     }
     let origin = leave_surface(surface, incidence.to_light);
     // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
     let is_far = incidence.distance == 0.0;
     let offset = surface.position + incidence.to_light * incidence.distance - origin;
-    return LightSample(reflected_light, Ray(origin, select(offset, incidence.to_light, is_far)), select(1.0, 3e38, is_far));
+    let ray = Ray(origin, select(offset, incidence.to_light, is_far));
+    return LightSample(reflected_light, ray, select(1.0, 3e38, is_far), irradiance);
 }
 
 #ifndef UNLIT
@@ -197,7 +200,7 @@ fn sample_emitter(surface: Surface, to_eye: vec3f, share: f32, count: u32, choic
     let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
         * coverage(emitter.triangle, triangle.material, barycentric);
     let origin = leave_surface(surface, direction);
-    return LightSample(response * emitted * (weight / density), Ray(origin, place_on - origin), 0.9999);
+    return LightSample(response * emitted * (weight / density), Ray(origin, place_on - origin), 0.9999, 0.0);
 }
 #endif
 
@@ -227,7 +230,7 @@ fn sample_sky_light(
     let weight = chosen.density / (chosen.density + direction_density(surface, to_eye, chosen.direction, share));
     let radiance = sky_radiance(sky, chosen.direction, turn);
     let ray = Ray(leave_surface(surface, chosen.direction), chosen.direction);
-    return LightSample(response * radiance * (weight / chosen.density), ray, 3e38);
+    return LightSample(response * radiance * (weight / chosen.density), ray, 3e38, 0.0);
 }
 
 // Weight of the sky's radiance in a direction that was sampled with that density, against `sample_sky_light`.

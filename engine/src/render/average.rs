@@ -43,6 +43,8 @@ pub(crate) struct Step {
     pub number: u32,
     /// Distinguishes one row of frames from another.
     row: u64,
+    /// Frames since the picture last changed in any way.
+    pub rested: u32,
     /// Frames before that count at most.
     most: f32,
     /// The same of what mirrors.
@@ -107,6 +109,7 @@ impl History {
         self.step = Some(Step {
             number: step.number.wrapping_add(1),
             row: self.row,
+            rested: self.rested,
             most,
             most_glossy: if is_still { most } else { MOST_WHILE_CHANGING },
             is_still,
@@ -142,6 +145,7 @@ impl History {
         self.step = Some(Step {
             number: 0,
             row: self.row,
+            rested: 0,
             most: 0.0,
             most_glossy: 0.0,
             is_still: false,

@@ -79,6 +79,11 @@ impl Frame<'_> {
         self.history.step().map(|step| step.number)
     }
 
+    /// How many images there will be, or have been, in the mean that this frame is for.
+    pub fn images(&self) -> u32 {
+        self.history.step().map_or(self.settings.images.max(1), |step| 1 + step.rested)
+    }
+
     /// Changes with anything that a drawn surface depends on.
     pub fn geometry_key(&self) -> (u64, u64, u64) {
         (self.scene.identity, self.scene.revisions.geometry, self.scene.revisions.materials)

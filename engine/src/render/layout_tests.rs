@@ -10,7 +10,7 @@ use super::direct_tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::gpu_scene::{Instance, MaterialUniform};
 use super::light_uniform::LightUniform;
-use super::lpv::sweep::{EmitUniform, GatherUniform, LookupUniform, SliceUniform, SumUniform};
+use super::lpv::sweep::{DrawUniform, EmitUniform, GatherUniform, LookupUniform, SliceUniform, SumUniform};
 use super::lpv::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::post::tone_map::ToneMapUniform;
 use super::ray_scene::{Emitter, RayMaterial};
@@ -58,6 +58,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, RelightUniform::min_size().get(), "lpv/relight.wgsl", "Relight");
     check(&gpu, TraceUniform::min_size().get(), "reference/path_trace.wgsl", "Trace");
     check(&gpu, GatherUniform::min_size().get(), "lpv/sweep/gather.wgsl", "Gather");
+    check(&gpu, DrawUniform::min_size().get(), "lpv/sweep/lit_points.wgsl", "Draw");
     check(&gpu, ResolveUniform::min_size().get(), "reference/resolve.wgsl", "Resolve");
     let rays = "reference/path_trace.wgsl";
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");

@@ -144,6 +144,9 @@ pub struct RenderSettings {
     /// Averages indirect light with that of the frames before, each with other random numbers: for interactive views. The
     /// image then depends on what was drawn before it. See [`Renderer::is_settling`](super::Renderer::is_settling).
     pub average: bool,
+    /// How many images, this one among them, with other jitter each, the caller averages: what is filtered against noise
+    /// is then filtered less. 1 for an image that stands for itself.
+    pub images: u32,
     /// Goes on tracing the reference with every frame, and shows it beside what is drawn. Never touches the radiance
     /// image.
     pub beside: Option<Beside>,
@@ -166,6 +169,7 @@ impl Default for RenderSettings {
             mlaa_edges: MlaaEdges::default(),
             show: DisplaySettings::default(),
             average: false,
+            images: 1,
             beside: None,
             debug: DebugSettings::default(),
         }

@@ -261,7 +261,12 @@ pub struct Clpv {
     /// Rays of a pixel that gather light at the visible surfaces. They find what is smaller than a cell, glossy reflection
     /// included, and cost more the larger the image is. With `transport: Sweep` alone.
     pub gather_rays: GatherRays,
-    /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none.
+    /// Points of surfaces that lamps light that each visible surface looks at beside its rays, each by a shadow ray and
+    /// chosen from four. They are drawn from reflective shadow maps by their light, and find the small bright patches that
+    /// rays mostly miss. `Auto`: a quarter as many as rays.
+    pub gather_points: GatherRays,
+    /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none. It is that of a single image: where n are
+    /// averaged, the filter is ∛n times narrower.
     pub gather_filter: u32,
     /// Sweeps light along other directions in each frame where frames are averaged, as windows do: single small emitters
     /// then show no rays, and every frame sweeps. With `transport: Sweep` alone.
@@ -302,6 +307,7 @@ impl Default for Clpv {
             quality: Quality::High,
             placement: ClpvPlacement::Fixed,
             gather_rays: GatherRays::Auto,
+            gather_points: GatherRays::Auto,
             gather_filter: 8,
             vary_directions: false,
             precision: Precision::Single,

@@ -29,7 +29,11 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "add"] },
     Stage { name: "REL", what: "relight", passes: &["relight", "gloss", "sky reflection"] },
-    Stage { name: "GAT", what: "final gather by rays, and its filter", passes: &["gather", "gather filter"] },
+    Stage {
+        name: "GAT",
+        what: "final gather by rays, and its filter",
+        passes: &["flux of lit texels", "lit points", "gather", "gather filter"],
+    },
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",

@@ -87,6 +87,7 @@ impl Painter {
             },
             show: self.display,
             average: self.look.average == Some(Switch::On),
+            images: 1,
             beside: None,
             debug: DebugSettings {
                 views: self.look.debug.views.iter().copied().collect(),

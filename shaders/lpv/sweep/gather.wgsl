@@ -2,12 +2,16 @@
 // brings what the surface that it meets emits and reflects. That is the light straight from the lights, by a shadow ray,
 // and what was swept to it: errors of the swept light are averaged over all that a pixel sees, and what is smaller than a
 // cell casts its own light and shadow. Emissive surfaces and the sky are sampled from the pixel as well, see
-// lib/next_event.wgsl.
+// lib/next_event.wgsl, and so is what lamps light, see lib/lit_points.wgsl.
 //   RAYS      rays of a pixel
+//   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
 //   UNSWEPT   nothing was swept: one bounce
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
 #import lightwell::gbuffer::{decode_surface, world_position}
+#ifdef POINTS
+#import lightwell::lit_points::{FromPoint, POINT_TEXELS, decode_point, light_from_point, point_density}
+#endif
 #import lightwell::next_event::{LightSample, bounded, emission_weight, no_light, sample_light}
 #ifndef UNLIT
 #import lightwell::next_event::sample_emitter
@@ -18,7 +22,7 @@
 #endif
 #import lightwell::nearness::{encode_nearness, nearness_around}
 #import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
-#import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
+#import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, next_pair}
 #import lightwell::seen::{Seen, by_lobe, number_of, ray_from, seen_surface}
 #ifndef UNSWEPT
 #import lightwell::sweep_lookup::irradiance
@@ -39,6 +43,9 @@ struct Gather {
     seed: u32,
     first_row: u32,        // of this dispatch
     nearest: f32,          // distance below which swept light is not known [m]
+    points_low: vec3f,     // box that the lit points lie in [m]
+    point_count: u32,
+    points_high: vec3f,
 }
 
 @group(0) @binding(0) var<uniform> gather: Gather;
@@ -50,11 +57,21 @@ struct Gather {
 @group(0) @binding(8) var diffuse: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(9) var specular: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(10) var sky: texture_2d<f32>;
+#ifdef POINTS
+// See lib/lit_points.wgsl.
+@group(0) @binding(13) var<storage, read> lit_points: array<vec4u>;
+#endif
 
 #ifdef RAYS
 const RAYS: u32 = #{RAYS}u;
 #else
 const RAYS: u32 = 1u;
+#endif
+
+#ifdef POINTS
+const POINTS: u32 = #{POINTS}u;
+// Points of which one is chosen by what it would bring if nothing were in its way (Talbot, Cline and Egbert 2005).
+const CANDIDATES: u32 = 4u;
 #endif
 
 // Rays more that follow one another where surfaces are near.
@@ -136,6 +153,67 @@ fn add_sampled(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, random: 
 #endif
 }
 
+#ifdef POINTS
+fn load_point(choice: f32) -> vec3u {
+    let first = POINT_TEXELS * min(u32(choice * f32(gather.point_count)), gather.point_count - 1u);
+    return vec3u(first, first + 1u, first + 2u);
+}
+
+// Points of lit surfaces, sampled from the visible one.
+fn add_lit_points(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
+    var random = Sampler(hash_pair(gather.seed, 0x2545f491u), 0u, 0u);
+    for (var i = 0u; i < POINTS; i++) {
+        random.index = first * POINTS + i;
+        random.dimension = 0u;
+        var chosen: FromPoint;
+        var chosen_weight = 0.0;
+        var total = 0.0;
+        var pick = next_pair(&random).x;
+        for (var k = 0u; k < CANDIDATES; k++) {
+            let at = load_point(next_pair(&random).x);
+            let point = decode_point(lit_points[at.x], lit_points[at.y], lit_points[at.z]);
+            let candidate = light_from_point(seen.start, point, f32(RAYS), f32(POINTS * CANDIDATES));
+            let weight = candidate.light.r + candidate.light.g + candidate.light.b;
+            if weight > 0.0 {
+                total += weight;
+                // The random number is used up and stretched again at each choice.
+                let chance = weight / total;
+                if pick < chance {
+                    pick /= chance;
+                    chosen = candidate;
+                    chosen_weight = weight;
+                } else {
+                    pick = (pick - chance) / (1.0 - chance);
+                }
+            }
+        }
+        if chosen_weight > 0.0 && trace(gather.root, chosen.ray, 0.9999, SHADOW).triangle == NONE {
+            // The sums are those of all rays.
+            add(sums, seen, chosen.direction, bounded(chosen.light * (f32(RAYS) * total / chosen_weight)));
+        }
+    }
+}
+#endif
+
+// Weight of a lamp's light on what a ray of the visible surface has met, against `add_lit_points`.
+fn lamp_weight(sample: LightSample, surface: Surface, ray: GatherRay, hit: Hit, depth: u32) -> f32 {
+#ifdef POINTS
+    let total = bitcast<f32>(lit_points[2].y);
+    let is_within = all(surface.position >= gather.points_low) && all(surface.position <= gather.points_high);
+    if depth > 0u || !(total > 0.0) || sample.reach <= 0.0 || !is_within {
+        return 1.0;
+    }
+    let direction = ray.ray.direction;
+    let of_points = point_density(
+        sample.irradiance, normalize(sample.ray.direction), surface.geometric_normal, total, direction, hit.t,
+    );
+    let of_rays = f32(RAYS) * ray.density;
+    return of_rays / (of_rays + f32(POINTS * CANDIDATES) * of_points);
+#else
+    return 1.0;
+#endif
+}
+
 // The next ray; without throughput it need not be traced.
 fn next_ray(vertex: Vertex, random: ptr<function, Sampler>) -> GatherRay {
     let next = ray_from(vertex.start, random);
@@ -197,7 +275,7 @@ fn arrive(
         pick = next_pair(random).x;
     }
     var sample = sample_light(surface, -direction, gather.light_count, false, pick);
-    sample.light = ray.throughput * bounded(sample.light);
+    sample.light = ray.throughput * bounded(sample.light) * lamp_weight(sample, surface, ray, hit, depth);
     light = ray.throughput * bounded(light);
     if sample.reach <= 0.0 {
         light += sample.light;
@@ -238,6 +316,9 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     let first = number_of(pixel) * RAYS;
     var begun = 0u;
     var random = Sampler(gather.seed, first, 0u);
+#ifdef POINTS
+    add_lit_points(&sums, seen, number_of(pixel));
+#endif
     // A turn more than there are rays: in the last one only the last shadow ray is left.
     for (var turn = 0u; turn <= RAYS * (1u + MOST_NEAR); turn++) {
         if vertex.depth == 0u {

@@ -223,13 +223,22 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     let quality = prop_oneof![Just(Quality::Low), Just(Quality::Medium), Just(Quality::High), Just(Quality::Ultra)];
     let rays = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
     let precision = prop_oneof![Just(Precision::Single), Just(Precision::Half)];
-    let method = (transport, bounces, quality, rays, precision);
+    let points = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
+    let method = (transport, bounces, quality, rays, points, precision);
     (method, placement, 1u32..=4, [1u32..=128, 1u32..=128, 1u32..=128], size, 0u32..=1024).prop_map(
-        |((transport, bounces, quality, gather_rays, precision), placement, cascades, cells, cell_size, steps)| Clpv {
+        |(
+            (transport, bounces, quality, gather_rays, gather_points, precision),
+            placement,
+            cascades,
+            cells,
+            cell_size,
+            steps,
+        )| Clpv {
             transport,
             bounces,
             quality,
             gather_rays,
+            gather_points,
             precision,
             placement,
             cascades,

@@ -57,6 +57,13 @@ impl Clpvs {
     }
 }
 
+fn at_most_sixteen(rays: GatherRays) -> GatherRays {
+    match rays {
+        GatherRays::Auto => GatherRays::Auto,
+        GatherRays::Count(count) => GatherRays::Count(count.min(16)),
+    }
+}
+
 /// Settings in the ranges that [`Clpv`] names; the default for numbers that are not finite.
 fn sanitized(clpv: &Clpv) -> Clpv {
     let default = Clpv::default();
@@ -67,10 +74,8 @@ fn sanitized(clpv: &Clpv) -> Clpv {
             ClpvPlacement::Camera { ahead } => ClpvPlacement::Camera { ahead: positive(ahead, 0.0).min(1.0) },
         },
         cascades: clpv.cascades.clamp(1, 4),
-        gather_rays: match clpv.gather_rays {
-            GatherRays::Auto => GatherRays::Auto,
-            GatherRays::Count(count) => GatherRays::Count(count.min(16)),
-        },
+        gather_rays: at_most_sixteen(clpv.gather_rays),
+        gather_points: at_most_sixteen(clpv.gather_points),
         gather_filter: clpv.gather_filter.min(32),
         cells: clpv.cells.map(|n| n.clamp(1, 128)),
         cell_size: match clpv.cell_size {

@@ -4,6 +4,7 @@
 //! the scene's surfaces:  walls ──┬── opacity ─── white (emit, sweep, receive)
 //!            surfels ────────────┴── links            │
 //! its light: rsm (a light) ── emit ── sweep ── receive ── emit ── sweep ── … ── relight, or gather
+//!                 └── lit points ───────────────────────────────────────────────────────────┘
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`, with what closes whole faces of cells,
 //! `walls`), and from the second bounce on they are its sources; those of the first are the texels of reflective shadow maps,
@@ -21,6 +22,7 @@ mod gather_filter;
 mod grid;
 mod irradiance;
 mod links;
+mod lit_points;
 mod opacity;
 mod probes;
 pub(in crate::render) mod sky;
@@ -32,7 +34,8 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
-    emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform, transport::SliceUniform, transport::SumUniform,
+    emit::EmitUniform, gather::GatherUniform, irradiance::LookupUniform, lit_points::DrawUniform,
+    transport::SliceUniform, transport::SumUniform,
 };
 
 use super::Indirect;
@@ -147,7 +150,8 @@ pub(super) fn declare<'a>(
     }
     let radiance = if is_gathered {
         let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
-        gather::declare(graph, frame, gbuffer, settings, swept)
+        let lit = lit_points::declare(graph, frame, &rsms, reach, gather::points(settings));
+        gather::declare(graph, frame, gbuffer, settings, swept, lit)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)

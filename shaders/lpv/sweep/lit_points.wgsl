@@ -1,0 +1,166 @@
+// Points of surfaces that lamps light, drawn from reflective shadow maps in proportion to the flux that each texel
+// receives (Dachsbacher and Stamminger 2006, "Splatting indirect illumination"): lights that the final gather samples,
+// see lib/lit_points.wgsl.
+//
+// Texels are weighed in strips of a row, whose running sum over all maps is searched for each point.
+
+#import lightwell::gbuffer::world_position
+#import lightwell::lights::Light
+#import lightwell::lit_points::POINT_TEXELS
+#import lightwell::rsm::{RsmLayer, texel_received}
+#import lightwell::sampling::{hash_pair, unit_float}
+
+struct Draw {
+    low: vec3f,            // texels beyond this box have no weight [m]
+    first_strip: u32,      // of the map
+    high: vec3f,
+    strips: u32,           // of all maps
+    points: u32,
+    seed: u32,
+}
+
+@group(0) @binding(0) var<uniform> draw: Draw;
+@group(0) @binding(1) var<uniform> light: Light;
+@group(0) @binding(2) var<uniform> rsm: RsmLayer;
+@group(0) @binding(3) var base_color: texture_2d_array<u32>;
+@group(0) @binding(4) var normal: texture_2d_array<u32>;
+@group(0) @binding(5) var specular: texture_2d_array<u32>;
+@group(0) @binding(6) var depth: texture_depth_2d_array;
+// Weight of each strip [W], all channels together.
+@group(0) @binding(7) var<storage, read_write> weights: array<f32>;
+// Of each strip and all before it.
+@group(0) @binding(8) var<storage, read_write> cumulative: array<f32>;
+@group(0) @binding(9) var<storage, read_write> points: array<vec4u>;
+
+const STRIP: u32 = 32u;    // texels
+
+// No sum over all strips leaves the range of floats.
+const MAX_WEIGHT: f32 = 1e25;
+
+fn strips_a_row() -> u32 {
+    return (rsm.size + STRIP - 1u) / STRIP;
+}
+
+fn position_of(texel: vec2u, z: f32) -> vec3f {
+    return world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
+}
+
+// Zero where nothing is, or what is there is black: the back of a surface with one side.
+fn weight(texel: vec2u) -> f32 {
+    let z = textureLoad(depth, texel, rsm.layer, 0);
+    let base = textureLoad(base_color, texel, rsm.layer, 0).rgb;
+    let mirrored = textureLoad(specular, texel, rsm.layer, 0).r;
+    if z <= 0.0 || (all(base == vec3u(0u)) && mirrored == 0u) {
+        return 0.0;
+    }
+    let position = position_of(texel, z);
+    if any(position < draw.low) || any(position > draw.high) {
+        return 0.0;
+    }
+    let flux = texel_received(rsm, light, texel, position).flux;
+    return clamp(flux.r + flux.g + flux.b, 0.0, MAX_WEIGHT);
+}
+
+@compute @workgroup_size(64)
+fn weigh(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let strip = thread.x + thread.y * groups.x * 64u;
+    let a_row = strips_a_row();
+    if strip >= a_row * rsm.size {
+        return;
+    }
+    let first = STRIP * (strip % a_row);
+    let end = min(first + STRIP, rsm.size);
+    var sum = 0.0;
+    for (var x = first; x < end; x++) {
+        sum += weight(vec2u(x, strip / a_row));
+    }
+    weights[draw.first_strip + strip] = sum;
+}
+
+const THREADS: u32 = 256u;
+
+var<workgroup> sums: array<f32, THREADS>;
+
+// One workgroup: the sum is the same from run to run.
+@compute @workgroup_size(THREADS)
+fn sum_up(@builtin(local_invocation_index) thread: u32) {
+    let share = (draw.strips + THREADS - 1u) / THREADS;
+    let first = min(thread * share, draw.strips);
+    let end = min(first + share, draw.strips);
+    var sum = 0.0;
+    for (var i = first; i < end; i++) {
+        sum += weights[i];
+    }
+    sums[thread] = sum;
+    workgroupBarrier();
+    var running = 0.0;
+    for (var i = 0u; i < thread; i++) {
+        running += sums[i];
+    }
+    for (var i = first; i < end; i++) {
+        running += weights[i];
+        cumulative[i] = running;
+    }
+}
+
+fn before(strip: u32) -> f32 {
+    if strip == 0u {
+        return 0.0;
+    }
+    return cumulative[strip - 1u];
+}
+
+// First strip from `first` on, of so many, whose running sum is above the value.
+fn find_strip(first: u32, count: u32, value: f32) -> u32 {
+    var low = first;
+    var high = first + count - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if cumulative[middle] > value {
+            high = middle;
+        } else {
+            low = middle + 1u;
+        }
+    }
+    return low;
+}
+
+// The texel of a strip at which the running sum passes the value; by rounding, the last one with any weight.
+fn find_texel(strip: u32, value: f32) -> vec2u {
+    let a_row = strips_a_row();
+    let row = strip / a_row;
+    let first = STRIP * (strip % a_row);
+    let end = min(first + STRIP, rsm.size);
+    var found = first;
+    var running = 0.0;
+    for (var x = first; x < end && running <= value; x++) {
+        let w = weight(vec2u(x, row));
+        found = select(found, x, w > 0.0);
+        running += w;
+    }
+    return vec2u(found, row);
+}
+
+// Each thread has one of as many equal parts of the sum (systematic sampling); those whose part lies in another map leave.
+@compute @workgroup_size(64)
+fn choose(@builtin(global_invocation_id) thread: vec3u) {
+    let total = cumulative[draw.strips - 1u];
+    let strips = strips_a_row() * rsm.size;
+    if thread.x >= draw.points || !(total > 0.0) {
+        return;
+    }
+    let within = unit_float(hash_pair(draw.seed, thread.x));
+    let value = (f32(thread.x) + within) / f32(draw.points) * total;
+    if value < before(draw.first_strip) || value >= cumulative[draw.first_strip + strips - 1u] {
+        return;
+    }
+    let strip = find_strip(draw.first_strip, strips, value);
+    let texel = find_texel(strip - draw.first_strip, value - before(strip));
+    let position = position_of(texel, textureLoad(depth, texel, rsm.layer, 0));
+    let base = textureLoad(base_color, texel, rsm.layer, 0);
+    let n = textureLoad(normal, texel, rsm.layer, 0);
+    let first = POINT_TEXELS * thread.x;
+    points[first] = vec4u(bitcast<vec3u>(position), light.index);
+    points[first + 1u] = vec4u(base.xy | (base.zw << vec2u(16u)), n.xy | (n.zw << vec2u(16u)));
+    points[first + 2u] = vec4u(textureLoad(specular, texel, rsm.layer, 0).r, bitcast<u32>(total), 0u, 0u);
+}
