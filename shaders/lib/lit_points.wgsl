@@ -11,14 +11,21 @@
 #import lightwell::rays::{Ray, Surface, leave_surface, load_light}
 #import lightwell::seen::Seen
 
-// vec4u a point: position [m] and light; base colour and normal as in the G-buffer; √F0 as in the G-buffer, and the
-// flux that all maps' texels receive, all channels together [W]. All zero: not a point.
+// vec4u a point: position [m] and light; base colour and normal as in the G-buffer; √F0 as in the G-buffer, and one over the
+// flux that all maps' texels receive, all channels together [1/W]. All zero: not a point.
 const POINT_TEXELS: u32 = 3u;
+
+// Flux below one over this [W] is left to the rays: densities could leave the range of floats.
+const MAX_SHARE: f32 = 1e35;
+
+fn is_drawn(share: f32) -> bool {
+    return share > 0.0 && share < MAX_SHARE;
+}
 
 struct LitPoint {
     surface: Surface,
     light: u32,
-    total: f32,            // the flux that all texels receive [W]; 0: there is no such point
+    share: f32,            // of a unit of flux in all that the texels receive [1/W]; 0: there is no such point
 }
 
 fn decode_point(place: vec4u, colors: vec4u, rest: vec4u) -> LitPoint {
@@ -43,8 +50,8 @@ fn decode_point(place: vec4u, colors: vec4u, rest: vec4u) -> LitPoint {
 
 // Density with which points are drawn on a surface, per solid angle as seen from a distance [1/sr]. `irradiance` is that on
 // a plane across the light [W/m²], all channels together.
-fn point_density(irradiance: f32, to_light: vec3f, n: vec3f, total: f32, direction: vec3f, distance: f32) -> f32 {
-    let per_area = irradiance * max(0.0, dot(n, to_light)) / total;
+fn point_density(irradiance: f32, to_light: vec3f, n: vec3f, share: f32, direction: vec3f, distance: f32) -> f32 {
+    let per_area = irradiance * share * max(0.0, dot(n, to_light));
     // No surface is seen quite from the side.
     return per_area * distance * distance / max(abs(dot(n, direction)), 1e-6);
 }
@@ -61,7 +68,7 @@ fn light_from_point(seen: Seen, point: LitPoint, rays: f32, candidates: f32) -> 
     let nothing = FromPoint(vec3f(0.0), vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)));
     let offset = point.surface.position - seen.surface.position;
     let distance = length(offset);
-    if !(point.total > 0.0) || !(distance > 0.0) {
+    if !is_drawn(point.share) || !(distance > 0.0) {
         return nothing;
     }
     let direction = offset / distance;
@@ -73,7 +80,7 @@ fn light_from_point(seen: Seen, point: LitPoint, rays: f32, candidates: f32) -> 
     let e = incidence.irradiance;
     let radiance = bounded(reflected(point.surface, -direction, incidence.to_light) * e);
     let of_points =
-        point_density(e.r + e.g + e.b, incidence.to_light, point.surface.normal, point.total, direction, distance);
+        point_density(e.r + e.g + e.b, incidence.to_light, point.surface.normal, point.share, direction, distance);
     let of_rays = direction_density(seen.surface, seen.to_eye, direction, seen.to_specular);
     let both = candidates * of_points + rays * of_rays;
     if !(both > 0.0) {

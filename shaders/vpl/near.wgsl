@@ -141,7 +141,7 @@ fn of_virtual_light(surface: Surface, to_eye: vec3f, distance: f32, random: ptr<
         if u.y < weight / total {
             let origin = leave_surface(surface, c.to_light);
             let ray = Ray(origin, select(c.end - origin, c.to_light, c.distant));
-            chosen = LightSample(value / weight, ray, select(1.0, 3e38, c.distant));
+            chosen = LightSample(value / weight, ray, select(1.0, 3e38, c.distant), 0.0);
         }
     }
     chosen.light *= total * f32(near.virtual_count) / f32(CANDIDATES);

@@ -109,6 +109,7 @@ impl Stage {
 
     /// Mean radiance over jittered frames: the box filter of a pixel, sampled by the Hammersley set.
     pub fn averaged(&mut self, settings: &RenderSettings, samples: u32) -> Image {
+        let settings = &RenderSettings { images: samples, ..settings.clone() };
         let mut sum = Image::filled(self.size[0], self.size[1], [0.0; 3]);
         let half = 0.5 / samples as f32;
         for i in 0..samples {

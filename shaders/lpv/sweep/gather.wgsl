@@ -10,7 +10,7 @@
 
 #import lightwell::gbuffer::{decode_surface, world_position}
 #ifdef POINTS
-#import lightwell::lit_points::{FromPoint, POINT_TEXELS, decode_point, light_from_point, point_density}
+#import lightwell::lit_points::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
 #import lightwell::next_event::{LightSample, bounded, emission_weight, no_light, sample_light}
 #ifndef UNLIT
@@ -198,14 +198,14 @@ fn add_lit_points(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
 // Weight of a lamp's light on what a ray of the visible surface has met, against `add_lit_points`.
 fn lamp_weight(sample: LightSample, surface: Surface, ray: GatherRay, hit: Hit, depth: u32) -> f32 {
 #ifdef POINTS
-    let total = bitcast<f32>(lit_points[2].y);
+    let share = bitcast<f32>(lit_points[2].y);
     let is_within = all(surface.position >= gather.points_low) && all(surface.position <= gather.points_high);
-    if depth > 0u || !(total > 0.0) || sample.reach <= 0.0 || !is_within {
+    if depth > 0u || !is_drawn(share) || sample.reach <= 0.0 || !is_within {
         return 1.0;
     }
     let direction = ray.ray.direction;
     let of_points = point_density(
-        sample.irradiance, normalize(sample.ray.direction), surface.geometric_normal, total, direction, hit.t,
+        sample.irradiance, normalize(sample.ray.direction), surface.geometric_normal, share, direction, hit.t,
     );
     let of_rays = f32(RAYS) * ray.density;
     return of_rays / (of_rays + f32(POINTS * CANDIDATES) * of_points);

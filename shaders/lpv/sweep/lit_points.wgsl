@@ -17,6 +17,7 @@ struct Draw {
     strips: u32,           // of all maps
     points: u32,
     seed: u32,
+    scale: f32,            // a power of two by which flux is weighed [1/W]: all of it is below 2³⁸
 }
 
 @group(0) @binding(0) var<uniform> draw: Draw;
@@ -26,7 +27,7 @@ struct Draw {
 @group(0) @binding(4) var normal: texture_2d_array<u32>;
 @group(0) @binding(5) var specular: texture_2d_array<u32>;
 @group(0) @binding(6) var depth: texture_depth_2d_array;
-// Weight of each strip [W], all channels together.
+// Weight of each strip: its flux, all channels together, times the scale.
 @group(0) @binding(7) var<storage, read_write> weights: array<f32>;
 // Of each strip and all before it.
 @group(0) @binding(8) var<storage, read_write> cumulative: array<f32>;
@@ -34,8 +35,8 @@ struct Draw {
 
 const STRIP: u32 = 32u;    // texels
 
-// No sum over all strips leaves the range of floats.
-const MAX_WEIGHT: f32 = 1e25;
+// Halvings that find one among all strips that maps of any size can have.
+const HALVINGS: u32 = 24u;
 
 fn strips_a_row() -> u32 {
     return (rsm.size + STRIP - 1u) / STRIP;
@@ -57,8 +58,8 @@ fn weight(texel: vec2u) -> f32 {
     if any(position < draw.low) || any(position > draw.high) {
         return 0.0;
     }
-    let flux = texel_received(rsm, light, texel, position).flux;
-    return clamp(flux.r + flux.g + flux.b, 0.0, MAX_WEIGHT);
+    let flux = draw.scale * texel_received(rsm, light, texel, position).flux;
+    return flux.r + flux.g + flux.b;
 }
 
 @compute @workgroup_size(64)
@@ -103,24 +104,20 @@ fn sum_up(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
+// Without a branch: some drivers make a shader with branches on uniforms alone anew whenever those change.
 fn before(strip: u32) -> f32 {
-    if strip == 0u {
-        return 0.0;
-    }
-    return cumulative[strip - 1u];
+    return select(cumulative[max(strip, 1u) - 1u], 0.0, strip == 0u);
 }
 
 // First strip from `first` on, of so many, whose running sum is above the value.
 fn find_strip(first: u32, count: u32, value: f32) -> u32 {
     var low = first;
     var high = first + count - 1u;
-    while low < high {
+    for (var i = 0u; i < HALVINGS; i++) {
         let middle = (low + high) / 2u;
-        if cumulative[middle] > value {
-            high = middle;
-        } else {
-            low = middle + 1u;
-        }
+        let is_above = cumulative[middle] > value;
+        high = select(high, middle, is_above);
+        low = select(min(middle + 1u, high), low, is_above);
     }
     return low;
 }
@@ -162,5 +159,6 @@ fn choose(@builtin(global_invocation_id) thread: vec3u) {
     let first = POINT_TEXELS * thread.x;
     points[first] = vec4u(bitcast<vec3u>(position), light.index);
     points[first + 1u] = vec4u(base.xy | (base.zw << vec2u(16u)), n.xy | (n.zw << vec2u(16u)));
-    points[first + 2u] = vec4u(textureLoad(specular, texel, rsm.layer, 0).r, bitcast<u32>(total), 0u, 0u);
+    let share = draw.scale / total;
+    points[first + 2u] = vec4u(textureLoad(specular, texel, rsm.layer, 0).r, bitcast<u32>(share), 0u, 0u);
 }

@@ -27,6 +27,7 @@ pub(crate) struct DrawUniform {
     strips: u32,
     points: u32,
     seed: u32,
+    scale: f32,
 }
 
 /// The points of a frame.
@@ -47,12 +48,13 @@ struct Map<'a> {
 
 /// Declares the points; none, with the reason in the report, if no lamp has a map or no pixel asks for points.
 ///
-/// Lights without shadows light what their map does not see; they are left to the rays.
+/// Points are drawn within `reach`. The scale is that of [`super::emit::scale`]. Lights without shadows light what their map
+/// does not see; they are left to the rays.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     rsms: &[Rsm<'a>],
-    reach: Aabb,
+    (reach, scale): (Aabb, f32),
     asked_for: u32,
 ) -> Option<LitPoints> {
     let (mut maps, mut strips) = (Vec::new(), 0);
@@ -74,6 +76,7 @@ pub(super) fn declare<'a>(
         strips,
         points: POINTS,
         seed: frame.seed() ^ 0x5bd1_e995,
+        scale,
     };
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let cumulative = graph.retained_buffer("flux of lit texels", BufferDesc::new(4 * u64::from(strips), usage));
@@ -85,7 +88,7 @@ pub(super) fn declare<'a>(
     let mut pass = graph.pass("flux of lit texels");
     read_maps(&maps, |texture| pass.read(texture));
     let (weights, cumulative) = (pass.write(weights), pass.write(cumulative));
-    pass.key(&(&lights, box_bits, strips));
+    pass.key(&(&lights, box_bits, scale.to_bits(), strips));
     let weighed: Vec<Map> = maps.iter().map(|map| Map { rsm: map.rsm.clone(), ..*map }).collect();
     pass.execute(move |cx| {
         let [weights, cumulative] = [weights, cumulative].map(|handle| cx.buffer(handle).clone());
@@ -106,7 +109,7 @@ pub(super) fn declare<'a>(
     read_maps(&maps, |texture| pass.read(texture));
     pass.read(cumulative);
     let points = pass.write(points);
-    pass.key(&(lights, box_bits, draw.seed));
+    pass.key(&(lights, box_bits, scale.to_bits(), draw.seed));
     pass.execute(move |cx| {
         let [cumulative, points] = [cumulative, points].map(|handle| cx.buffer(handle).clone());
         cx.encoder().clear_buffer(&points, 0, None);

@@ -150,7 +150,7 @@ pub(super) fn declare<'a>(
     }
     let radiance = if is_gathered {
         let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
-        let lit = lit_points::declare(graph, frame, &rsms, reach, gather::points(settings));
+        let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings));
         gather::declare(graph, frame, gbuffer, settings, swept, lit)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
