@@ -156,6 +156,9 @@ impl Plan {
             tasks.push(Task::Time { size, mode: Mode::Full });
             tasks.extend((!self.quick).then_some(Task::Time { size, mode: Mode::Animated }));
         }
+        // What the errors' images cost beyond their first.
+        let first = self.time_sizes.first().filter(|_| self.aa > 1);
+        tasks.extend(first.map(|&size| Task::Time { size, mode: Mode::Shifted }));
         tasks.extend(self.flicker.map(|(frames, size)| Task::Flicker { frames, size }));
         tasks.extend(self.throughput.then_some(Task::Throughput));
         tasks
@@ -297,9 +300,12 @@ mod tests {
         let modes = [Mode::Full, Mode::Animated];
         let times = [512, 1024].map(|edge| modes.map(|mode| Task::Time { size: [edge; 2], mode }));
         assert_eq!(tasks[2..6], times.concat());
-        assert_eq!(tasks[6..], [Task::Flicker { frames: 9, size: [128; 2] }]);
+        let shifted = Task::Time { size: [512; 2], mode: Mode::Shifted };
+        assert_eq!(tasks[6..], [shifted.clone(), Task::Flicker { frames: 9, size: [128; 2] }]);
         let without = Plan::of(&args(&["--flicker", "0"])).unwrap();
-        assert_eq!(without.tasks(&[0.0, 2.0]), tasks[..6]);
+        assert_eq!(without.tasks(&[0.0, 2.0]), tasks[..7]);
+        let single = Plan::of(&args(&["--aa", "1"])).unwrap();
+        assert!(!single.tasks(&[0.0]).contains(&shifted));
     }
 
     #[test]

@@ -124,6 +124,8 @@ pub enum Mode {
     Full,
     /// What has changed since the frame before; the scene's clock runs.
     Animated,
+    /// What the shift of the pixels changes: an image that is averaged with others of the same scene.
+    Shifted,
 }
 
 /// Counts by name.

@@ -192,6 +192,7 @@ impl Run {
             size,
             mode,
             warm_up: self.plan.warm_up,
+            aa: self.plan.aa,
             frames: self.plan.frames,
             budget: self.plan.budget,
         };

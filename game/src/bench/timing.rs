@@ -5,6 +5,7 @@ use super::machine;
 use super::results::{CountMap, Mode, Spread, Timing};
 use super::stage::{OTHER, stage_of};
 use super::variant::Variant;
+use crate::jitter;
 use crate::session::Session;
 use anyhow::{Context, Result};
 use lightwell::graph::{FrameReport, PassState};
@@ -21,6 +22,8 @@ pub struct Course {
     pub size: [u32; 2],
     /// What is computed.
     pub mode: Mode,
+    /// Images that are averaged where errors are taken.
+    pub aa: u32,
     /// Frames before the measured ones.
     pub warm_up: u32,
     /// Frames measured, at most.
@@ -61,6 +64,7 @@ pub fn measure(
     course: &Course,
     progress: &mut dyn FnMut(&Variant),
 ) -> Result<Vec<Timing>> {
+    let course = &started(course);
     let mut all: Vec<Samples> = which.iter().map(|_| Samples::default()).collect();
     for round in 0..course.warm_up + course.frames {
         for turn in 0..which.len() {
@@ -78,8 +82,8 @@ pub fn measure(
             if !takes_part || enough {
                 continue;
             }
-            session.set_ticks(u64::from(round));
-            let (sample, report) = frame(session, variant, course, measured.is_none())?;
+            session.set_ticks(if course.mode == Mode::Shifted { 0 } else { u64::from(round) });
+            let (sample, report) = frame(session, variant, course, (round, measured.is_none()))?;
             progress(variant);
             let samples = &mut all[slot];
             samples.spent += sample.wall;
@@ -101,18 +105,26 @@ pub fn measure(
     all.into_iter().zip(which).map(timing).collect()
 }
 
+/// Images that are averaged follow a first one.
+fn started(course: &Course) -> Course {
+    Course { warm_up: course.warm_up.max(u32::from(course.mode == Mode::Shifted)), ..*course }
+}
+
 fn frame(
     session: &mut Session,
     variant: &Variant,
     course: &Course,
-    warm_up: bool,
+    (round, warm_up): (u32, bool),
 ) -> Result<(Sample, Option<FrameReport>)> {
-    let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };
+    let is_shifted = course.mode == Mode::Shifted;
+    let jitter = if is_shifted { jitter::shift(round % course.aa, course.aa) } else { [0.0; 2] };
+    let view = SceneView { camera: session.camera()?, size: course.size, jitter };
     if variant.is_traced() {
         let spp = if warm_up { 1 } else { variant.spp };
         return Ok((trace(session, &view, variant, spp)?, None));
     }
-    let settings = RenderSettings { no_cache: course.mode == Mode::Full, ..session.render_settings(true) };
+    let images = if is_shifted { course.aa } else { 1 };
+    let settings = RenderSettings { no_cache: course.mode == Mode::Full, images, ..session.render_settings(true) };
     let start = Instant::now();
     let report = session.render(&view, &settings)?;
     session.gpu.wait();

@@ -29,6 +29,8 @@ pub struct Fact<'a> {
     pub variant: &'a VariantFigures,
     /// Times, everything computed.
     pub timing: &'a Timing,
+    /// Time of the image whose errors are taken, all that are averaged together [ms], if it is known.
+    pub image_time: Option<f64>,
     /// Errors of all light, means over the times.
     pub total: LayerError,
     /// Errors of direct light.
@@ -57,11 +59,11 @@ pub fn bounces(results: &Results) -> Option<u32> {
     results.errors.first().and_then(|error| error.bounces)
 }
 
-/// The timings of a scene that plots show: everything computed, at the first size.
-fn timing<'a>(results: &'a Results, scene: &str, variant: &str) -> Option<&'a Timing> {
-    let of_scene = || results.timings.iter().filter(|t| t.scene == scene && t.mode == Mode::Full);
-    let size = of_scene().map(|timing| timing.size).min()?;
-    of_scene().find(|timing| timing.variant == variant && timing.size == size)
+/// The timings of a scene that plots show: at the first size.
+fn timing<'a>(results: &'a Results, scene: &str, variant: &str, mode: Mode) -> Option<&'a Timing> {
+    let of_scene = || results.timings.iter().filter(|t| t.scene == scene);
+    let size = of_scene().filter(|t| t.mode == Mode::Full).map(|timing| timing.size).min()?;
+    of_scene().find(|timing| timing.variant == variant && timing.size == size && timing.mode == mode)
 }
 
 /// All variants of a scene whose time and error are known, in the order of the results. `swept`: the points of
@@ -76,10 +78,17 @@ pub fn of<'a>(results: &'a Results, scene: &str, swept: bool) -> Vec<Fact<'a>> {
             let of_variant = results.errors.iter().filter(|e| e.scene == scene && e.variant == variant.name);
             of_variant.filter(|error| error.bounces == bounces)
         };
-        errors().next()?;
+        let images = errors().next()?.aa;
+        let of_mode = |mode| timing(results, scene, &variant.name, mode);
+        let timing = of_mode(Mode::Full)?;
+        let more = match images {
+            0 | 1 => Some(0.0),
+            _ => of_mode(Mode::Shifted).map(|shifted| f64::from(images - 1) * shifted.total.median),
+        };
         Some(Fact {
             variant,
-            timing: timing(results, scene, &variant.name)?,
+            timing,
+            image_time: more.map(|more| timing.total.median + more),
             total: mean(errors().map(|error| &error.total)),
             direct: mean(errors().map(|error| &error.direct)),
             indirect: mean(errors().map(|error| &error.indirect)),

@@ -1,5 +1,8 @@
 //! Markdown by parts.
 
+/// A cell of a table without a value.
+pub const NONE: &str = "–";
+
 /// A table; the first column is text, the others are numbers.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));

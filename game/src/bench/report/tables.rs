@@ -1,13 +1,11 @@
 //! The thesis's tables 7.1, 7.3 and 7.4 in our figures, errors and memory.
 
 use super::facts::{self, is_baseline};
-use super::markdown::{error, mib, ms, percent, signed, size, table, whole};
+use super::markdown::{NONE, error, mib, ms, percent, signed, size, table, whole};
 use crate::bench::paper;
 use crate::bench::results::{Mode, Results, Timing};
 use crate::bench::stage;
 use std::collections::BTreeSet;
-
-const NONE: &str = "–";
 
 /// Scenes and settings: table 7.1.
 pub fn scenes(results: &Results) -> Option<String> {
@@ -149,6 +147,7 @@ fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Full => "Everything computed",
         Mode::Animated => "Animated, what has not changed is reused",
+        Mode::Shifted => "Another image of an average, what the shift of its pixels does not change is reused",
     }
 }
 
@@ -224,7 +223,11 @@ pub fn counts(results: &Results) -> Option<String> {
 /// Memory.
 pub fn memory(results: &Results) -> Option<String> {
     let row = |timing: &Timing| {
-        let mode = if timing.mode == Mode::Full { "everything" } else { "animated" };
+        let mode = match timing.mode {
+            Mode::Full => "everything",
+            Mode::Animated => "animated",
+            Mode::Shifted => "averaged",
+        };
         vec![
             format!("{}, {}", timing.scene, timing.variant),
             size(timing.size),

@@ -1,7 +1,7 @@
 //! What the numbers say: which method wins where, and why.
 
 use super::facts::{self, Fact, Light, is_baseline};
-use super::markdown::{list, ms, percent, signed, table, times};
+use super::markdown::{NONE, list, ms, percent, signed, table, times};
 use crate::bench::pareto::{front, time_for_error};
 use crate::bench::results::Results;
 use crate::bench::stage::STAGES;
@@ -11,9 +11,10 @@ const MOSTLY: f64 = 0.6;
 
 /// What the columns of the tables mean.
 const LEGEND: &str = "Each table is of indirect light. *Level* is the share of the squared error that a constant factor would take away: \
-    from 60 % on, the image is too bright or too dark as the bias says; below, the light is in the wrong places. Then the time in which \
-    path tracing reaches the same error, and that over the method's; in brackets where it follows by the square-root law from the \
-    nearest measured point.";
+    from 60 % on, the image is too bright or too dark as the bias says; below, the light is in the wrong places. *Time* is \
+    that of a frame, *averaged* that of the image whose error is stated: a frame, and as often as images are averaged what another \
+    shift of the pixels computes anew. Then the time in which path tracing reaches the same error, and that over the averaged \
+    image's; in brackets where it follows by the square-root law from the nearest measured point.";
 
 /// A paragraph and a table a scene.
 pub fn verdict(results: &Results) -> Option<String> {
@@ -42,7 +43,8 @@ fn of_scene(facts: &[Fact]) -> Option<String> {
     words.extend(light.iter().max_by(|a, b| a.time().total_cmp(&b.time())).and_then(|fact| cost(fact)));
     words.extend(front_in_words(facts));
     let rows: Vec<Vec<String>> = light.iter().map(|fact| row(facts, fact)).collect();
-    let head = ["method", "time [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the method's"];
+    let head =
+        ["method", "time [ms]", "averaged [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the method's"];
     let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
     Some(words.join(" ") + rows.trim_end())
 }
@@ -69,12 +71,14 @@ fn row(facts: &[Fact], fact: &Fact) -> Vec<String> {
         None => ["".to_owned(), "".to_owned()],
         Some((time, beyond)) => {
             let bracketed = |text: String| if beyond { format!("({text})") } else { text };
-            [bracketed(ms(time)), bracketed(times(time / fact.time()))]
+            let factor = fact.image_time.map_or(NONE.to_owned(), |image| bracketed(times(time / image)));
+            [bracketed(ms(time)), factor]
         }
     };
     vec![
         format!("`{}`", fact.variant.name),
         ms(fact.time()),
+        fact.image_time.map_or(NONE.to_owned(), ms),
         super::markdown::error(error.nrmse),
         signed(error.bias),
         percent(level(fact)),
