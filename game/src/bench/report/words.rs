@@ -44,7 +44,7 @@ fn of_scene(facts: &[Fact]) -> Option<String> {
     words.extend(front_in_words(facts));
     let rows: Vec<Vec<String>> = light.iter().map(|fact| row(facts, fact)).collect();
     let head =
-        ["method", "time [ms]", "averaged [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the method's"];
+        ["method", "time [ms]", "averaged [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the image's"];
     let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
     Some(words.join(" ") + rows.trim_end())
 }
