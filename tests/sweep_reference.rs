@@ -63,25 +63,25 @@ fn of_quality(scene: &'static str, bounces: Bounces, quality: Quality, most: (f6
 #[test]
 fn one_bounce_in_the_cornell_box() {
     looked_up("cornell", Bounces::Count(1), (0.1, 0.03));
-    of_quality("cornell", Bounces::Count(1), Quality::High, (0.1, 0.02));
+    of_quality("cornell", Bounces::Count(1), Quality::High, (0.08, 0.01));
 }
 
 #[test]
 fn all_bounces_in_the_cornell_box() {
     looked_up("cornell", Bounces::Converged, (0.07, 0.03));
-    of_quality("cornell", Bounces::Converged, Quality::Medium, (0.065, 0.02));
-    of_quality("cornell", Bounces::Converged, Quality::High, (0.06, 0.02));
+    of_quality("cornell", Bounces::Converged, Quality::Medium, (0.06, 0.015));
+    of_quality("cornell", Bounces::Converged, Quality::High, (0.05, 0.015));
 }
 
 #[test]
 fn one_bounce_among_the_cubes() {
     looked_up("bleeding_diffuse", Bounces::Count(1), (0.17, 0.05));
-    of_quality("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.08, 0.02));
+    of_quality("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.075, 0.01));
 }
 
 #[test]
 fn all_bounces_among_the_cubes() {
     looked_up("bleeding_diffuse", Bounces::Converged, (0.185, 0.045));
-    of_quality("bleeding_diffuse", Bounces::Converged, Quality::Medium, (0.095, 0.02));
-    of_quality("bleeding_diffuse", Bounces::Converged, Quality::High, (0.085, 0.02));
+    of_quality("bleeding_diffuse", Bounces::Converged, Quality::Medium, (0.085, 0.01));
+    of_quality("bleeding_diffuse", Bounces::Converged, Quality::High, (0.075, 0.01));
 }

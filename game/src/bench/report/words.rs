@@ -13,8 +13,9 @@ const MOSTLY: f64 = 0.6;
 const LEGEND: &str = "Each table is of indirect light. *Level* is the share of the squared error that a constant factor would take away: \
     from 60 % on, the image is too bright or too dark as the bias says; below, the light is in the wrong places. *Time* is \
     that of a frame, *averaged* that of the image whose error is stated: a frame, and as often as images are averaged what another \
-    shift of the pixels computes anew. Then the time in which path tracing reaches the same error, and that over the averaged \
-    image's; in brackets where it follows by the square-root law from the nearest measured point.";
+    shift of the pixels computes anew. Then the time in which path tracing reaches the same error, and that over \
+    both: volumes that are looked up bring the same light in each image, so that the first is fair to them; rays bring other \
+    noise in each, so that the second is. In brackets: by the square-root law from the nearest measured point.";
 
 /// A paragraph and a table a scene.
 pub fn verdict(results: &Results) -> Option<String> {
@@ -43,8 +44,17 @@ fn of_scene(facts: &[Fact]) -> Option<String> {
     words.extend(light.iter().max_by(|a, b| a.time().total_cmp(&b.time())).and_then(|fact| cost(fact)));
     words.extend(front_in_words(facts));
     let rows: Vec<Vec<String>> = light.iter().map(|fact| row(facts, fact)).collect();
-    let head =
-        ["method", "time [ms]", "averaged [ms]", "nrmse", "bias", "level", "path tracing [ms]", "over the image's"];
+    let head = [
+        "method",
+        "time [ms]",
+        "averaged [ms]",
+        "nrmse",
+        "bias",
+        "level",
+        "path tracing [ms]",
+        "over time",
+        "over averaged",
+    ];
     let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
     Some(words.join(" ") + rows.trim_end())
 }
@@ -67,12 +77,12 @@ fn levels(light: &[&&Fact]) -> Option<String> {
 fn row(facts: &[Fact], fact: &Fact) -> Vec<String> {
     let error = &fact.indirect;
     let sampling = time_for_error(&facts::baseline(facts, Light::Indirect), error.nrmse);
-    let [time, factor] = match sampling {
-        None => ["".to_owned(), "".to_owned()],
+    let [time, over_frame, over_image] = match sampling {
+        None => [(); 3].map(|()| String::new()),
         Some((time, beyond)) => {
             let bracketed = |text: String| if beyond { format!("({text})") } else { text };
-            let factor = fact.image_time.map_or(NONE.to_owned(), |image| bracketed(times(time / image)));
-            [bracketed(ms(time)), factor]
+            let over = |own: f64| bracketed(times(time / own));
+            [bracketed(ms(time)), over(fact.time()), fact.image_time.map_or(NONE.to_owned(), over)]
         }
     };
     vec![
@@ -83,7 +93,8 @@ fn row(facts: &[Fact], fact: &Fact) -> Vec<String> {
         signed(error.bias),
         percent(level(fact)),
         time,
-        factor,
+        over_frame,
+        over_image,
     ]
 }
 
