@@ -17,7 +17,6 @@ struct Light {
     intensity: vec3f,      // E [W/m²] for directional lights, I [W/sr] for the others
     cone_scale: f32,       // spot: 1 / (cos inner − cos outer)
     cone_offset: f32,      // spot: −cos outer · cone_scale
-    index: u32,
 }
 
 struct Incidence {

@@ -121,7 +121,6 @@ fn load_light(index: u32) -> RayLight {
     light.intensity = bitcast<vec3f>(c.xyz);
     light.cone_scale = bitcast<f32>(c.w);
     light.cone_offset = bitcast<f32>(d.x);
-    light.index = d.y;
     return RayLight(light, d.z, d.w);
 }
 

@@ -57,16 +57,11 @@ struct Culling {
     slices: u32,           // of depth in a tile
     words: u32,            // of a mask: 32 lights each
     tiles: vec2u,          // of 16 × 16 pixels in the image of a subset
-    bounds: u32,
     seed: u32,
-    relative: f32,         // δ over the mean irradiance; 0: δ is absolute
-    absolute: f32,         // δ [W/m²]
     root: u32,             // of the ray hierarchy
     filter_radius: u32,    // [pixels]
     show: u32,
     first_subset: u32,     // of this dispatch
-    pad_a: u32,
-    pad_b: u32,
     sky: vec3f,            // radiance [W/(m² sr)]
     sky_rays: u32,         // of a pixel
 }

@@ -1,9 +1,14 @@
 // The error bound δ [W/m²]: absolute, or relative to the mean irradiance of what the lights see, ΣΦ/ΣA. Summed in a
 // fixed order by one workgroup, so that the bits are the same in every run.
 
-#import lightwell::slc::{VirtualLight, Culling, brightest}
+#import lightwell::slc::{VirtualLight, brightest}
 
-@group(0) @binding(0) var<uniform> culling: Culling;
+struct Delta {
+    relative: f32,         // δ over the mean irradiance; 0: δ is absolute
+    absolute: f32,         // δ [W/m²]
+}
+
+@group(0) @binding(0) var<uniform> wanted: Delta;
 @group(0) @binding(1) var<storage, read> virtual_lights: array<VirtualLight>;
 // δ, mean irradiance, flux, area.
 @group(0) @binding(2) var<storage, read_write> bound: vec4f;
@@ -26,7 +31,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     if thread == 0u {
         let mean = select(0.0, sums[0].x / sums[0].y, sums[0].y > 0.0);
-        let delta = select(culling.absolute, culling.relative * mean, culling.relative > 0.0);
+        let delta = select(wanted.absolute, wanted.relative * mean, wanted.relative > 0.0);
         bound = vec4f(clamp(delta, 1e-30, 1e30), mean, sums[0]);
     }
 }

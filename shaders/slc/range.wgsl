@@ -3,10 +3,16 @@
 #import lightwell::gbuffer::encode_octahedral
 #import lightwell::sampling::{hash, unit_float}
 #import lightwell::brdf::PI
-#import lightwell::slc::{VirtualLight, LightRange, Culling, light_range, brightest}
+#import lightwell::slc::{VirtualLight, LightRange, light_range, brightest}
 #import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
 
-@group(0) @binding(0) var<uniform> culling: Culling;
+struct Chances {
+    lights: u32,           // of a subset
+    seed: u32,
+    bounds: u32,
+}
+
+@group(0) @binding(0) var<uniform> chances: Chances;
 @group(0) @binding(1) var<storage, read> virtual_lights: array<VirtualLight>;
 @group(0) @binding(2) var<storage, read> bound: vec4f;
 @group(0) @binding(3) var<storage, read_write> ranges: array<LightRange>;
@@ -15,9 +21,9 @@
 // Neighbouring lights shine alike, so that their numbers are spread evenly: Weyl's sequence with the golden ratio,
 // shifted at random for each subset. Every single number is uniform over all seeds.
 fn xi_of(index: u32) -> f32 {
-    let subset = index / culling.lights;
-    let steps = (index % culling.lights) * 2654435769u;
-    let bits = steps + hash(subset ^ hash(culling.seed));
+    let subset = index / chances.lights;
+    let steps = (index % chances.lights) * 2654435769u;
+    let bits = steps + hash(subset ^ hash(chances.seed));
     return clamp(unit_float(bits), 0x1p-24f, 1.0 - 0x1p-24f);
 }
 
@@ -46,7 +52,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     let index = thread.x + thread.y * groups.x * 64u;
     if index < arrayLength(&virtual_lights) {
         let light = virtual_lights[index];
-        let range = light_range(light, bound.x, xi_of(index), culling.bounds);
+        let range = light_range(light, bound.x, xi_of(index), chances.bounds);
         ranges[index] = range;
         store_texels(index, light, range);
     }

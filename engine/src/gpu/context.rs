@@ -1,5 +1,6 @@
 //! The graphics device, with or without a window.
 
+use super::audit::Audit;
 use super::{PipelineCache, ShaderLibrary};
 use bytemuck::Pod;
 use encase::ShaderType;
@@ -91,6 +92,7 @@ pub struct Gpu {
     /// Pipelines by what they are made of.
     pub pipelines: PipelineCache,
     samplers: Mutex<HashMap<String, wgpu::Sampler>>,
+    pub(crate) audit: Audit,
     reported: Arc<Mutex<Reported>>,
 }
 
@@ -168,6 +170,7 @@ impl Gpu {
             shaders,
             pipelines: PipelineCache::default(),
             samplers: Mutex::default(),
+            audit: Audit::default(),
             reported,
         })
     }
@@ -226,6 +229,7 @@ impl Gpu {
     }
 
     fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.audit.note(label, &bytes);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: (bytes.len() as u64).next_multiple_of(16).max(16),

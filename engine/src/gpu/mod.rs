@@ -1,5 +1,6 @@
 //! The device: adapter and queue, shaders with imports and hot reload, pipelines, timestamps, readback.
 
+mod audit;
 mod compose;
 mod context;
 mod pipeline;
@@ -11,6 +12,7 @@ mod shader_library;
 mod timestamps;
 mod watch;
 
+pub(crate) use audit::Note;
 pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir, instance_descriptor};
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;

@@ -31,6 +31,7 @@ impl PipelineCache {
     /// # Errors
     /// A shader that has never compiled, or that the device has never taken.
     pub fn compute(&self, gpu: &Gpu, key: &ComputeKey) -> Result<Arc<Pipeline>, ShaderError> {
+        gpu.audit.note(key.shader, key);
         let name = format!("{} {:?}", key.entry, key.defs);
         cached(&self.compute, gpu, key, (key.shader, &key.defs, &name), |compiled| build_compute(gpu, key, compiled))
     }
@@ -40,6 +41,7 @@ impl PipelineCache {
     /// # Errors
     /// A shader that has never compiled, or that the device has never taken.
     pub fn raster(&self, gpu: &Gpu, key: &RasterKey) -> Result<Arc<Pipeline>, ShaderError> {
+        gpu.audit.note(key.shader, key);
         let name = format!("{} {:?} {:?}", key.vertex, key.fragment, key.defs);
         cached(&self.raster, gpu, key, (key.shader, &key.defs, &name), |compiled| build_raster(gpu, key, compiled))
     }

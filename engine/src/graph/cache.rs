@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::audit::Audited;
 use super::desc::ResourceDesc;
 use super::key::{Key, Recipe};
 use super::pace::Pace;
@@ -74,6 +75,7 @@ pub struct TargetCache<P = Target> {
     created: usize,
     evicted: usize,
     pub(super) timing: bool,
+    pub(super) audit: Option<Audited>,
     pub(super) pace: Option<Arc<Pace>>,
     pub(super) queries: Option<TimestampQueries>,
 }
@@ -116,6 +118,18 @@ impl TargetCache {
         self.timing = timing;
     }
 
+    /// Sets whether frames are audited: every pass runs, whatever the cache holds, and one that binds something else
+    /// than it did under the same key fails with [`GraphError::Key`](super::GraphError::Key). For tests and for whoever
+    /// writes a pass: a key that misses an input shows as soon as that input changes, even if no pixel does.
+    pub fn set_audit(&mut self, audit: bool) {
+        self.audit = audit.then(Audited::default);
+    }
+
+    /// Whether frames are audited.
+    pub fn is_audited(&self) -> bool {
+        self.audit.is_some()
+    }
+
     /// Sets what frames are paced by; none: they are submitted as one.
     pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
         self.pace = pace;
@@ -140,6 +154,7 @@ impl<P: Clone> TargetCache<P> {
             created: 0,
             evicted: 0,
             timing: true,
+            audit: None,
             pace: None,
             queries: None,
         }

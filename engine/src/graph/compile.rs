@@ -56,14 +56,15 @@ impl<'a> Graph<'a> {
         self.check_work_and_outputs()?;
         let order = order(&self)?;
         let keys = Keys::new(&self, &order);
+        let no_cache = options.no_cache || cache.audit.is_some();
         let held = self.resources.iter().enumerate().map(|(index, resource)| {
             let slot = cache.slot(&resource.name).filter(|slot| slot.desc == resource.desc)?;
-            let retained = matches!(resource.storage, Storage::Retained) && !options.no_cache;
+            let retained = matches!(resource.storage, Storage::Retained) && !no_cache;
             let content = slot.content.filter(|_| retained)?;
             keys.versions[index].iter().rposition(|key| *key == Some(content))
         });
         let decision = decide(&self, &order, held.collect());
-        let reports = reason::pass_reports(&self, cache, &keys, &decision, options);
+        let reports = reason::pass_reports(&self, cache, &keys, &decision, &CompileOptions { no_cache });
         let layout = self.layout(&order, &decision);
         let stamp = cache.stamp();
         let (id, skipped) = (self.id, std::mem::take(&mut self.skipped));

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Records the passes of a frame into one encoder, or several where passes submit in between.
 pub(super) struct Recorder<'g> {
-    gpu: &'g Gpu,
+    pub(super) gpu: &'g Gpu,
     encoder: wgpu::CommandEncoder,
     pub queries: Option<TimestampQueries>,
     pub submits: u64,

@@ -105,6 +105,16 @@ pub enum GraphError {
         "the target cache has changed since the graph was compiled: compile and execute one frame at a time, with the same cache"
     )]
     StalePlan,
+    /// Found by an audit: a pass bound something else than before under the same key.
+    #[error(
+        "pass `{pass}` depends on {input}, which its key does not hold: add it to the pass's `key`, or it will be kept when that changes"
+    )]
+    Key {
+        /// The pass.
+        pass: String,
+        /// What it bound, and in which way that differs.
+        input: String,
+    },
     /// A pass failed. What it was writing is no longer in the cache.
     #[error("pass `{pass}` failed: {source}")]
     Pass {

@@ -26,7 +26,9 @@ impl Plan<'_> {
         let written = self.written_slots();
         let pace = cache.pace.clone();
         let mut recorder = Recorder::new(gpu, take_queries(gpu, cache, self.steps.len()), pace);
+        gpu.audit.set(cache.audit.is_some());
         let result = check(gpu, "a frame", || self.run(gpu, cache, &mut recorder)).and_then(|result| result);
+        gpu.audit.set(false);
         cache.end_frame();
         let times = recorder.times();
         cache.queries = recorder.queries.take();
@@ -94,7 +96,9 @@ impl Plan<'_> {
             stand_in: OnceCell::new(),
             misused: RefCell::new(None),
         };
+        let gpu = recorder.gpu;
         let mut context = PassContext::new(recorder, &name, resources);
+        gpu.audit.take();
         let result = work(&mut context);
         let (counts, undeclared) = context.finish();
         recorder.end(timed);
@@ -104,6 +108,9 @@ impl Plan<'_> {
         let misused = undeclared.map_or(Ok(()), |resource| Err(PassError::Undeclared { resource }));
         if let Err(source) = misused.and(result) {
             return Err(GraphError::Pass { pass: name, source });
+        }
+        if let Some(audited) = &mut cache.audit {
+            audited.check(&recipe, gpu.audit.take())?;
         }
         for write in slots() {
             cache.end_write(

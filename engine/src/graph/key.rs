@@ -15,7 +15,7 @@ pub(super) fn hash(value: &impl Hash) -> u64 {
 }
 
 /// All that one execution of a pass depends on, kept so that a report can tell what changed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Recipe {
     pub pass: String,
     pub seed: u64,

@@ -12,13 +12,15 @@
 //! 3. **Execute** ([`Plan::execute`]): records and submits the passes that are left, each with one
 //!    debug group and one pair of timestamps from its name, and returns a [`FrameReport`].
 //!
-//! Two rules keep cached and uncached frames equal bit by bit, and the graph cannot check them:
+//! Two rules keep cached and uncached frames equal bit by bit:
 //!
-//! - A pass states in its key everything that its output depends on besides what it reads.
+//! - A pass states in its key everything that its output depends on besides what it reads. An audit checks it while
+//!   frames are drawn ([`TargetCache::set_audit`]).
 //! - The content of a target before its first write of the frame is undefined (it may be left over
 //!   from another target or frame): the first writer writes all of it or clears it.
 
 mod alias;
+mod audit;
 mod builder;
 mod cache;
 mod compile;

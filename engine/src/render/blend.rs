@@ -186,9 +186,7 @@ impl Work<'_> {
             let lamps = self.lamps.get(first..).unwrap_or_default();
             let count = lamps.len().min(LIGHTS_A_DRAW);
             let uniform = BlendUniform {
-                lights: from_fn(|i| {
-                    lamps.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light, l.index))
-                }),
+                lights: from_fn(|i| lamps.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light))),
                 shadows: from_fn(|i| {
                     let shadow = lamps.get(i).and_then(|lamp| lamp.shadow.as_ref());
                     shadow.map_or_else(ShadowMap::none_uniform, ShadowMap::uniform)

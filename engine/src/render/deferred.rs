@@ -92,6 +92,11 @@ impl Renderer {
         self.targets.set_pace(pace);
     }
 
+    /// Sets whether frames are audited: see [`TargetCache::set_audit`]. Path tracing begins anew with each.
+    pub fn set_audit(&mut self, audit: bool) {
+        self.targets.set_audit(audit);
+    }
+
     /// Sets whether frames measure the time that passes take on the device (they do by default). To read it they wait
     /// for the device at their end.
     pub fn set_timing(&mut self, timing: bool) {
@@ -243,7 +248,7 @@ impl Renderer {
         self.has_blended = false;
         self.has_probe_light = false;
         let tracer = self.tracer.get_or_insert_with(|| PathTracer::new(gpu));
-        if settings.no_cache {
+        if settings.no_cache || self.targets.is_audited() {
             tracer.restart();
         }
         tracer.begin(gpu, scene, view, &reference.trace)?;

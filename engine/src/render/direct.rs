@@ -43,8 +43,6 @@ const FEWEST: usize = 4;
 pub struct Lamp<'a> {
     /// The light.
     pub light: &'a SceneLight,
-    /// Its place in the scene's array.
-    pub index: u32,
     /// Its shadow map, if it casts shadows.
     pub shadow: Option<ShadowMap>,
     region: Region,
@@ -53,13 +51,13 @@ pub struct Lamp<'a> {
 /// Declares the shadow maps of all lights that reach the view.
 pub fn lamps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Vec<Lamp<'a>> {
     let mut lamps = Vec::new();
-    for (light, index) in frame.scene.lights.iter().zip(0..) {
+    for light in &frame.scene.lights {
         let name = format!("direct {}", light.pass_name());
         if light.intensity == Vec3::ZERO {
             graph.skip(&name, "the light has no intensity");
         } else if let Some(region) = reached_region(light, frame.view) {
             let shadow = shadow::declare(graph, frame, light);
-            lamps.push(Lamp { light, index, shadow, region });
+            lamps.push(Lamp { light, shadow, region });
         } else {
             graph.skip(&name, "its reach lies outside the view");
         }
@@ -116,7 +114,7 @@ fn declare_light<'a>(
             &ComputeKey::new("direct.wgsl", "add_light"),
             &[
                 ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("light", Binding::Buffer(&LightUniform::buffer(gpu, lamp.light, lamp.index))),
+                ("light", Binding::Buffer(&LightUniform::buffer(gpu, lamp.light))),
                 ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
                 ("region", Binding::Buffer(&gpu.uniform("region", &lamp.region))),
                 ("base_color", Binding::Texture(&base_color)),

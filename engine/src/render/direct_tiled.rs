@@ -43,7 +43,7 @@ pub(super) fn declare<'a>(
         let target = cx.view(radiance);
         let [width, height] = frame.view.size;
         for some in lamps.chunks(MOST) {
-            let lights: Vec<LightUniform> = some.iter().map(|lamp| LightUniform::new(lamp.light, lamp.index)).collect();
+            let lights: Vec<LightUniform> = some.iter().map(|lamp| LightUniform::new(lamp.light)).collect();
             let uniform = LightsUniform { count: lights.len() as u32, padding: UVec3::ZERO };
             let lights = cx.gpu.storage_of("lights without shadows", &lights);
             cx.counts().lights += u64::from(uniform.count);

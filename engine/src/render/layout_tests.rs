@@ -18,7 +18,7 @@ use super::reference::{ResolveUniform, TraceUniform};
 use super::rsm::{RsmLayerUniform, RsmViewUniform};
 use super::shadow::{ShadowUniform, ShadowViewUniform};
 use super::sky_light::ReflectionUniform;
-use super::slc::{CullingUniform, PlaceUniform};
+use super::slc::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 use super::vpl::{LetterUniform, MainLightUniform, MapPlaceUniform, NearUniform, ShadeUniform, VirtualLight};
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
@@ -75,11 +75,11 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, MapPlaceUniform::min_size().get(), "vpl/place.wgsl", "Place");
     check(&gpu, size_of::<VirtualLight>() as u64, "vpl/shade.wgsl", "VirtualLight");
     check(&gpu, PlaceUniform::min_size().get(), "slc/lights.wgsl", "Place");
-    for shader in
-        ["slc/delta.wgsl", "slc/range.wgsl", "slc/cull.wgsl", "slc/shade.wgsl", "slc/splat.wgsl", "slc/filter.wgsl"]
-    {
+    for shader in ["slc/cull.wgsl", "slc/shade.wgsl", "slc/splat.wgsl", "slc/filter.wgsl"] {
         check(&gpu, CullingUniform::min_size().get(), shader, "Culling");
     }
+    check(&gpu, DeltaUniform::min_size().get(), "slc/delta.wgsl", "Delta");
+    check(&gpu, ChancesUniform::min_size().get(), "slc/range.wgsl", "Chances");
     check(&gpu, 96, "slc/lights.wgsl", "VirtualLight");
     check(&gpu, 64, "slc/range.wgsl", "LightRange");
     check(&gpu, CompareUniform::min_size().get(), "compare.wgsl", "Compare");

@@ -15,12 +15,11 @@ pub(crate) struct LightUniform {
     intensity: Vec3,
     cone_scale: f32,
     cone_offset: f32,
-    index: u32,
 }
 
 impl LightUniform {
-    /// The light's values; `index` is its place in the scene's array.
-    pub(crate) fn new(light: &SceneLight, index: u32) -> Self {
+    /// The light's values.
+    pub(crate) fn new(light: &SceneLight) -> Self {
         let (shape, cone_scale, cone_offset) = match light.shape {
             LightShape::Directional => (0, 0.0, 0.0),
             LightShape::Point => (1, 0.0, 0.0),
@@ -38,7 +37,6 @@ impl LightUniform {
             intensity: light.intensity,
             cone_scale,
             cone_offset,
-            index,
         }
     }
 
@@ -52,12 +50,11 @@ impl LightUniform {
             intensity: Vec3::ZERO,
             cone_scale: 0.0,
             cone_offset: 0.0,
-            index: 0,
         }
     }
 
     /// A buffer with the light's values.
-    pub(crate) fn buffer(gpu: &Gpu, light: &SceneLight, index: u32) -> wgpu::Buffer {
-        gpu.uniform(&light.name, &Self::new(light, index))
+    pub(crate) fn buffer(gpu: &Gpu, light: &SceneLight) -> wgpu::Buffer {
+        gpu.uniform(&light.name, &Self::new(light))
     }
 }

@@ -18,6 +18,7 @@ struct Draw {
     points: u32,
     seed: u32,
     scale: f32,            // a power of two by which flux is weighed [1/W]: all of it is below 2³⁸
+    light: u32,            // the map's light among the scene's
 }
 
 @group(0) @binding(0) var<uniform> draw: Draw;
@@ -157,7 +158,7 @@ fn choose(@builtin(global_invocation_id) thread: vec3u) {
     let base = textureLoad(base_color, texel, rsm.layer, 0);
     let n = textureLoad(normal, texel, rsm.layer, 0);
     let first = POINT_TEXELS * thread.x;
-    points[first] = vec4u(bitcast<vec3u>(position), light.index);
+    points[first] = vec4u(bitcast<vec3u>(position), draw.light);
     points[first + 1u] = vec4u(base.xy | (base.zw << vec2u(16u)), n.xy | (n.zw << vec2u(16u)));
     let share = draw.scale / total;
     points[first + 2u] = vec4u(textureLoad(specular, texel, rsm.layer, 0).r, bitcast<u32>(share), 0u, 0u);

@@ -122,6 +122,7 @@ impl GpuScene {
         let mut bound = Bound::default();
         let mut current = None;
         let list = self.draw_list(gpu, filter);
+        self.note_drawn(gpu, filter);
         for segment in &list.segments {
             let batch = segment.batch;
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
@@ -133,6 +134,15 @@ impl GpuScene {
             list.record(pass, segment, cx.counts());
         }
         Ok(())
+    }
+
+    /// Notes what a pass draws, for an audit of its key.
+    fn note_drawn(&self, gpu: &Gpu, filter: &DrawFilter) {
+        if gpu.audit.is_on() {
+            let batches = self.batches.iter().filter(|batch| batch.passes(filter));
+            let drawn = batches.flat_map(|batch| batch.of(&self.members)).filter(|member| member.visible(filter));
+            gpu.audit.note("drawn primitives", &drawn.map(|member| (member.id, member.revisions)).collect::<Vec<_>>());
+        }
     }
 
     fn set_pipeline(

@@ -166,7 +166,7 @@ fn dispatch_rsm(
 ) -> Result<(), PassError> {
     let gpu = cx.gpu;
     let volume = gpu.uniform("volume", &volume.uniform());
-    let light = LightUniform::buffer(gpu, rsm.light, rsm.index);
+    let light = LightUniform::buffer(gpu, rsm.light);
     let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
     let groups = rsm.size.div_ceil(8);
     cx.counts().injections += layers.len() as u64 * rsm.layer_texels();

@@ -13,11 +13,11 @@ const TEXELS: usize = 4;
 pub(super) fn texels(lights: &[SceneLight]) -> Vec<Texel> {
     const { assert!(LightUniform::METADATA.min_size().get() == 16 * TEXELS as u64) };
     let mut texels = vec![Texel::default(); TEXELS * lights.len()];
-    for ((texels, light), index) in texels.chunks_exact_mut(TEXELS).zip(lights).zip(0..) {
+    for (texels, light) in texels.chunks_exact_mut(TEXELS).zip(lights) {
         let mut bytes = encase::StorageBuffer::new([0; 16 * TEXELS]);
-        if let Err(error) = bytes.write(&LightUniform::new(light, index)) {
+        if let Err(error) = bytes.write(&LightUniform::new(light)) {
             // It is as long as asserted above, so that there is nothing to fail; a message is all that is left to do.
-            log::error!("light {index}: {error}");
+            log::error!("light `{}`: {error}", light.name);
         }
         texels.copy_from_slice(bytemuck::cast_slice(&bytes.into_inner()));
         texels[3][2..].copy_from_slice(&[u32::from(light.casts_shadow), u32::from(light.indirect)]);
@@ -50,7 +50,7 @@ mod tests {
         let texels = texels(&[light(true, false), light(false, true)]);
         assert_eq!(texels.len(), 8);
         assert_eq!(texels[4], [1.0_f32.to_bits(), 2.0_f32.to_bits(), 3.0_f32.to_bits(), 1]);
-        assert_eq!((texels[3], texels[7]), ([0, 0, 1, 0], [0, 1, 0, 1]));
+        assert_eq!((texels[3], texels[7]), ([0, 0, 1, 0], [0, 0, 0, 1]));
         assert_eq!(texels[2][0], 1.0_f32.to_bits());
     }
 }

@@ -1,6 +1,6 @@
 //! The scene as rays see it on the device: hierarchies, triangles, materials, textures, lights and emitters.
 //!
-//! Passes that cast rays import `lightwell::rays` and bind [`RayScene::bindings`] as group 1.
+//! Passes that cast rays import `lightwell::rays` and bind group 1 by [`RayScene::bind`].
 
 mod atlas;
 mod boxes;
@@ -12,7 +12,7 @@ mod words;
 
 use crate::assets::AssetId;
 use crate::bvh::SceneBvh;
-use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
+use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
 use crate::scene::Scene;
 use atlas::Atlas;
 use geometry::GpuGeometry;
@@ -133,8 +133,30 @@ impl RayScene {
         set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)))
     }
 
+    /// Binds as group 1 what the pipeline uses of the scene.
+    ///
+    /// # Errors
+    /// If the shader declares something in that group that is not of the scene.
+    pub fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Result<wgpu::BindGroup, BindError> {
+        let used: Vec<_> = self.bindings().into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
+        for (name, _) in &used {
+            gpu.audit.note(name, &self.content(name));
+        }
+        pipeline.bind(gpu, 1, &used)
+    }
+
+    /// Changes with what is bound under that name.
+    fn content(&self, name: &str) -> Option<[u64; 3]> {
+        let [identity, geometry, materials, lights] = self.synced?;
+        Some(match name {
+            "lights" => [identity, lights, 0],
+            "nodes" => [identity, geometry, 0],
+            _ => [identity, geometry, materials],
+        })
+    }
+
     /// Group 1 of all passes that cast rays.
-    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
+    fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
         [
             ("nodes", Binding::Texture(self.geometry.nodes())),
             ("triangles", Binding::Texture(self.geometry.triangles())),

@@ -316,8 +316,7 @@ pub(in crate::render) fn dispatch_rays(
     groups: [u32; 3],
 ) -> Result<(), PassError> {
     let pipeline = gpu.pipelines.compute(gpu, key)?;
-    let used: Vec<_> = scene.bindings().into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
-    let (own, scene) = (pipeline.bind(gpu, 0, group)?, pipeline.bind(gpu, 1, &used)?);
+    let (own, scene) = (pipeline.bind(gpu, 0, group)?, scene.bind(gpu, &pipeline)?);
     let compute = pipeline
         .compute()
         .ok_or_else(|| PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader)))?;

@@ -34,7 +34,7 @@ pub(super) fn declare<'a>(
     pass.read(gbuffer.depth);
     pass.read(sources.ranges);
     let (masks, slices) = (pass.write(masks), pass.write(slices));
-    pass.key(&(method.settings.culling, method.settings.interleave, frame.view_key()));
+    pass.key(&method.key(frame));
     let (frame, method, depth) = (frame.clone(), method.clone(), gbuffer.depth);
     pass.execute(move |cx| {
         let gpu = cx.gpu;

@@ -14,7 +14,7 @@ pub(super) fn declare<'a>(
     method: &Method,
     shaded: Shaded,
 ) -> Handle<Texture> {
-    let key = (method.settings.filter_radius, frame.view_key());
+    let key = method.key(frame);
     let half = Shaded {
         diffuse: graph.retained_texture("slc filtered diffuse", image_desc(frame)),
         specular: graph.retained_texture("slc filtered specular", image_desc(frame)),
@@ -52,7 +52,7 @@ pub(super) fn declare<'a>(
     let images = [half.diffuse, half.specular, shaded.diffuse, shaded.specular];
     inputs.into_iter().chain(images).for_each(|handle| pass.read(handle));
     let indirect = pass.write(indirect);
-    pass.key(&(key, method.settings.show));
+    pass.key(&key);
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let gpu = cx.gpu;

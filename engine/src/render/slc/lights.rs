@@ -11,6 +11,7 @@ use crate::scene::SceneLight;
 use crate::world::{Delta, LightBounds, LightShow, StochasticLightCulling};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
+use std::hash::Hash;
 use wgpu::BufferUsages;
 
 /// Bytes of `VirtualLight` of `lib/slc.wgsl`.
@@ -43,33 +44,34 @@ pub(crate) struct CullingUniform {
     slices: u32,
     words: u32,
     tiles: UVec2,
-    bounds: u32,
     seed: u32,
-    relative: f32,
-    absolute: f32,
     root: u32,
     filter_radius: u32,
     show: u32,
     first_subset: u32,
-    pad_a: u32,
-    pad_b: u32,
     sky: Vec3,
     sky_rays: u32,
 }
 
+/// `Delta` of `slc/delta.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct DeltaUniform {
+    relative: f32,
+    absolute: f32,
+}
+
+/// `Chances` of `slc/range.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ChancesUniform {
+    lights: u32,
+    seed: u32,
+    bounds: u32,
+}
+
 impl Method {
-    /// The settings for the shaders; `first_subset` is where a dispatch begins.
+    /// The settings for the shaders that look at pixels; `first_subset` is where a dispatch begins.
     pub(super) fn uniform(&self, gpu: &Gpu, frame: &Frame, first_subset: u32) -> wgpu::Buffer {
         let s = &self.settings;
-        let (relative, absolute) = match s.delta {
-            Delta::Relative(share) => (share, 0.0),
-            Delta::Absolute(delta) => (0.0, delta),
-        };
-        let bounds = match s.bounds {
-            LightBounds::Ellipsoid => 0,
-            LightBounds::CentredSphere => 1,
-            LightBounds::EnclosingSphere => 2,
-        };
         let show = match s.show {
             LightShow::Light => 0,
             LightShow::Candidates => 1,
@@ -82,20 +84,38 @@ impl Method {
             slices: self.slices,
             words: self.words(),
             tiles: self.tiles.into(),
-            bounds,
             seed: self.seed,
-            relative,
-            absolute,
             root: self.root,
             filter_radius: s.filter_radius,
             show,
             first_subset,
-            pad_a: 0,
-            pad_b: 0,
             sky: self.sky,
             sky_rays: (SKY_RAYS / self.subsets()).clamp(4, 64),
         };
         gpu.uniform("culling", &uniform)
+    }
+
+    /// Changes with all that [`Method::uniform`] holds.
+    pub(super) fn key(&self, frame: &Frame) -> impl Hash + use<> {
+        let sky = self.sky.to_array().map(f32::to_bits);
+        let settings = format!("{:?}", self.settings);
+        (frame.view_key(), settings, self.lights, self.slices, self.tiles, self.seed, self.root, sky)
+    }
+
+    fn delta_uniform(&self) -> DeltaUniform {
+        match self.settings.delta {
+            Delta::Relative(share) => DeltaUniform { relative: share, absolute: 0.0 },
+            Delta::Absolute(delta) => DeltaUniform { relative: 0.0, absolute: delta },
+        }
+    }
+
+    fn chances_uniform(&self) -> ChancesUniform {
+        let bounds = match self.settings.bounds {
+            LightBounds::Ellipsoid => 0,
+            LightBounds::CentredSphere => 1,
+            LightBounds::EnclosingSphere => 2,
+        };
+        ChancesUniform { lights: self.lights, seed: self.seed, bounds }
     }
 }
 
@@ -124,8 +144,8 @@ pub(super) fn lights_of(map: &Rsm, interleave: u32) -> u64 {
 /// Declares the lights, the error bound and the ranges.
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Sources {
     let lights = declare_lights(graph, frame, maps, method);
-    let bound = declare_bound(graph, frame, method, lights);
-    let (ranges, texels) = declare_ranges(graph, frame, method, lights, bound);
+    let bound = declare_bound(graph, method, lights);
+    let (ranges, texels) = declare_ranges(graph, method, lights, bound);
     Sources { ranges, texels, bound }
 }
 
@@ -148,7 +168,7 @@ fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>]
         let mut first = 0;
         for map in &maps {
             for layer in 0..map.views.len() {
-                let light = LightUniform::new(map.light, map.index);
+                let light = LightUniform::new(map.light);
                 let rsm = map.layer_uniform(layer, 1.0);
                 let place = PlaceUniform { light, rsm, first, lights, interleave: n, pad: 0 };
                 take_layer(cx, map, &place, &target)?;
@@ -180,31 +200,19 @@ fn take_layer(cx: &mut PassContext, map: &Rsm, place: &PlaceUniform, target: &wg
     )
 }
 
-fn delta_key(delta: Delta) -> (bool, u32) {
-    match delta {
-        Delta::Relative(share) => (true, share.to_bits()),
-        Delta::Absolute(delta) => (false, delta.to_bits()),
-    }
-}
-
-fn declare_bound<'a>(
-    graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
-    method: &Method,
-    lights: Handle<Buffer>,
-) -> Handle<Buffer> {
+fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> Handle<Buffer> {
     let bound = graph.retained_buffer("slc error bound", BufferDesc::new(16, BufferUsages::STORAGE));
     let mut pass = graph.pass("slc error bound");
     pass.read(lights);
     let bound = pass.write(bound);
-    pass.key(&delta_key(method.settings.delta));
-    let (frame, method) = (frame.clone(), method.clone());
+    let delta = method.delta_uniform();
+    pass.key(&[delta.relative, delta.absolute].map(f32::to_bits));
     pass.execute(move |cx| {
         let [lights, target] = [lights, bound].map(|handle| cx.buffer(handle).clone());
         cx.dispatch(
             &ComputeKey::new("slc/delta.wgsl", "main"),
             &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
+                ("wanted", Binding::Buffer(&cx.gpu.uniform("delta", &delta))),
                 ("virtual_lights", Binding::Buffer(&lights)),
                 ("bound", Binding::Buffer(&target)),
             ],
@@ -214,9 +222,8 @@ fn declare_bound<'a>(
     bound
 }
 
-fn declare_ranges<'a>(
-    graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
+fn declare_ranges(
+    graph: &mut Graph,
     method: &Method,
     lights: Handle<Buffer>,
     bound: Handle<Buffer>,
@@ -232,8 +239,8 @@ fn declare_ranges<'a>(
     pass.read(lights);
     pass.read(bound);
     let (ranges, texels) = (pass.write(ranges), pass.write(texels));
-    pass.key(&(method.settings.bounds, method.seed, method.lights));
-    let (frame, method) = (frame.clone(), method.clone());
+    let chances = method.chances_uniform();
+    pass.key(&(chances.lights, chances.seed, chances.bounds));
     pass.execute(move |cx| {
         let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
         cx.counts().lights += u64::from(count);
@@ -243,7 +250,7 @@ fn declare_ranges<'a>(
         cx.dispatch(
             &ComputeKey::new("slc/range.wgsl", "main"),
             &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
+                ("chances", Binding::Buffer(&cx.gpu.uniform("chances", &chances))),
                 ("virtual_lights", Binding::Buffer(&lights)),
                 ("bound", Binding::Buffer(&bound)),
                 ("ranges", Binding::Buffer(&target)),

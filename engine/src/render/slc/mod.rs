@@ -19,7 +19,7 @@ mod shade;
 mod splat;
 
 #[cfg(test)]
-pub(crate) use lights::{CullingUniform, PlaceUniform};
+pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 
 use super::error::RenderError;
 use super::frame::Frame;

@@ -34,10 +34,7 @@ pub(super) fn declare<'a>(
     masks.into_iter().flatten().for_each(|handle| pass.read(handle));
     let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
     let rays = casts_rays(&method.settings);
-    pass.key(&(rays, masks.is_none(), method.settings.interleave, frame.view_key()));
-    if rays {
-        pass.key(&(frame.geometry_key(), method.sky.to_array().map(f32::to_bits)));
-    }
+    pass.key(&(method.key(frame), rays.then(|| frame.geometry_key())));
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let gpu = cx.gpu;

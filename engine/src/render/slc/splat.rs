@@ -30,7 +30,7 @@ pub(super) fn declare<'a>(
     pass.read(atlas.diffuse);
     pass.read(atlas.specular);
     let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
-    pass.key(&(method.settings.interleave, frame.view.size));
+    pass.key(&method.key(frame));
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let [width, height] = frame.view.size;
@@ -69,7 +69,7 @@ fn declare_atlas<'a>(
     let buffers = [sources.ranges, sources.bound];
     buffers.into_iter().for_each(|handle| pass.read(handle));
     let atlas = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
-    pass.key(&(n, frame.view_key()));
+    pass.key(&method.key(frame));
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         for row in 0..n {

@@ -1,8 +1,8 @@
 //! The report's accumulation: the scene drawn once more for every virtual light.
 
 use super::particles::{Lights, VirtualLights};
-use super::shade::range;
-use crate::gpu::{Binding, Pipeline, RasterKey, ShaderDef};
+use super::shade::{range, surfaces_key};
+use crate::gpu::{Binding, RasterKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::gbuffer::{GBuffer, depth_state};
@@ -10,7 +10,6 @@ use crate::render::gloss;
 use crate::render::gpu_scene::{DrawFilter, MaterialClass};
 use crate::world::{VirtualShading, VirtualVisibility};
 use encase::ShaderType;
-use std::sync::Arc;
 use wgpu::TextureFormat;
 
 /// `Letter` of `vpl/letter.wgsl`.
@@ -46,6 +45,7 @@ pub(super) fn declare<'a>(
     let indirect = pass.write(indirect);
     let settings = &state.settings;
     pass.key(&(frame.view_key(), settings.visibility, settings.shading, frame.settings.virtual_light));
+    pass.key(&surfaces_key(frame, settings));
     let work = Work { frame: frame.clone(), state, inputs, lights, indirect };
     pass.execute(move |cx| work.run(cx));
     indirect
@@ -67,7 +67,7 @@ impl Work<'_> {
             return Err(PassError::message(message.to_owned()));
         }
         self.clear(cx);
-        let lights = range(self.state, self.frame.settings.virtual_light)?;
+        let lights = range(self.state, &self.lights, self.frame.settings.virtual_light)?;
         cx.counts().lights += u64::from(lights.end - lights.start);
         for index in lights {
             if index % LIGHTS_A_SUBMIT == LIGHTS_A_SUBMIT - 1 {
@@ -123,7 +123,7 @@ impl Work<'_> {
             ],
         )?;
         let light = pipeline.bind(gpu, 3, &[("letter", Binding::Buffer(&letter))])?;
-        let rays = self.rays(cx, &pipeline)?;
+        let rays = self.state.rays.bind(gpu, &pipeline)?;
         let mut pass = cx
             .encoder()
             .begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -150,12 +150,6 @@ impl Work<'_> {
         let frustum = self.frame.frustum();
         let filter = DrawFilter::opaque(&frustum);
         self.frame.gpu_scene.draw(cx, &mut pass, &view, &filter, |class| self.raster_key(class))
-    }
-
-    fn rays(&self, cx: &PassContext, pipeline: &Arc<Pipeline>) -> Result<wgpu::BindGroup, PassError> {
-        let all = self.state.rays.bindings();
-        let used: Vec<_> = all.into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
-        Ok(pipeline.bind(cx.gpu, 1, &used)?)
     }
 
     fn raster_key(&self, class: MaterialClass) -> RasterKey {

@@ -29,7 +29,7 @@ pub(in crate::render) fn declare<'a>(
 ) -> Handle<Texture> {
     let mut radiance = declare_clear(graph, frame);
     let [width, height] = frame.view.size;
-    for (light, index) in frame.scene.lights.iter().zip(0..) {
+    for light in &frame.scene.lights {
         let name = format!("main light {}", light.pass_name());
         if light.intensity == Vec3::ZERO {
             graph.skip(&name, "the light has no intensity");
@@ -64,7 +64,7 @@ pub(in crate::render) fn declare<'a>(
                 &ComputeKey::new("vpl/main_light.wgsl", "add_light"),
                 &[
                     ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, light, index))),
+                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, light))),
                     ("shadow", Binding::Buffer(&gpu.uniform("shadow", &lookup))),
                     ("main_light", Binding::Buffer(&gpu.uniform("main light", &uniform))),
                     ("base_color", Binding::Texture(&base_color)),

@@ -178,7 +178,7 @@ impl<'a> Work<'a> {
     fn filter(&self, graph: &mut Graph<'a>, brought: Brought, summed: Handle<Texture>) -> Handle<Texture> {
         let (frame, gbuffer) = (&self.frame, &self.gbuffer);
         let radius = self.state.settings.near_filter.max(1);
-        let key = (radius, frame.view_key());
+        let key = (radius, frame.seed(), frame.view_key(), frame.geometry_key(), frame.scene.revisions.lights);
         let half = Brought {
             diffuse: graph.texture("near diffuse, filtered along rows", frame.image_desc()),
             specular: graph.texture("near specular, filtered along rows", frame.image_desc()),

@@ -26,8 +26,8 @@ pub struct VirtualLights {
     most: u64,
     shot: RefCell<Shot>,
     particles: RefCell<Particles>,
-    /// Lights in the buffer that is shaded.
-    shaded: Cell<u32>,
+    /// How many of them the pass `reach` wrote last: known when it has run or was kept, like its buffer.
+    reached: Cell<u32>,
 }
 
 /// Lights on the device.
@@ -37,6 +37,19 @@ pub(super) struct Lights {
     pub(super) buffer: Handle<Buffer>,
     /// All, the ones that reach nothing drawn with them.
     pub(super) all: Handle<Buffer>,
+    /// Who knows how many are summed.
+    pub(super) count: LightCount,
+}
+
+/// How many lights a buffer holds. Most are known only when the passes before have run.
+#[derive(Clone, Copy)]
+pub(super) enum LightCount {
+    /// So many.
+    Known(u32),
+    /// All that the particles left.
+    All,
+    /// Those that reach what the view draws.
+    Reached,
 }
 
 impl VirtualLights {
@@ -50,7 +63,7 @@ impl VirtualLights {
             most: 0,
             shot: RefCell::default(),
             particles: RefCell::default(),
-            shaded: Cell::new(0),
+            reached: Cell::new(0),
         }
     }
 
@@ -99,7 +112,7 @@ impl VirtualLights {
         BufferDesc::new(lights * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
     }
 
-    /// Writes the lights that are shaded.
+    /// Writes lights for shading.
     fn write(&self, cx: &mut PassContext, buffer: Handle<Buffer>, lights: &[VirtualLight]) {
         let bytes: &[u8] = bytemuck::cast_slice(lights);
         let counts = cx.counts();
@@ -108,7 +121,6 @@ impl VirtualLights {
         if !bytes.is_empty() {
             cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
         }
-        self.shaded.set(lights.len() as u32);
     }
 
     /// What the last simulation left.
@@ -121,18 +133,18 @@ impl VirtualLights {
         self.particles.borrow().casts
     }
 
-    pub(super) fn set_shaded(&self, count: u32) {
-        self.shaded.set(count);
-    }
-
     /// Whether the report's formulas are asked for, which hold for the main lights too.
     pub(in crate::render) fn published(&self) -> Option<&InstantRadiosity> {
         (self.settings.shading == VirtualShading::AsPublished).then_some(&self.settings)
     }
 
-    /// Lights in the buffer that is shaded.
-    pub(super) fn shaded(&self) -> u32 {
-        self.shaded.get()
+    /// Number of lights to sum, once the passes that write them have run or were kept.
+    pub(super) fn count(&self, lights: &Lights) -> u32 {
+        match lights.count {
+            LightCount::Known(count) => count,
+            LightCount::All => self.particles.borrow().lights.len() as u32,
+            LightCount::Reached => self.reached.get(),
+        }
     }
 
     /// All that particles depend on. Settings of the shading are left out.
@@ -164,7 +176,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
     if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
         let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
         graph.skip("reach", why);
-        return Some(Lights { buffer, all: buffer });
+        return Some(Lights { buffer, all: buffer, count: LightCount::All });
     }
     Some(declare_reach(graph, frame, state, buffer))
 }
@@ -230,10 +242,12 @@ fn declare_reach<'a>(
     let frustum = frame.frustum();
     let scene = frame.scene;
     pass.execute(move |cx| {
-        state.write(cx, buffer, &reaching(&state.particles.borrow().lights, scene, &frustum));
+        let lights = reaching(&state.particles.borrow().lights, scene, &frustum);
+        state.write(cx, buffer, &lights);
+        state.reached.set(lights.len() as u32);
         Ok(())
     });
-    Lights { buffer, all }
+    Lights { buffer, all, count: LightCount::Reached }
 }
 
 /// The lights before whose plane some primitive lies that the frustum may hold. Conservative: what is left out lights

@@ -1,6 +1,6 @@
 //! Virtual lights from the lights' reflective shadow maps ("ignore the further bounces").
 
-use super::particles::{Lights, VirtualLights};
+use super::particles::{LightCount, Lights, VirtualLights};
 use super::schedule::deal;
 use super::simulate::VirtualLight;
 use crate::gpu::{Binding, ComputeKey};
@@ -74,7 +74,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
                 &ComputeKey::new("vpl/place.wgsl", "main"),
                 &[
                     ("place", Binding::Buffer(&gpu.uniform("place", &place))),
-                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, rsm.light, rsm.index))),
+                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, rsm.light))),
                     ("rsm", Binding::Buffer(&gpu.uniform("rsm layer", &rsm.layer_uniform(layer, 1.0)))),
                     ("base_color", Binding::Texture(&base_color)),
                     ("normal", Binding::Texture(&normal)),
@@ -86,8 +86,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
             first += count;
         }
         cx.counts().lights += u64::from(total);
-        state.set_shaded(total);
         Ok(())
     });
-    Some(Lights { buffer, all: buffer })
+    Some(Lights { buffer, all: buffer, count: LightCount::Known(total) })
 }

@@ -8,7 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::gbuffer::GBuffer;
 use crate::render::gloss;
 use crate::render::reference::dispatch_rays;
-use crate::world::{VirtualShading, VirtualVisibility};
+use crate::world::{InstantRadiosity, VirtualShading, VirtualVisibility};
 use encase::ShaderType;
 
 /// `Shade` of `vpl/shade.wgsl`.
@@ -55,9 +55,17 @@ pub(super) fn declare<'a>(
     let (sums, indirect) = (pass.write(sums), pass.write(indirect));
     let settings = &state.settings;
     pass.key(&(frame.view_key(), settings.visibility, settings.shading, frame.settings.virtual_light));
+    pass.key(&surfaces_key(frame, settings));
     let work = Work { frame: frame.clone(), state, inputs, lights, sums, indirect };
     pass.execute(move |cx| work.run(cx));
     indirect
+}
+
+/// What shadow rays meet: surfaces that may be in no image that the pass reads. And which terms of the surfaces' shading
+/// there are at all.
+pub(super) fn surfaces_key(frame: &Frame, settings: &InstantRadiosity) -> impl std::hash::Hash + use<> {
+    let shadowed = settings.visibility == VirtualVisibility::ShadowRays;
+    (shadowed.then(|| frame.geometry_key()), gloss::is_wanted(frame.scene))
 }
 
 struct Work<'a> {
@@ -70,8 +78,12 @@ struct Work<'a> {
 }
 
 /// The lights to sum: all, or the one that is asked for.
-pub(super) fn range(state: &VirtualLights, only: Option<u32>) -> Result<std::ops::Range<u32>, PassError> {
-    let count = state.shaded();
+pub(super) fn range(
+    state: &VirtualLights,
+    lights: &Lights,
+    only: Option<u32>,
+) -> Result<std::ops::Range<u32>, PassError> {
+    let count = state.count(lights);
     match only {
         None => Ok(0..count),
         Some(index) if index < count => Ok(index..index + 1),
@@ -83,7 +95,7 @@ pub(super) fn range(state: &VirtualLights, only: Option<u32>) -> Result<std::ops
 
 impl Work<'_> {
     fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
-        let range = range(self.state, self.frame.settings.virtual_light)?;
+        let range = range(self.state, &self.lights, self.frame.settings.virtual_light)?;
         let [width, height] = self.frame.view.size.map(u64::from);
         let rays = self.state.settings.visibility == VirtualVisibility::ShadowRays;
         let (submit, dispatch) = match rays {

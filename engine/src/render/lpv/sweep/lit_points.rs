@@ -28,6 +28,7 @@ pub(crate) struct DrawUniform {
     points: u32,
     seed: u32,
     scale: f32,
+    light: u32,
 }
 
 /// The points of a frame.
@@ -77,12 +78,13 @@ pub(super) fn declare<'a>(
         points: POINTS,
         seed: frame.seed() ^ 0x5bd1_e995,
         scale,
+        light: 0,
     };
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let cumulative = graph.retained_buffer("flux of lit texels", BufferDesc::new(4 * u64::from(strips), usage));
     let weights = graph.buffer("flux of strips", BufferDesc::new(4 * u64::from(strips), usage));
     let points = graph.retained_buffer("lit points", BufferDesc::new(POINT_BYTES * u64::from(POINTS), usage));
-    let lights: Vec<u64> = maps.iter().map(|map| map.rsm.light.revision).collect();
+    let lights: Vec<(u64, u32)> = maps.iter().map(|map| (map.rsm.light.revision, map.rsm.index)).collect();
     let box_bits = [reach.min, reach.max].map(|corner| corner.to_array().map(f32::to_bits));
 
     let mut pass = graph.pass("flux of lit texels");
@@ -144,8 +146,8 @@ fn dispatch(
     groups: [u32; 3],
 ) -> Result<(), PassError> {
     let gpu = cx.gpu;
-    let draw = gpu.uniform("draw", &DrawUniform { first_strip: map.first_strip, ..*draw });
-    let light = LightUniform::buffer(gpu, map.rsm.light, map.rsm.index);
+    let draw = gpu.uniform("draw", &DrawUniform { first_strip: map.first_strip, light: map.rsm.index, ..*draw });
+    let light = LightUniform::buffer(gpu, map.rsm.light);
     let rsm = gpu.uniform("rsm", &map.rsm.layer_uniform(map.layer, 1.0));
     let key = ComputeKey::new("lpv/sweep/lit_points.wgsl", entry);
     let textures = [
