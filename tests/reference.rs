@@ -14,7 +14,7 @@ fn direct_light_of(scene: &str) {
     let reference = read_image(&folder.join("direct.exr")).unwrap_or_else(|error| panic!("{error}"));
     let mut stage = Stage::open(&folder.join("scene.glb"), None, reference.size());
     let settings =
-        RenderSettings { gi: GiMethod::None, only: Layer::Direct, display: false, ..RenderSettings::default() };
+        RenderSettings { gi: GiMethod::NONE, only: Layer::Direct, display: false, ..RenderSettings::default() };
     let image = stage.averaged(&settings, 16);
     let comparison = compare(&image, &reference).unwrap_or_else(|error| panic!("{error}"));
     let (nrmse, bias) = (comparison.nrmse, comparison.bias);
@@ -90,7 +90,7 @@ fn traced_light_of_the_glossy_cubes() {
 fn shadowed_aisles_of_sponza_get_indirect_light() {
     let Some(models) = folder_from_env("LIGHTWELL_MODELS") else { return };
     let mut stage = Stage::open(&root().join("scenes/sponza.scene.ron"), Some(models), [256, 144]);
-    stage.draw(&RenderSettings { gi: GiMethod::None, ..RenderSettings::default() }, [0.0; 2]);
+    stage.draw(&RenderSettings { gi: GiMethod::NONE, ..RenderSettings::default() }, [0.0; 2]);
     let direct = stage.radiance();
     stage.draw(&RenderSettings { only: Layer::Indirect, ..RenderSettings::default() }, [0.0; 2]);
     let indirect = stage.radiance();

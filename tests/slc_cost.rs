@@ -21,7 +21,7 @@ struct Cost {
 fn draw(stage: &mut Stage, settings: &StochasticLightCulling, jitter: f32) -> Cost {
     stage.scene.slc = Some(settings.clone());
     let frame = RenderSettings {
-        gi: GiMethod::Slc,
+        gi: GiMethod::SLC,
         only: Layer::Indirect,
         display: false,
         no_cache: true,

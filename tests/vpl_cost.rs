@@ -2,7 +2,7 @@
 //! against one pass a light. Run with `--nocapture` for the figures. The first needs Sponza (`LIGHTWELL_MODELS`).
 
 use lightwell::bvh::{Ray, SceneBvh};
-use lightwell::render::vpl::{CastCounts, Caster};
+use lightwell::render::vpl::{CastCounts, Caster, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
 use lightwell_game::bench::plot::{Curve, sweep};
@@ -67,7 +67,7 @@ fn follow_the_report(scene: &str) {
     let mut stage = Stage::open(&root().join(format!("scenes/{scene}.scene.ron")), None, [16; 2]);
     // The sky's particles come from all around, and many of them miss.
     (stage.scene.sky, stage.scene.sky_map) = (glam::Vec3::ZERO, None);
-    let settings = RenderSettings { gi: GiMethod::Vpl, only: Layer::Indirect, display: false, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::VPL, only: Layer::Indirect, display: false, ..Default::default() };
     let objects = stage.scene.primitives.iter().filter(|primitive| primitive.casts_shadow).count() as f64;
     let mut rows = Vec::new();
     eprintln!(
@@ -77,7 +77,7 @@ fn follow_the_report(scene: &str) {
         let [brute, hierarchy] = [ParticleCasts::BruteForce, ParticleCasts::Hierarchy].map(|casts| {
             stage.scene.vpl = Some(InstantRadiosity { particles, casts, candidates: 1, ..Default::default() });
             stage.draw(&settings, [0.0; 2]);
-            let shot = stage.renderer().virtual_lights().expect("they were asked for").particles();
+            let shot = virtual_lights(stage.renderer()).expect("they were asked for").particles();
             (shot.casts, shot.reflectance)
         });
         let predicted = objects * f64::from(particles) / (1.0 - brute.1);
@@ -93,7 +93,7 @@ fn follow_the_report(scene: &str) {
 #[test]
 fn one_pass_beats_a_pass_for_every_light() {
     let mut stage = Stage::open(&root().join("scenes/cornell.scene.ron"), None, [64; 2]);
-    let settings = RenderSettings { gi: GiMethod::Vpl, only: Layer::Indirect, display: false, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::VPL, only: Layer::Indirect, display: false, ..Default::default() };
     for particles in [64, 256, 1024] {
         let times = [Accumulation::Batched, Accumulation::ByTheLetter].map(|accumulation| {
             let visibility = VirtualVisibility::None;

@@ -36,7 +36,7 @@ fn masked(stage: &mut Stage, cutoff: f32, emissive: Vec3) {
 
 /// Part of the pixels that are bright.
 fn bright(gpu: &Gpu, stage: &Stage, layer: Layer) -> f32 {
-    let image = stage.render(gpu, GiMethod::None, layer);
+    let image = stage.render(gpu, GiMethod::NONE, layer);
     let count = image.rgba.iter().filter(|pixel| pixel[0] > 0.02).count();
     count as f32 / image.rgba.len() as f32
 }

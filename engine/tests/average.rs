@@ -165,7 +165,7 @@ fn virtual_lights_by_chance_are_averaged_too() {
     stage.scene.slc = Some(coarse);
     let truth = traced(&gpu, &stage, Some(1));
     let mut renderer = Renderer::new(&gpu);
-    let slc = RenderSettings { gi: GiMethod::Slc, ..settings(true) };
+    let slc = RenderSettings { gi: GiMethod::SLC, ..settings(true) };
     let (first, _) = stage.render_with(&gpu, &mut renderer, &slc);
     let mut last = first.clone();
     for _ in 0..24 {

@@ -33,7 +33,7 @@ fn crowd() -> Stage {
 }
 
 fn report(stage: &Stage) -> FrameReport {
-    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
     let gpu = gpu();
     stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).1
 }
@@ -97,7 +97,7 @@ fn many_draws_in_a_call_are_the_same_draws() {
             primitive.material = Arc::new(Material::diffuse("own", Vec3::splat(0.01 * index as f32)));
         }
     }
-    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
     let mut gpu = gpu();
     let many = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings);
     gpu.draws_indirectly = false;
@@ -124,7 +124,7 @@ fn blocks_change_nothing_in_what_is_drawn() {
         stage.scene.primitives.push(primitive);
     }
     let gpu = gpu();
-    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
     let mut most = 0;
     for shift in [0.0, 97.5, 180.0, 260.0, 300.0] {
         let mut inside = 0;

@@ -38,7 +38,7 @@ fn pane(stage: &mut Stage, material: Material, z: f32, edge: f32) {
 }
 
 fn middle(gpu: &Gpu, stage: &Stage, layer: Layer) -> Vec3 {
-    rgb(&stage.render(gpu, GiMethod::None, layer), EDGE / 2, EDGE / 2)
+    rgb(&stage.render(gpu, GiMethod::NONE, layer), EDGE / 2, EDGE / 2)
 }
 
 fn assert_close(found: Vec3, expected: Vec3) {
@@ -55,7 +55,7 @@ fn a_pane_that_shines_is_blended_by_its_alpha() {
         pane(&mut stage, glass(Vec3::ZERO, shine, alpha), 0.0, 2.0);
         let expected = alpha * shine + (1.0 - alpha) * BACKGROUND;
         assert_close(middle(&gpu, &stage, Layer::Total), expected);
-        let image = stage.render(&gpu, GiMethod::None, Layer::Total);
+        let image = stage.render(&gpu, GiMethod::NONE, Layer::Total);
         assert_close(rgb(&image, 0, 0), BACKGROUND);
     }
 }
@@ -129,14 +129,14 @@ fn an_opaque_surface_hides_what_is_blended_behind_it() {
     let opaque = Material { emissive: Vec3::Y, ..Material::diffuse("opaque", Vec3::ZERO) };
     pane(&mut stage, opaque, 0.0, 1.0);
     assert_close(middle(&gpu, &stage, Layer::Total), Vec3::Y);
-    assert_close(rgb(&stage.render(&gpu, GiMethod::None, Layer::Total), 10, EDGE / 2), 0.5 * (Vec3::ONE + BACKGROUND));
+    assert_close(rgb(&stage.render(&gpu, GiMethod::NONE, Layer::Total), 10, EDGE / 2), 0.5 * (Vec3::ONE + BACKGROUND));
 }
 
 #[test]
 fn the_report_says_when_there_is_nothing_to_blend() {
     let gpu = gpu();
     let state = |stage: &Stage, only: Layer| {
-        let settings = RenderSettings { gi: GiMethod::None, only, ..Default::default() };
+        let settings = RenderSettings { gi: GiMethod::NONE, only, ..Default::default() };
         let mut renderer = Renderer::new(&gpu);
         let (_, report) = stage.render_with(&gpu, &mut renderer, &settings);
         let (_, again) = stage.render_with(&gpu, &mut renderer, &settings);
@@ -196,7 +196,7 @@ fn drawn_as_traced() {
     tracer.begin(&gpu, &stage.scene, &stage.view, &TraceSettings { bounces: None, seed: 5 }).expect("traceable");
     tracer.advance(&gpu, 256).expect("samples");
     let traced = tracer.estimate(&gpu).expect("an image");
-    let drawn = [Layer::Direct, Layer::Indirect].map(|layer| image(&stage, &gpu, GiMethod::Clpv, layer));
+    let drawn = [Layer::Direct, Layer::Indirect].map(|layer| image(&stage, &gpu, GiMethod::CLPV, layer));
     for (x, pane) in [(6, "left"), (20, "right")] {
         for (drawn, traced, most) in [(&drawn[0], traced.direct(), 0.06), (&drawn[1], traced.indirect(), 0.15)] {
             let (found, expected) = (mean(drawn, x, 10), mean(&traced, x, 10));
@@ -212,12 +212,12 @@ fn drawn_as_traced() {
 fn all_methods_light_panes() {
     let gpu = gpu();
     let stage = room(0.6);
-    let expected = mean(&image(&stage, &gpu, GiMethod::Clpv, Layer::Indirect), 6, 10).x;
+    let expected = mean(&image(&stage, &gpu, GiMethod::CLPV, Layer::Indirect), 6, 10).x;
     let mut propagated = room(0.6);
     if let Some(clpv) = &mut propagated.scene.clpv {
         clpv.settings.transport = lightwell::world::Transport::Diffusion;
     }
-    let cases = [(&stage, GiMethod::Vpl, 0.5), (&stage, GiMethod::Slc, 0.2), (&propagated, GiMethod::Clpv, 0.1)];
+    let cases = [(&stage, GiMethod::VPL, 0.5), (&stage, GiMethod::SLC, 0.2), (&propagated, GiMethod::CLPV, 0.1)];
     for (stage, gi, least) in cases {
         let panes = image(stage, &gpu, gi, Layer::Indirect);
         let mut walls = room(0.6);

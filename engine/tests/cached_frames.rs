@@ -73,7 +73,7 @@ fn edit() -> impl Strategy<Value = Edit> {
 
 /// The methods of indirect light, each with the settings that make it another set of passes.
 const METHODS: [fn(&mut Studio); 9] = [
-    |studio| studio.settings.gi = GiMethod::None,
+    |studio| studio.settings.gi = GiMethod::NONE,
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(0)),
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(2)),
     |studio| studio.clpv(|clpv| *clpv = Clpv { transport: Transport::Diffusion, steps: 6, ..Studio::sweep(0) }),
@@ -86,8 +86,8 @@ const METHODS: [fn(&mut Studio); 9] = [
         })
     },
     |studio| {
-        let reference = ReferenceSettings { samples: 1, samples_a_frame: 1, ..Default::default() };
-        studio.settings.gi = GiMethod::Reference(reference);
+        studio.settings.gi = GiMethod::REFERENCE;
+        studio.settings.reference = ReferenceSettings { samples: 1, samples_a_frame: 1, ..Default::default() };
     },
 ];
 
@@ -183,14 +183,14 @@ impl Studio {
     }
 
     fn clpv(&mut self, change: impl FnOnce(&mut Clpv)) {
-        self.settings.gi = GiMethod::Clpv;
+        self.settings.gi = GiMethod::CLPV;
         let mut clpv = self.world.ecs.get::<Clpv>(self.volume).cloned().unwrap_or_default();
         change(&mut clpv);
         self.insert(self.volume, clpv);
     }
 
     fn vpl(&mut self, change: impl FnOnce(&mut InstantRadiosity)) {
-        self.settings.gi = GiMethod::Vpl;
+        self.settings.gi = GiMethod::VPL;
         let mut vpl = self.world.ecs.get::<InstantRadiosity>(self.volume).cloned().unwrap_or_default();
         vpl.particles = vpl.particles.min(16);
         change(&mut vpl);
@@ -198,7 +198,7 @@ impl Studio {
     }
 
     fn slc(&mut self, change: impl FnOnce(&mut StochasticLightCulling)) {
-        self.settings.gi = GiMethod::Slc;
+        self.settings.gi = GiMethod::SLC;
         let known = self.world.ecs.get::<StochasticLightCulling>(self.volume).cloned();
         let mut slc = known.unwrap_or_else(Self::few_lights);
         change(&mut slc);
@@ -226,29 +226,29 @@ impl Studio {
     /// A setting of the method that is on.
     fn set(&mut self, which: usize) {
         match (self.settings.gi, which) {
-            (GiMethod::Clpv, 0) => self.clpv(|clpv| clpv.bounces = Bounces::Count(1)),
-            (GiMethod::Clpv, 1) => self.clpv(|clpv| clpv.bounces = Bounces::Converged),
-            (GiMethod::Clpv, 2) => self.clpv(|clpv| clpv.cascades = 3 - clpv.cascades.clamp(1, 2)),
-            (GiMethod::Clpv, 3) => self.clpv(|clpv| clpv.gather_filter = 6 - clpv.gather_filter.min(6)),
-            (GiMethod::Clpv, 4) => self.clpv(|clpv| clpv.occlusion = !clpv.occlusion),
-            (GiMethod::Clpv, 5) => self.clpv(|clpv| clpv.camera_blockers = !clpv.camera_blockers),
-            (GiMethod::Clpv, 6) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Camera { ahead: 0.5 }),
-            (GiMethod::Clpv, 7) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Fixed),
-            (GiMethod::Vpl, 0) => self.vpl(|vpl| vpl.view_driven = !vpl.view_driven),
-            (GiMethod::Vpl, 1) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::None),
-            (GiMethod::Vpl, 2) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::ShadowRays),
-            (GiMethod::Vpl, 3) => self.vpl(|vpl| vpl.near_rays = 1 - vpl.near_rays.min(1)),
-            (GiMethod::Vpl, 4) => self.vpl(|vpl| vpl.accumulation = Accumulation::ByTheLetter),
-            (GiMethod::Vpl, 5) => self.vpl(|vpl| vpl.accumulation = Accumulation::Batched),
-            (GiMethod::Vpl, 6) => self.vpl(|vpl| vpl.candidates = 9 - vpl.candidates.clamp(1, 8)),
-            (GiMethod::Vpl, 7) => self.vpl(|vpl| {
+            (GiMethod::CLPV, 0) => self.clpv(|clpv| clpv.bounces = Bounces::Count(1)),
+            (GiMethod::CLPV, 1) => self.clpv(|clpv| clpv.bounces = Bounces::Converged),
+            (GiMethod::CLPV, 2) => self.clpv(|clpv| clpv.cascades = 3 - clpv.cascades.clamp(1, 2)),
+            (GiMethod::CLPV, 3) => self.clpv(|clpv| clpv.gather_filter = 6 - clpv.gather_filter.min(6)),
+            (GiMethod::CLPV, 4) => self.clpv(|clpv| clpv.occlusion = !clpv.occlusion),
+            (GiMethod::CLPV, 5) => self.clpv(|clpv| clpv.camera_blockers = !clpv.camera_blockers),
+            (GiMethod::CLPV, 6) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Camera { ahead: 0.5 }),
+            (GiMethod::CLPV, 7) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Fixed),
+            (GiMethod::VPL, 0) => self.vpl(|vpl| vpl.view_driven = !vpl.view_driven),
+            (GiMethod::VPL, 1) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::None),
+            (GiMethod::VPL, 2) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::ShadowRays),
+            (GiMethod::VPL, 3) => self.vpl(|vpl| vpl.near_rays = 1 - vpl.near_rays.min(1)),
+            (GiMethod::VPL, 4) => self.vpl(|vpl| vpl.accumulation = Accumulation::ByTheLetter),
+            (GiMethod::VPL, 5) => self.vpl(|vpl| vpl.accumulation = Accumulation::Batched),
+            (GiMethod::VPL, 6) => self.vpl(|vpl| vpl.candidates = 9 - vpl.candidates.clamp(1, 8)),
+            (GiMethod::VPL, 7) => self.vpl(|vpl| {
                 *vpl = InstantRadiosity { particles: 16, shading: VirtualShading::AsPublished, ..Default::default() };
             }),
-            (GiMethod::Slc, 0) => self.slc(|slc| slc.culling = LightCulling::Tiled),
-            (GiMethod::Slc, 1) => self.slc(|slc| slc.culling = LightCulling::None),
-            (GiMethod::Slc, 2) => self.slc(|slc| slc.filter_radius = 8 - slc.filter_radius.min(8)),
-            (GiMethod::Slc, 3) => self.slc(|slc| slc.delta = Delta::Relative(1e-2)),
-            (GiMethod::Slc, 4) => self.slc(|slc| slc.seed += 1),
+            (GiMethod::SLC, 0) => self.slc(|slc| slc.culling = LightCulling::Tiled),
+            (GiMethod::SLC, 1) => self.slc(|slc| slc.culling = LightCulling::None),
+            (GiMethod::SLC, 2) => self.slc(|slc| slc.filter_radius = 8 - slc.filter_radius.min(8)),
+            (GiMethod::SLC, 3) => self.slc(|slc| slc.delta = Delta::Relative(1e-2)),
+            (GiMethod::SLC, 4) => self.slc(|slc| slc.seed += 1),
             (_, 8) => self.settings.each_light_alone = !self.settings.each_light_alone,
             (_, 9) => self.settings.exposure = 1.0 - self.settings.exposure,
             (_, 10) => self.settings.mlaa = !self.settings.mlaa,

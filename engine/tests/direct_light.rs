@@ -21,7 +21,7 @@ fn floor() -> Stage {
 
 /// Largest relative deviation from `expected(point on the floor)`, over pixels that see the floor.
 fn worst_deviation(stage: &Stage, expected: impl Fn(Vec3) -> Vec3) -> f32 {
-    let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+    let image = stage.render(&gpu(), GiMethod::NONE, Layer::Direct);
     let eye = stage.view.eye();
     let mut worst = 0.0_f32;
     for y in 0..image.height {
@@ -101,7 +101,7 @@ fn what_stands_before_the_light_casts_its_shadow_for_every_kind_of_light() {
         // From below the box, so that the shadow is in view.
         stage.view.camera.world_from_view = Affine3A::from_rotation_x(-0.25) * Affine3A::IDENTITY;
         stage.view.camera.world_from_view.translation = Vec3::new(0.0, 0.8, 2.5).into();
-        let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+        let image = stage.render(&gpu(), GiMethod::NONE, Layer::Direct);
         let eye = stage.view.eye();
         let (mut dark, mut lit) = (0, 0);
         for y in 0..image.height {
@@ -130,12 +130,12 @@ fn scaling_a_light_by_a_power_of_two_scales_the_image_exactly() {
     let mut stage = floor();
     stage.light(LightShape::Point, Vec3::new(0.3, 0.7, 1.1), Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
     let gpu = gpu();
-    let once = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    let once = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
     for power in [-20, 20] {
         let factor = 2.0_f32.powi(power);
         stage.scene.lights[0].intensity = Vec3::new(0.3, 0.7, 1.1) * factor;
         stage.scene.lights[0].revision += 1;
-        let scaled = stage.render(&gpu, GiMethod::None, Layer::Direct);
+        let scaled = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
         for (a, b) in once.rgba.iter().zip(&scaled.rgba) {
             for channel in 0..3 {
                 assert_eq!(a[channel] * factor, b[channel]);
@@ -148,14 +148,14 @@ fn scaling_a_light_by_a_power_of_two_scales_the_image_exactly() {
 fn no_light_is_exactly_black_and_lights_add_up() {
     let gpu = gpu();
     let mut stage = floor();
-    let dark = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    let dark = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
     assert!(dark.rgba.iter().all(|p| p[..3] == [0.0; 3]));
     stage.light(LightShape::Point, Vec3::X, Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
-    let first = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    let first = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
     stage.light(LightShape::Directional, Vec3::Y, Vec3::ZERO, Vec3::NEG_Y);
-    let both = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    let both = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
     stage.scene.lights.remove(0);
-    let second = stage.render(&gpu, GiMethod::None, Layer::Direct);
+    let second = stage.render(&gpu, GiMethod::NONE, Layer::Direct);
     for ((a, b), sum) in first.rgba.iter().zip(&second.rgba).zip(&both.rgba) {
         for channel in 0..3 {
             let expected = a[channel] + b[channel];
@@ -171,7 +171,7 @@ fn a_light_of_any_strength_and_place_gives_finite_images() {
         for position in [Vec3::ZERO, Vec3::new(0.0, 1e-20, 0.0), Vec3::splat(1e6)] {
             let mut stage = floor();
             stage.light(LightShape::Point, Vec3::splat(intensity), position, Vec3::NEG_Y);
-            stage.render(&gpu, GiMethod::None, Layer::Total);
+            stage.render(&gpu, GiMethod::NONE, Layer::Total);
         }
     }
 }
@@ -182,7 +182,7 @@ fn a_glossy_surface_reflects_the_light_towards_its_mirror_image() {
     let material = Material { roughness: 0.2, ..Material::new("varnish") };
     stage.add_material(Shape::Plane { size: [20.0, 20.0], subdivisions: [1, 1] }, material, Affine3A::IDENTITY);
     stage.light(LightShape::Point, Vec3::splat(4.0), Vec3::new(0.0, 2.0, -2.0), Vec3::NEG_Y);
-    let image = stage.render(&gpu(), GiMethod::None, Layer::Direct);
+    let image = stage.render(&gpu(), GiMethod::NONE, Layer::Direct);
     let brightest =
         (0..65 * 65).max_by(|&a, &b| rgb(&image, a % 65, a / 65).x.total_cmp(&rgb(&image, b % 65, b / 65).x));
     let (x, y) = brightest.map(|i| (i % 65, i / 65)).expect("pixels");
@@ -193,7 +193,7 @@ fn a_glossy_surface_reflects_the_light_towards_its_mirror_image() {
 fn a_still_frame_is_kept_and_a_moved_light_pays_for_itself_alone() {
     let gpu = gpu();
     let mut renderer = Renderer::new(&gpu);
-    let settings = RenderSettings { gi: GiMethod::None, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
     let mut stage = floor();
     stage.light(LightShape::Point, Vec3::X, Vec3::new(0.0, 1.0, 0.0), Vec3::NEG_Y);
     stage.light(LightShape::Directional, Vec3::Y, Vec3::ZERO, Vec3::NEG_Y);
@@ -210,7 +210,7 @@ fn a_still_frame_is_kept_and_a_moved_light_pays_for_itself_alone() {
     assert!(ran.contains(&format!("shadow {name}").as_str()), "{ran:?}");
     assert!(!ran.contains(&"gbuffer"), "{ran:?}");
     assert_eq!(ran.iter().filter(|name| name.starts_with("shadow")).count(), 1, "{ran:?}");
-    let fresh = stage.render(&gpu, GiMethod::None, Layer::Total);
+    let fresh = stage.render(&gpu, GiMethod::NONE, Layer::Total);
     assert_eq!(cached, fresh, "reuse changed a bit");
 }
 
@@ -228,7 +228,7 @@ fn lights_without_shadows_share_a_pass_and_give_the_same_light() {
     stage.light(LightShape::Directional, Vec3::ONE, Vec3::ZERO, Vec3::new(0.3, -1.0, 0.2).normalize()).casts_shadow =
         true;
     let settings = |each_light_alone| RenderSettings {
-        gi: GiMethod::None,
+        gi: GiMethod::NONE,
         only: Layer::Direct,
         each_light_alone,
         ..RenderSettings::default()

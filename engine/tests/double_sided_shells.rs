@@ -34,7 +34,7 @@ fn mean(image: &ImageF32) -> f32 {
 }
 
 fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
-    stage.render(gpu, GiMethod::Clpv, Layer::Indirect)
+    stage.render(gpu, GiMethod::CLPV, Layer::Indirect)
 }
 
 fn traced(gpu: &Gpu, stage: &Stage, bounces: Option<u32>) -> Image {
@@ -124,7 +124,7 @@ fn all_methods_light_a_back_as_they_light_a_front() {
     let of = |kind| {
         room(kind, 0.5, Vec3::splat(4.0), Clpv { gather_rays: GatherRays::Count(2), ..settings(Bounces::Count(1)) })
     };
-    for method in [GiMethod::None, GiMethod::Clpv, GiMethod::Vpl, GiMethod::Slc] {
+    for method in [GiMethod::NONE, GiMethod::CLPV, GiMethod::VPL, GiMethod::SLC] {
         let [outward, inward] = ["outward", "inward"].map(|kind| of(kind).render(&gpu, method, Layer::Total));
         let (outward, inward) = (mean(&outward), mean(&inward));
         assert!(inward > 0.0 && (outward / inward - 1.0).abs() < 0.01, "{method:?}: {outward}, inward {inward}");

@@ -23,7 +23,7 @@ fn mean(image: &ImageF32) -> f32 {
 }
 
 fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
-    stage.render(gpu, GiMethod::Clpv, Layer::Indirect)
+    stage.render(gpu, GiMethod::CLPV, Layer::Indirect)
 }
 
 /// Mean of 16 images, each with rays of its own, over the area of the pixels as the path tracer has it.
@@ -204,13 +204,13 @@ fn nothing_is_gathered_twice_and_reuse_changes_no_bit() {
     let (moved, report) = draw(&mut renderer, &stage);
     assert!(report.ran("gather"), "{report}");
     assert!(!ran(&report).iter().any(|name| name.starts_with("sweep") || name.starts_with("rsm")), "{report}");
-    assert_eq!(moved, stage.render(&gpu, GiMethod::Clpv, Layer::Total));
+    assert_eq!(moved, stage.render(&gpu, GiMethod::CLPV, Layer::Total));
     stage.scene.lights[0].intensity *= 0.5;
     stage.scene.lights[0].revision += 1;
     stage.scene.revisions.lights += 1;
     let (dimmed, report) = draw(&mut renderer, &stage);
     assert!(report.ran("gather"), "{report}");
-    assert_eq!(dimmed, stage.render(&gpu, GiMethod::Clpv, Layer::Total));
+    assert_eq!(dimmed, stage.render(&gpu, GiMethod::CLPV, Layer::Total));
 }
 
 /// Rays and cells follow from the quality.

@@ -30,7 +30,7 @@ fn room(settings: Clpv) -> Stage {
 }
 
 fn indirect(gpu: &Gpu, stage: &Stage) -> (ImageF32, FrameReport) {
-    let settings = RenderSettings { gi: GiMethod::Clpv, only: Layer::Indirect, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::CLPV, only: Layer::Indirect, ..Default::default() };
     stage.render_with(gpu, &mut Renderer::new(gpu), &settings)
 }
 

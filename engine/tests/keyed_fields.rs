@@ -77,7 +77,7 @@ impl Show {
         self.world.update();
         self.extractor.extract(&mut self.world, &mut self.scene);
         let view = SceneView { camera: self.scene.cameras[0].clone(), size: [48, 48], jitter: [0.0; 2] };
-        let settings = RenderSettings { gi: GiMethod::Clpv, ..Default::default() };
+        let settings = RenderSettings { gi: GiMethod::CLPV, ..Default::default() };
         let report = self.renderer.render(gpu, &self.scene, &view, &settings).unwrap();
         let ran = report.passes.iter().filter(|p| p.state == PassState::Ran).map(|p| p.name.clone()).collect();
         (read_texture_f32(gpu, self.renderer.radiance().unwrap()).unwrap(), ran)

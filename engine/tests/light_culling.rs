@@ -39,13 +39,13 @@ fn small() -> StochasticLightCulling {
 }
 
 fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
-    stage.render(gpu, GiMethod::Slc, Layer::Indirect)
+    stage.render(gpu, GiMethod::SLC, Layer::Indirect)
 }
 
 /// Lights tested and accepted, of all pixels.
 fn counts(gpu: &Gpu, stage: &Stage) -> [f64; 2] {
     let mut renderer = Renderer::new(gpu);
-    let settings = RenderSettings { gi: GiMethod::Slc, only: Layer::Indirect, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::SLC, only: Layer::Indirect, ..Default::default() };
     let (_, report) = stage.render_with(gpu, &mut renderer, &settings);
     let passes = report.passes.iter().filter(|pass| ["slc cull", "slc shade"].contains(&pass.name.as_str()));
     println!("cull and shade {:.0} ms", passes.filter_map(|pass| pass.gpu_ms).sum::<f64>());
@@ -224,7 +224,7 @@ fn no_light_is_exactly_none_and_too_many_are_an_error() {
     let settings = StochasticLightCulling { rsm_size: 4096, ..small() };
     let many = stage(0.3, 16, 1.0, 1.0, settings);
     let mut renderer = Renderer::new(&gpu);
-    let frame = RenderSettings { gi: GiMethod::Slc, ..Default::default() };
+    let frame = RenderSettings { gi: GiMethod::SLC, ..Default::default() };
     let error = renderer.render(&gpu, &many.scene, &many.view, &frame).expect_err("16 million lights do not fit");
     let text = error.to_string();
     assert!(text.contains("virtual lights take") && text.contains("rsm_size"), "{text}");

@@ -129,18 +129,18 @@ fn blockers_stop_light_and_bounces_bring_some_of_it_back() {
 fn intensity_scales_the_indirect_image_exactly_and_zero_is_zero() {
     let gpu = gpu();
     let mut stage = room(0.5, half_metre_cells(10, 8));
-    let once = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+    let once = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
     assert!(once.rgba.iter().any(|p| p[0] > 0.0));
     for power in [-20, -3, 1, 20] {
         let factor = 2.0_f32.powi(power);
         stage.scene.lights[0].intensity = Vec3::splat(2.0 * factor);
-        let scaled = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+        let scaled = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
         for (a, b) in once.rgba.iter().zip(&scaled.rgba) {
             assert_eq!(a[0] * factor, b[0], "2^{power}");
         }
     }
     stage.scene.lights[0].intensity = Vec3::ZERO;
-    let dark = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+    let dark = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
     assert!(dark.rgba.iter().all(|p| p[..3] == [0.0; 3]));
 }
 
@@ -153,7 +153,7 @@ fn the_mirrored_scene_gives_the_mirrored_image() {
         stage.add_room(-0.5 * ROOM, ROOM, Vec3::new(0.2, 0.5, 0.7));
         stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(0.3, 0.6, -0.2) * m, Vec3::NEG_Y);
         stage.clpv(Vec3::ZERO, half_metre_cells(10, 8));
-        stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)
+        stage.render(&gpu, GiMethod::CLPV, Layer::Indirect)
     };
     let (plain, mirrored) = (image(1.0), image(-1.0));
     let (mut square, mut mean) = (0.0_f64, 0.0_f64);
@@ -176,7 +176,7 @@ fn moving_everything_by_whole_cells_changes_nothing_to_see() {
         stage.add_room(-0.5 * ROOM + shift, ROOM, Vec3::splat(0.5));
         stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(0.3, 0.6, -0.2) + shift, Vec3::NEG_Y);
         stage.clpv(shift, half_metre_cells(10, 8));
-        stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)
+        stage.render(&gpu, GiMethod::CLPV, Layer::Indirect)
     };
     let (here, there) = (image(Vec3::ZERO), image(Vec3::new(2.0, -4.0, 8.0)));
     let mean = here.rgba.iter().map(|p| p[0]).sum::<f32>() / here.rgba.len() as f32;
@@ -195,7 +195,7 @@ fn the_order_of_lights_in_memory_does_not_matter_for_their_sum() {
         for &i in which {
             stage.light(LightShape::Point, Vec3::splat(1.0 + 2.0 * i as f32), lights[i], Vec3::NEG_Y);
         }
-        stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)
+        stage.render(&gpu, GiMethod::CLPV, Layer::Indirect)
     };
     let (both, swapped) = (image(&[0, 1]), image(&[1, 0]));
     for (a, b) in both.rgba.iter().zip(&swapped.rgba) {
@@ -207,7 +207,7 @@ fn the_order_of_lights_in_memory_does_not_matter_for_their_sum() {
 fn two_runs_give_the_same_bits_and_so_does_a_run_without_any_reuse() {
     let gpu = gpu();
     let stage = room(0.5, Clpv { cascades: 2, ..half_metre_cells(8, 8) });
-    let first = stage.render(&gpu, GiMethod::Clpv, Layer::Total);
+    let first = stage.render(&gpu, GiMethod::CLPV, Layer::Total);
     let mut renderer = Renderer::new(&gpu);
     stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
     let settings = RenderSettings { no_cache: true, ..Default::default() };
@@ -265,5 +265,5 @@ fn a_flickering_lamp_redraws_no_map() {
         assert!(!(map && report.ran(&pass.name)), "{} ran for a change of intensity", pass.name);
     }
     assert!(report.ran("inject, cascade 0"), "{report}");
-    assert_eq!(kept, stage.render(&gpu, GiMethod::Clpv, Layer::Total), "reuse changed a bit");
+    assert_eq!(kept, stage.render(&gpu, GiMethod::CLPV, Layer::Total), "reuse changed a bit");
 }

@@ -17,7 +17,7 @@ const EDGE: u32 = 96;
 /// The display image, decoded to linear light.
 fn display(gpu: &Gpu, stage: &Stage, mlaa: bool) -> (Vec<u8>, Vec<f32>) {
     let mut renderer = Renderer::new(gpu);
-    let settings = RenderSettings { gi: GiMethod::None, mlaa, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, mlaa, ..Default::default() };
     stage.render_with(gpu, &mut renderer, &settings);
     let bytes = read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap();
     let light = bytes.iter().map(|&byte| srgb_decode(f32::from(byte) / 255.0)).collect();
@@ -121,7 +121,7 @@ fn each_mode_finds_its_own_edges() {
 /// Pixels that smoothing changes.
 fn changed(gpu: &Gpu, stage: &Stage, by: MlaaEdges, plain: &[u8]) -> usize {
     let mut renderer = Renderer::new(gpu);
-    let settings = RenderSettings { gi: GiMethod::None, mlaa: true, mlaa_edges: by, ..Default::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, mlaa: true, mlaa_edges: by, ..Default::default() };
     stage.render_with(gpu, &mut renderer, &settings);
     let smooth = read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap();
     smooth.chunks(4).zip(plain.chunks(4)).filter(|(a, b)| a != b).count()

@@ -58,7 +58,7 @@ fn put(stage: &mut Stage, at: Vec3, turn: f32) {
 }
 
 fn settings(no_cache: bool) -> RenderSettings {
-    RenderSettings { gi: GiMethod::None, no_cache, ..Default::default() }
+    RenderSettings { gi: GiMethod::NONE, no_cache, ..Default::default() }
 }
 
 fn state<'r>(report: &'r FrameReport, pass: &str) -> &'r PassState {
@@ -110,7 +110,7 @@ fn reflective_shadow_maps_and_blockers_pay_for_what_moves() {
     };
     stage.clpv(Vec3::new(0.0, 2.0, 0.0), cells);
     let mut renderer = Renderer::new(&gpu);
-    let settings = RenderSettings { gi: GiMethod::Clpv, ..settings(false) };
+    let settings = RenderSettings { gi: GiMethod::CLPV, ..settings(false) };
     for step in 0..3 {
         put(&mut stage, Vec3::new(1.0, 2.0, 1.0 + 0.1 * step as f32), 0.0);
         let (image, report) = stage.render_with(&gpu, &mut renderer, &settings);

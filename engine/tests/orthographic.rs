@@ -37,7 +37,7 @@ fn the_footprint_is_that_of_the_object_at_any_distance() {
         // 32 pixels a metre.
         let mut stage = parallel(Stage::new(Vec3::ZERO, Vec3::NEG_Z, 128), 4.0, 0.0, Some(100.0));
         stage.add(Shape::Box { size: [1.0, 0.5, 1.0] }, Vec3::ONE, at(Vec3::new(0.5, 1.0, -distance)));
-        let image = stage.render(&gpu, GiMethod::None, Layer::Albedo);
+        let image = stage.render(&gpu, GiMethod::NONE, Layer::Albedo);
         let shown = |x, y| support::rgb(&image, x, y).x > 0.0;
         assert_eq!(covered(&image), 32 * 16, "at {distance} m");
         assert!(shown(64, 24) && shown(95, 39) && !shown(63, 24) && !shown(96, 39) && !shown(64, 23), "{distance} m");
@@ -45,7 +45,7 @@ fn the_footprint_is_that_of_the_object_at_any_distance() {
         let ball = Shape::Sphere { radius: 1.2, segments: 256, rings: 128 };
         stage.add(ball, Vec3::ONE, at(Vec3::NEG_Z * distance));
         let disc = PI * (1.2_f32 * 32.0).powi(2);
-        let count = covered(&stage.render(&gpu, GiMethod::None, Layer::Albedo)) as f32;
+        let count = covered(&stage.render(&gpu, GiMethod::NONE, Layer::Albedo)) as f32;
         assert!((count / disc - 1.0).abs() < 0.01, "{count} pixels at {distance} m, expected {disc}");
     }
 }
@@ -104,7 +104,7 @@ fn smoothed(gpu: &Gpu, stage: &mut Stage, layer: Layer) -> Image {
     let (steps, mut renderer) = (4, Renderer::new(gpu));
     for i in 0..steps * steps {
         stage.view.jitter = [i % steps, i / steps].map(|k| (k as f32 + 0.5) / steps as f32 - 0.5);
-        let settings = RenderSettings { gi: GiMethod::None, only: layer, ..Default::default() };
+        let settings = RenderSettings { gi: GiMethod::NONE, only: layer, ..Default::default() };
         let (image, _) = stage.render_with(gpu, &mut renderer, &settings);
         sum.resize(image.rgba.len(), [0.0; 3]);
         for (sum, [r, g, b, _]) in sum.iter_mut().zip(&image.rgba) {
@@ -152,9 +152,9 @@ fn indirect_light_is_that_of_the_path_tracer() {
     let [_, once] = traced(&gpu, &stage, Some(1), 256);
     let [_, all] = traced(&gpu, &stage, None, 256);
     for (name, gi, reference, bias, nrmse) in [
-        ("vpl", GiMethod::Vpl, &once, 0.06, 0.15),
-        ("slc", GiMethod::Slc, &once, 0.06, 0.2),
-        ("clpv", GiMethod::Clpv, &all, 0.12, 0.25),
+        ("vpl", GiMethod::VPL, &once, 0.06, 0.15),
+        ("slc", GiMethod::SLC, &once, 0.06, 0.2),
+        ("clpv", GiMethod::CLPV, &all, 0.12, 0.25),
     ] {
         let image = drawn(&gpu, &stage, gi, Layer::Indirect);
         let found = compare(&image, reference).expect("equal sizes");
@@ -176,7 +176,7 @@ fn every_way_of_culling_gives_the_same_bits() {
         }
         let settings = StochasticLightCulling { culling, rsm_size: 64, interleave: 2, ..Default::default() };
         stage.scene.slc = Some(settings);
-        drawn(&gpu, &stage, GiMethod::Slc, Layer::Indirect)
+        drawn(&gpu, &stage, GiMethod::SLC, Layer::Indirect)
     };
     for far in [None, Some(8.0)] {
         let all = of(LightCulling::None, far);
@@ -196,7 +196,7 @@ fn the_sky_is_seen_in_one_direction() {
     let map = SkyMap::gradient(Vec3::new(0.1, 0.3, 0.9), Vec3::ONE, Vec3::new(0.2, 0.1, 0.05));
     stage.scene.sky = map.mean();
     stage.scene.sky_map = Some(Arc::new(map));
-    let sky = drawn(&gpu, &stage, GiMethod::None, Layer::Total);
+    let sky = drawn(&gpu, &stage, GiMethod::NONE, Layer::Total);
     assert!(sky.pixels().iter().all(|pixel| pixel == &sky.pixel(0, 0)), "the sky differs from pixel to pixel");
     let [direct, _] = traced(&gpu, &stage, Some(0), 4);
     for (found, expected) in sky.pixel(5, 7).into_iter().zip(direct.pixel(5, 7)) {
@@ -229,7 +229,7 @@ fn glass_and_camera_blockers() {
     let lit = |stage: &mut Stage, camera_blockers| {
         let settings = Clpv { transport: Transport::Diffusion, camera_blockers, steps: 12, ..Default::default() };
         stage.clpv(Vec3::ZERO, settings);
-        drawn(&gpu, stage, GiMethod::Clpv, Layer::Indirect).mean()
+        drawn(&gpu, stage, GiMethod::CLPV, Layer::Indirect).mean()
     };
     let (without, with) = (lit(&mut stage, false), lit(&mut stage, true));
     println!("indirect light {without:.4} without and {with:.4} with blockers from the camera");

@@ -71,11 +71,11 @@ fn an_outline_surrounds_what_is_selected() {
     let mut renderer = Renderer::new(&gpu);
     let ball = stage.scene.primitives.last().unwrap().id.0 as u32;
     let select = |ids: &[u32]| DebugSettings { outlined: ids.to_vec(), ..Default::default() };
-    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::None, select(&[])));
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[])));
     assert!(!plain.ran("outline") && !plain.ran("selection"));
-    let nobody = draw(&gpu, &mut renderer, &stage, settings(GiMethod::None, select(&[ball + 1000])));
+    let nobody = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[ball + 1000])));
     assert_eq!(differing(&plain, &nobody), 0, "nobody that is seen is selected");
-    let outlined = draw(&gpu, &mut renderer, &stage, settings(GiMethod::None, select(&[3, ball])));
+    let outlined = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[3, ball])));
     assert!(outlined.ran("outline"));
     assert_eq!(plain.radiance, outlined.radiance);
     let orange = |drawn: &Drawn, x, y| {
@@ -92,7 +92,7 @@ fn an_outline_surrounds_what_is_selected() {
         let id = u32::from_le_bytes(object[at..at + 4].try_into().unwrap());
         assert_ne!(id, ball, "the outline covers nothing of the ball itself");
     }
-    let again = draw(&gpu, &mut renderer, &stage, settings(GiMethod::None, select(&[])));
+    let again = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[])));
     assert_eq!(differing(&plain, &again), 0, "nothing is left of it");
 }
 
@@ -100,10 +100,10 @@ fn an_outline_surrounds_what_is_selected() {
 fn every_view_shows_and_leaves_the_radiance_alone() {
     let gpu = gpu();
     let methods = [
-        (GiMethod::Clpv, Transport::Sweep),
-        (GiMethod::Clpv, Transport::Diffusion),
-        (GiMethod::Vpl, Transport::Sweep),
-        (GiMethod::Slc, Transport::Sweep),
+        (GiMethod::CLPV, Transport::Sweep),
+        (GiMethod::CLPV, Transport::Diffusion),
+        (GiMethod::VPL, Transport::Sweep),
+        (GiMethod::SLC, Transport::Sweep),
     ];
     let mut shown = BTreeSet::new();
     for (gi, transport) in methods {
@@ -119,8 +119,8 @@ fn every_view_shows_and_leaves_the_radiance_alone() {
             let pass = drawn.report.pass(&format!("debug {view}"));
             let skipped = pass.is_some_and(|pass| matches!(pass.state, PassState::Skipped(_)));
             let by_light = matches!(view, DebugView::Light | DebugView::Blockers | DebugView::Voxels);
-            let makes_none = (by_light && gi != GiMethod::Clpv)
-                || view == DebugView::VirtualLights && !matches!(gi, GiMethod::Vpl | GiMethod::Slc);
+            let makes_none = (by_light && gi != GiMethod::CLPV)
+                || view == DebugView::VirtualLights && !matches!(gi, GiMethod::VPL | GiMethod::SLC);
             assert_eq!(skipped, makes_none, "{view} with {gi:?}");
             let count = differing(&plain, &drawn);
             println!("{view} with {gi:?} and {transport:?}: {count} pixels");
@@ -143,7 +143,7 @@ fn lines_are_dim_behind_surfaces() {
     let light = |stage: &mut Stage, z: f32| {
         stage.scene.lights.clear();
         stage.light(LightShape::Point, Vec3::ONE, Vec3::new(0.0, 0.0, z), Vec3::NEG_Y).range = Some(0.8);
-        let drawn = draw(&gpu, &mut Renderer::new(&gpu), stage, settings(GiMethod::None, views(&[DebugView::Lights])));
+        let drawn = draw(&gpu, &mut Renderer::new(&gpu), stage, settings(GiMethod::NONE, views(&[DebugView::Lights])));
         drawn.bytes.chunks(4).map(|p| u32::from(p[2])).max().unwrap()
     };
     let (before, behind) = (light(&mut stage, 1.2), light(&mut stage, -1.2));
@@ -156,11 +156,11 @@ fn the_reference_is_traced_beside_what_is_drawn() {
     let mut stage = stage(Transport::Sweep);
     stage.scene.clpv = None;
     let mut renderer = Renderer::new(&gpu);
-    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::None, DebugSettings::default()));
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, DebugSettings::default()));
     let beside = |shown| {
         let trace = TraceSettings { bounces: None, seed: 1 };
         let reference = ReferenceSettings { trace, samples: 64, samples_a_frame: 16 };
-        RenderSettings { gi: GiMethod::None, beside: Some(Beside { reference, shown }), ..Default::default() }
+        RenderSettings { gi: GiMethod::NONE, beside: Some(Beside { reference, shown }), ..Default::default() }
     };
     for frame in 1..=5 {
         let half = draw(&gpu, &mut renderer, &stage, beside(Shown::Wipe(0.5)));

@@ -30,7 +30,7 @@ fn the_pass_runs_before_the_tone_map() {
     let mut stage = Stage::new(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO, 16);
     stage.add(Shape::Plane { size: [20.0; 2], subdivisions: [1; 2] }, Vec3::new(0.5, 0.05, 0.02), Affine3A::IDENTITY);
     stage.light(LightShape::Point, Vec3::splat(0.02), Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y);
-    let settings = RenderSettings { gi: GiMethod::None, display: true, exposure: 8.0, ..RenderSettings::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, display: true, exposure: 8.0, ..RenderSettings::default() };
     let mut renderer = Renderer::new(&gpu);
     let shown = |renderer: &mut Renderer| {
         let report = renderer.render(&gpu, &stage.scene, &stage.view, &settings).unwrap();
@@ -57,7 +57,7 @@ fn the_pass_runs_before_the_tone_map() {
 fn a_broken_shader_is_told() {
     let gpu = gpu();
     let stage = Stage::new(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO, 8);
-    let settings = RenderSettings { gi: GiMethod::None, display: true, ..RenderSettings::default() };
+    let settings = RenderSettings { gi: GiMethod::NONE, display: true, ..RenderSettings::default() };
     let mut renderer = Renderer::new(&gpu);
     renderer.add_pass(dusk::declare);
     let missing = renderer.render(&gpu, &stage.scene, &stage.view, &settings).unwrap_err().to_string();

@@ -76,7 +76,7 @@ fn drawing_and_rays_see_the_same_pose() {
         leaning.lean(by);
         stage.scene.primitives = leaning.scene.primitives.clone();
         stage.scene.revisions.geometry = 100 + leaning.scene.revisions.geometry;
-        let settings = RenderSettings { gi: GiMethod::None, only: Layer::Direct, ..Default::default() };
+        let settings = RenderSettings { gi: GiMethod::NONE, only: Layer::Direct, ..Default::default() };
         let drawn = stage.render_with(&gpu, &mut renderer, &settings).0;
         tracer.begin(&gpu, &stage.scene, &stage.view, &TraceSettings { bounces: Some(0), seed: 1 }).expect("begun");
         tracer.advance(&gpu, 32).expect("traced");

@@ -31,7 +31,7 @@ fn under_an_even_sky() {
     let points = [Some(Vec3::Y), Some(Vec3::NEG_Y), None].map(|normal| ProbePoint { position, normal });
     renderer.set_probes(points.to_vec());
     assert_eq!(renderer.probe_light(&gpu).unwrap(), [Vec3::ZERO; 3], "nothing was drawn yet");
-    let settings = RenderSettings { gi: GiMethod::Clpv, only: Layer::Total, ..RenderSettings::default() };
+    let settings = RenderSettings { gi: GiMethod::CLPV, only: Layer::Total, ..RenderSettings::default() };
     renderer.render(&gpu, &stage.scene, &stage.view, &settings).unwrap();
     let found = renderer.probe_light(&gpu).unwrap();
     // Light that grazes the floor is spread by the grid: some of it comes from below.
@@ -62,7 +62,7 @@ fn in_a_closed_box() {
     let places = (0..27).map(|i| Vec3::new(at(i), 2.0 + at(i / 3), at(i / 9)));
     let probes: Vec<ProbePoint> = places.map(|position| ProbePoint { position, normal: None }).collect();
     renderer.set_probes(probes.clone());
-    let settings = RenderSettings { gi: GiMethod::Clpv, only: Layer::Total, ..RenderSettings::default() };
+    let settings = RenderSettings { gi: GiMethod::CLPV, only: Layer::Total, ..RenderSettings::default() };
     renderer.render(&gpu, &stage.scene, &stage.view, &settings).unwrap();
     let found = renderer.probe_light(&gpu).unwrap();
     let mean = found.iter().map(|light| light.x).sum::<f32>() / found.len() as f32;

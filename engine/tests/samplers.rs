@@ -34,7 +34,7 @@ fn drawn(gpu: &Gpu, texture: Texture, times: f32) -> Vec<Vec<f32>> {
     (material.emissive, material.emissive_texture) = (Vec3::ONE, Some(Arc::new(texture)));
     material.uv.emissive.transform = Affine2::from_scale(Vec2::splat(times));
     stage.add_material(Shape::Plane { size: [2.0; 2], subdivisions: [1; 2] }, material, Affine3A::IDENTITY);
-    let image = stage.render(gpu, GiMethod::None, Layer::Total);
+    let image = stage.render(gpu, GiMethod::NONE, Layer::Total);
     let edge = EDGE as usize;
     (0..edge).map(|y| (0..edge).map(|x| image.rgba[x + y * edge][0]).collect()).collect()
 }
@@ -119,7 +119,7 @@ fn slanted_fields_have_no_specks() {
         (material.emissive, material.emissive_texture) = (Vec3::ONE, Some(picture));
         let slant = Affine3A::from_rotation_x(turn) * Affine3A::from_rotation_z(0.7 * turn);
         stage.add_material(Shape::Plane { size: [2.0; 2], subdivisions: [1; 2] }, material, slant);
-        let image = stage.render(&gpu, GiMethod::None, Layer::Total);
+        let image = stage.render(&gpu, GiMethod::NONE, Layer::Total);
         let inverse = slant.inverse();
         let mut fields = 0;
         for y in 0..edge {

@@ -23,7 +23,7 @@ fn trace(gpu: &Gpu, stage: &Stage, samples: u32) -> Estimate {
 }
 
 fn drawn(gpu: &Gpu, stage: &Stage, layer: Layer) -> Image {
-    let image = stage.render(gpu, GiMethod::Clpv, layer);
+    let image = stage.render(gpu, GiMethod::CLPV, layer);
     Image::from_rgba(image.width, image.height, &image.rgba).unwrap()
 }
 

@@ -22,12 +22,12 @@ fn each_method(stage: &mut Stage, mut test: impl FnMut(&str, &Stage, GiMethod)) 
     for name in NAMES {
         stage.scene.clpv = None;
         let gi = match name {
-            "none" => GiMethod::None,
+            "none" => GiMethod::NONE,
             "diffusion" => {
                 stage.clpv(Vec3::ZERO, Clpv { transport: Transport::Diffusion, ..Clpv::default() });
-                GiMethod::Clpv
+                GiMethod::CLPV
             }
-            _ => GiMethod::Slc,
+            _ => GiMethod::SLC,
         };
         test(name, stage, gi);
     }
@@ -64,7 +64,7 @@ fn white_floor_under_an_even_sky() {
         assert_eq!(direct, 0.0, "{name}: the sky's light is no direct light");
     });
     stage.scene.sky_light = false;
-    assert_eq!(drawn(&gpu, &stage, GiMethod::None, Layer::Total).mean(), 0.0, "switched off");
+    assert_eq!(drawn(&gpu, &stage, GiMethod::NONE, Layer::Total).mean(), 0.0, "switched off");
 }
 
 /// An open floor gets the integral of a sky with a bright side.
@@ -113,7 +113,7 @@ fn counted_once() {
     stage.clpv(Vec3::ZERO, Clpv::default());
     stage.scene.slc =
         Some(StochasticLightCulling { visibility: LightVisibility::ShadowRays, ..StochasticLightCulling::default() });
-    for gi in [GiMethod::Clpv, GiMethod::Vpl, GiMethod::Slc] {
+    for gi in [GiMethod::CLPV, GiMethod::VPL, GiMethod::SLC] {
         let mut renderer = Renderer::new(&gpu);
         let settings = RenderSettings { gi, only: Layer::Indirect, ..Default::default() };
         let (image, report) = stage.render_with(&gpu, &mut renderer, &settings);
@@ -171,6 +171,6 @@ fn metals_show_the_sky() {
         };
         each_method(&mut stage, |name, stage, gi| check(name, &drawn(&gpu, stage, gi, Layer::Indirect)));
         stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Low, ..Clpv::default() });
-        check("sweep", &drawn(&gpu, &stage, GiMethod::Clpv, Layer::Indirect));
+        check("sweep", &drawn(&gpu, &stage, GiMethod::CLPV, Layer::Indirect));
     }
 }

@@ -19,7 +19,7 @@ fn mean(image: &ImageF32) -> f32 {
 }
 
 fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
-    stage.render(gpu, GiMethod::Clpv, Layer::Indirect)
+    stage.render(gpu, GiMethod::CLPV, Layer::Indirect)
 }
 
 /// A house of thin sheets, seen from `eye`: a room of 6 × 3 × 4 m, and above it an attic under two slopes, which meet the

@@ -57,7 +57,7 @@ fn wall_irradiance(x: f64) -> f64 {
 /// Normalised root of the mean square error of the floor's light, and its largest error.
 fn error_before_glowing_wall(gpu: &Gpu, settings: Clpv) -> (f64, f64) {
     let stage = glowing_wall(settings);
-    let image = stage.render(gpu, GiMethod::Clpv, Layer::Indirect);
+    let image = stage.render(gpu, GiMethod::CLPV, Layer::Indirect);
     let mut worst = 0.0_f64;
     let (mut square, mut total) = (0.0, 0.0);
     for column in 0..64 {
@@ -97,7 +97,7 @@ fn finer_cascades_bring_no_energy_and_lose_none() {
     for albedo in [0.5, 0.9] {
         let with = |cascades| {
             let settings = Clpv { cascades, ..settings(Bounces::Converged) };
-            mean(&room(albedo, settings).render(&gpu, GiMethod::Clpv, Layer::Indirect))
+            mean(&room(albedo, settings).render(&gpu, GiMethod::CLPV, Layer::Indirect))
         };
         let [one, two, four] = [1, 2, 4].map(with);
         let near = |a: f32| (a / one - 1.0).abs() < 0.08;
@@ -122,7 +122,7 @@ fn finer_cascades_stand_still_while_the_camera_stays_in_its_cell() {
     stage.view.camera.world_from_view.translation.x -= 0.9;
     let (moved, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
     assert!(report.ran("sweep, cascade 0, bounce 1") && !report.ran("opacity, cascade 1"), "{report}");
-    assert_eq!(moved, stage.render(&gpu, GiMethod::Clpv, Layer::Total), "it matters how the camera came here");
+    assert_eq!(moved, stage.render(&gpu, GiMethod::CLPV, Layer::Total), "it matters how the camera came here");
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn closed_shells_let_no_light_in() {
             }
             stage.scene.sky = Vec3::ONE;
             stage.clpv(Vec3::ZERO, Clpv { cascades, ..settings(Bounces::Count(1)) });
-            let leaked = mean(&stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)) / 0.8;
+            let leaked = mean(&stage.render(&gpu, GiMethod::CLPV, Layer::Indirect)) / 0.8;
             assert!(leaked < 1e-3, "walls of {thickness} m, moved {shift} m, {cascades} cascades: {leaked}");
         }
     }
@@ -154,18 +154,18 @@ fn closed_shells_let_no_light_in() {
 fn intensity_scales_the_image_exactly_and_zero_is_zero() {
     let gpu = gpu();
     let mut stage = room(0.5, settings(Bounces::Converged));
-    let once = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+    let once = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
     assert!(once.rgba.iter().all(|p| p[0] > 0.0));
     for power in [-20, -3, 1, 20] {
         let factor = 2.0_f32.powi(power);
         stage.scene.lights[0].intensity = Vec3::splat(2.0 * factor);
-        let scaled = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+        let scaled = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
         for (a, b) in once.rgba.iter().zip(&scaled.rgba) {
             assert_eq!(a[0] * factor, b[0], "2^{power}");
         }
     }
     stage.scene.lights[0].intensity = Vec3::ZERO;
-    let dark = stage.render(&gpu, GiMethod::Clpv, Layer::Indirect);
+    let dark = stage.render(&gpu, GiMethod::CLPV, Layer::Indirect);
     assert!(dark.rgba.iter().all(|p| p[..3] == [0.0; 3]));
 }
 
@@ -173,11 +173,11 @@ fn intensity_scales_the_image_exactly_and_zero_is_zero() {
 fn a_closed_room_fills_with_light_as_the_series_says() {
     // Far from its first bounce light is even: E = Φ·(1 + ρ + ρ² + …)·ρ/S, on the mean over the walls exactly.
     let gpu = gpu();
-    let once = mean(&room(0.5, settings(Bounces::Count(1))).render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let once = mean(&room(0.5, settings(Bounces::Count(1))).render(&gpu, GiMethod::CLPV, Layer::Indirect));
     for albedo in [0.5_f32, 0.8, 1.0] {
         let mut last = 0.0;
         for (count, series) in [(1, 1.0), (2, 1.0 + albedo), (4, 1.0 + albedo + albedo.powi(2) + albedo.powi(3))] {
-            let image = room(albedo, settings(Bounces::Count(count))).render(&gpu, GiMethod::Clpv, Layer::Indirect);
+            let image = room(albedo, settings(Bounces::Count(count))).render(&gpu, GiMethod::CLPV, Layer::Indirect);
             let expected = once * (albedo / 0.5).powi(2) * series;
             let found = mean(&image);
             assert!(found > last, "bounce {count} added nothing");
@@ -185,10 +185,10 @@ fn a_closed_room_fills_with_light_as_the_series_says() {
             last = found;
         }
     }
-    let endless = mean(&room(0.8, settings(Bounces::Converged)).render(&gpu, GiMethod::Clpv, Layer::Indirect));
-    let many = mean(&room(0.8, settings(Bounces::Count(32))).render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let endless = mean(&room(0.8, settings(Bounces::Converged)).render(&gpu, GiMethod::CLPV, Layer::Indirect));
+    let many = mean(&room(0.8, settings(Bounces::Count(32))).render(&gpu, GiMethod::CLPV, Layer::Indirect));
     assert!((endless / many - 1.0).abs() < 0.01, "converged {endless}, 32 bounces {many}");
-    let white = mean(&room(1.0, settings(Bounces::Count(32))).render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let white = mean(&room(1.0, settings(Bounces::Count(32))).render(&gpu, GiMethod::CLPV, Layer::Indirect));
     assert!(white <= 32.0 * 1.1 * once * 4.0, "a white room gains: {white}");
 }
 
@@ -198,7 +198,7 @@ fn surfaces_that_lie_within_each_other_reflect_light_once() {
     // the light. Each of them has the irradiance of its cell, but the light is lost only once.
     let gpu = gpu();
     let settings = settings(Bounces::Count(8));
-    let plain = mean(&room(0.8, settings.clone()).render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let plain = mean(&room(0.8, settings.clone()).render(&gpu, GiMethod::CLPV, Layer::Indirect));
     let mut stage = room(0.8, settings);
     for x in [-1.0, 1.0] {
         for z in [-1.0, 1.0] {
@@ -206,7 +206,7 @@ fn surfaces_that_lie_within_each_other_reflect_light_once() {
             stage.add(panel, Vec3::splat(0.8), Affine3A::from_translation(Vec3::new(x, 0.5 * ROOM.y - 0.01, z)));
         }
     }
-    let panelled = mean(&stage.render(&gpu, GiMethod::Clpv, Layer::Indirect));
+    let panelled = mean(&stage.render(&gpu, GiMethod::CLPV, Layer::Indirect));
     assert!((panelled / plain - 1.0).abs() < 0.06, "{panelled} with panels, {plain} without");
 }
 
@@ -214,7 +214,7 @@ fn surfaces_that_lie_within_each_other_reflect_light_once() {
 fn two_runs_give_the_same_bits_and_so_does_a_run_without_any_reuse() {
     let gpu = gpu();
     let stage = room(0.5, settings(Bounces::Converged));
-    let first = stage.render(&gpu, GiMethod::Clpv, Layer::Total);
+    let first = stage.render(&gpu, GiMethod::CLPV, Layer::Total);
     let mut renderer = Renderer::new(&gpu);
     stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
     let (again, _) = stage.render_with(&gpu, &mut renderer, &RenderSettings { no_cache: true, ..Default::default() });
@@ -243,7 +243,7 @@ fn a_moved_camera_only_looks_again_and_a_changed_lamp_moves_no_surface() {
     let (kept, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
     assert_eq!(ran(&report, &["rsm", "surfels", "opacity"]), Vec::<String>::new());
     assert!(report.ran("sweep, cascade 0, bounce 1"), "{report}");
-    assert_eq!(kept, stage.render(&gpu, GiMethod::Clpv, Layer::Total), "reuse changed a bit");
+    assert_eq!(kept, stage.render(&gpu, GiMethod::CLPV, Layer::Total), "reuse changed a bit");
 }
 
 /// Light of a lamp on one side of a wall across the volume that is found on the other side, over what is on its own.
@@ -269,7 +269,7 @@ fn leak(gpu: &Gpu, thickness: f32, degrees: f32, shift: f32) -> f32 {
             turn.transform_vector3(Vec3::new(-1.0, -0.2, 0.0)),
         );
         stage.clpv(Vec3::ZERO, settings(Bounces::Count(1)));
-        *mean_of = mean(&stage.render(gpu, GiMethod::Clpv, Layer::Indirect));
+        *mean_of = mean(&stage.render(gpu, GiMethod::CLPV, Layer::Indirect));
     }
     both[1] / both[0]
 }
@@ -301,7 +301,7 @@ fn the_sum_of_lights_is_the_light_of_their_sum() {
         for &i in which {
             stage.light(LightShape::Point, Vec3::splat(lights[i].1), lights[i].0, Vec3::NEG_Y);
         }
-        stage.render(&gpu, GiMethod::Clpv, Layer::Indirect)
+        stage.render(&gpu, GiMethod::CLPV, Layer::Indirect)
     };
     let (both, swapped, first, second) = (image(&[0, 1]), image(&[1, 0]), image(&[0]), image(&[1]));
     assert_eq!(both.rgba, swapped.rgba, "the order of lights matters");

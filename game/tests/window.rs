@@ -242,7 +242,7 @@ fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
     assert!(std::process::Command::new("cp").arg("-r").args([&source, &shaders]).status().unwrap().success());
     let window = Window::open(&display, &scene);
     let before = window.picture(|_| true);
-    let compose = shaders.join("compose.wgsl");
+    let compose = shaders.join("post/compose.wgsl");
     let text = std::fs::read_to_string(&compose).unwrap();
     let says = |words: &'static str| move |all: &[(_, String)]| all.iter().any(|(_, text)| text.contains(words));
     std::fs::write(&compose, text.replace("over.rgb;", "over.rgb + nonsense;")).unwrap();
@@ -255,7 +255,7 @@ fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
         text.replace("vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0)", "vec4f(0.0, min(all.gb, vec2f(MAX_RADIANCE)), 1.0)");
     assert_ne!(mended, text);
     std::fs::write(&compose, mended).unwrap();
-    window.wait_for("the mended one", says("reloaded shader compose.wgsl"));
+    window.wait_for("the mended one", says("reloaded shader post/compose.wgsl"));
     let red = |image: &lightwell::measure::Image| image.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
     let after = window.picture(|now| red(now) < 0.5 * red(&before));
     assert!(red(&after) < 0.5 * red(&before), "{} of {}", red(&after), red(&before));

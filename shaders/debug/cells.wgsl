@@ -17,7 +17,7 @@ struct Cells {
 const LIGHT_HARMONICS: u32 = 0u;    // twelve numbers a cell: red, green, blue of I/h² in four coefficients
 const LIGHT_AXES: u32 = 1u;         // eighteen: irradiance for +x −x +y −y +z −z
 const BLOCKERS: u32 = 2u;           // eight a corner: B_lm, Σρ·A, ΣA
-const OPACITY: u32 = 3u;            // forty-four: see `lpv/sweep/opacity.wgsl`
+const OPACITY: u32 = 3u;            // forty-four: see `indirect/light_volumes/sweep/opacity.wgsl`
 const VOXELS_OF_BLOCKERS: u32 = 4u; // as BLOCKERS
 const VOXELS_OF_SURFELS: u32 = 5u;  // four whole numbers: Σρ·A, ΣA in fixed point
 

@@ -1,7 +1,7 @@
 #define_import_path lightwell::lit_points
 
 // Points of surfaces that lamps light, as light sources of the final gather (Keller 1997, with the weights of Veach and
-// Guibas 1995). `lpv/sweep/lit_points.wgsl` draws them with a density that is proportional to the irradiance, so that a
+// Guibas 1995). `indirect/light_volumes/sweep/lit_points.wgsl` draws them with a density that is proportional to the irradiance, so that a
 // small bright patch far away is found by each pixel, where few of its rays would meet it; in corners rays are the better
 // way. Either way's light is weighted by the balance heuristic, so that their sum is right and neither has peaks.
 

@@ -45,7 +45,7 @@ fn thickness_for(surfel: Surfel, cell: f32) -> f32 {
 // Surfaces are taken this far before where they are when a cell is chosen [cells]: ties break the same way everywhere.
 const BEFORE: f32 = 1e-3;
 
-// The cells that a surfel has to do with (`lpv/sweep/links.wgsl`), in one word: of the eight cells around the point half a
+// The cells that a surfel has to do with (`indirect/light_volumes/sweep/links.wgsl`), in one word: of the eight cells around the point half a
 // cell before it which are reached, a bit each; then whether there is one to send light to, and its place from the
 // surfel's own, from −2 to 2 along each axis.
 const LINKED: u32 = 0x100u;

@@ -178,7 +178,7 @@ fn irradiance(volume: Volume, point: vec3f, n: vec3f, to_eye: vec3f) -> vec3f {
     return irradiance_around(volume, point, n, n, to_eye);
 }
 
-// Irradiance of a surfel: of the cells before it that it is linked to (`lpv/sweep/links.wgsl`).
+// Irradiance of a surfel: of the cells before it that it is linked to (`indirect/light_volumes/sweep/links.wgsl`).
 fn linked_irradiance(volume: Volume, point: vec3f, n: vec3f, link: u32) -> vec3f {
     let x = (point - volume.origin) / volume.cell;
     let at = x + 0.5 * n - 0.5;

@@ -1,6 +1,6 @@
 #define_import_path lightwell::sweep_walls
 
-// Walls in three times the fineness of the cells, see `lpv/sweep/walls.wgsl`, and ways past them. A cell is what light does
+// Walls in three times the fineness of the cells, see `indirect/light_volumes/sweep/walls.wgsl`, and ways past them. A cell is what light does
 // at its centre; the part of a room that a surface faces may have no centre of a cell within reach, as where two walls
 // meet at a sharp angle, and the next centre may lie behind one of them.
 //

@@ -329,5 +329,5 @@ pub fn default_shader_dir() -> Result<PathBuf, GpuError> {
     let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
     let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("shaders")));
     let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders");
-    above.chain([source]).find(|dir| dir.join("gbuffer.wgsl").is_file()).ok_or(GpuError::NoShaders)
+    above.chain([source]).find(|dir| dir.join("geometry/gbuffer.wgsl").is_file()).ok_or(GpuError::NoShaders)
 }

@@ -1,8 +1,8 @@
 //! What can go wrong with a frame.
 
-use super::ray_scene::RayError;
-use super::reference::TraceError;
-use super::vpl::VplError;
+use super::indirect::instant_radiosity::VplError;
+use super::indirect::path_tracer::TraceError;
+use super::rays::RayError;
 use crate::graph::GraphError;
 
 /// Why a frame could not be drawn.
@@ -25,6 +25,14 @@ pub enum RenderError {
         camera: String,
         /// What is wrong and what would be right.
         what: String,
+    },
+    /// A method of indirect light that the renderer does not know.
+    #[error("there is no method of indirect light `{name}`; there are {known}")]
+    UnknownMethod {
+        /// Asked for.
+        name: &'static str,
+        /// Those that there are.
+        known: String,
     },
     /// CLPV settings that make no volume.
     #[error("Clpv component: {0}")]

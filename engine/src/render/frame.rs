@@ -1,12 +1,12 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
-use super::average::History;
-use super::gpu_scene::GpuScene;
-use super::layers::Views;
-use super::lpv::sweep::{GpuSurfels, gather};
-use super::ray_scene::RayScene;
+use super::geometry::static_layers::Views;
+use super::indirect::IndirectMethod;
+use super::indirect::accumulate::History;
+use super::indirect::light_volumes::sweep::{GpuSurfels, gather};
+use super::rays::RayScene;
+use super::scene_gpu::GpuScene;
 use super::settings::RenderSettings;
-use super::vpl::VirtualLights;
 use crate::gpu::Gpu;
 use crate::graph::TextureDesc;
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
@@ -33,12 +33,12 @@ pub struct Frame<'a> {
     pub gpu_scene: &'a GpuScene,
     /// Its surfaces as surfels, where a method needs them.
     pub surfels: &'a GpuSurfels,
-    /// Virtual lights and the scene for their rays, where a method needs them.
-    pub virtual_lights: Option<&'a VirtualLights>,
     /// The scene as rays see it, where a method casts any.
     pub rays: Option<&'a RayScene>,
     /// Why there are none for the final gather, if there should be.
     pub refused_rays: Option<&'a str>,
+    /// The method of indirect light.
+    pub method: &'a dyn IndirectMethod,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.
@@ -50,7 +50,7 @@ pub struct Frame<'a> {
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
     /// The frames before, whose light this one's is averaged with.
-    pub(super) history: &'a History,
+    pub(in crate::render) history: &'a History,
 }
 
 impl Frame<'_> {

@@ -1,46 +1,41 @@
-//! The passes of a frame, one Rust file beside one WGSL file of the same name.
+//! The passes of a frame, by stage: in come a [`Scene`](crate::scene::Scene) and a view, out go its radiance and what a
+//! display shows of it. [`Renderer`] keeps what outlives a frame; `frame_graph` lists the stages of one, in order. A pass
+//! is one Rust file beside one WGSL file of the same name, in the folder of the same name under `shaders/`.
+//!
+//! ```text
+//! geometry ─ shadows ─ direct ─ indirect (a method) ─ sky ─ transparency ─ post ─ debug
+//! ```
+//! [`scene_gpu`] is the scene as rasterization reads it, `rays` the scene as rays meet it.
 
-mod ambient;
-mod average;
-mod blend;
-mod compare;
-mod compose;
+mod custom_passes;
 pub mod debug;
-mod deferred;
 mod direct;
-mod direct_tiled;
-mod environment;
 mod error;
-mod extra;
 pub mod frame;
-mod gbuffer;
-mod gloss;
-pub mod gpu_scene;
-mod layers;
+mod frame_graph;
+mod geometry;
+pub mod indirect;
 #[cfg(test)]
 mod layout_tests;
-mod light_uniform;
-mod light_view;
-pub mod lpv;
-mod needs;
 mod post;
-mod ray_scene;
-pub mod reference;
-pub mod rsm;
+mod rays;
+mod renderer;
+pub mod scene_gpu;
 mod settings;
-mod shadow;
+pub mod shadows;
 mod sky;
-mod sky_light;
-pub mod slc;
-pub mod vpl;
+mod transparency;
 
-pub use average::MOST_FRAMES;
-pub use deferred::Renderer;
+pub use custom_passes::Picture;
 pub use error::RenderError;
-pub use extra::Picture;
-pub use gbuffer::GBuffer;
-pub use light_view::{LightView, light_views};
-pub use ray_scene::{RayError, RayScene};
-pub use settings::{
-    Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap,
-};
+pub use geometry::GBuffer;
+pub use indirect::accumulate::MOST_FRAMES;
+pub use indirect::instant_radiosity as vpl;
+pub use indirect::light_culling as slc;
+pub use indirect::light_volumes as lpv;
+pub use indirect::path_tracer as reference;
+pub use indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, PointLayout, RayUse, Subject};
+pub use rays::{RayError, RayScene};
+pub use renderer::Renderer;
+pub use settings::{Beside, DisplaySettings, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap};
+pub use shadows::{LightView, light_views, reflective as rsm};

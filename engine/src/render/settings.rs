@@ -1,23 +1,8 @@
 //! How a frame is to be drawn.
 
 use super::debug::DebugSettings;
-use super::reference::TraceSettings;
-
-/// Method of indirect light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum GiMethod {
-    /// Direct light only.
-    None,
-    /// Cascaded light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
-    #[default]
-    Clpv,
-    /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
-    Vpl,
-    /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
-    Slc,
-    /// Path tracing, the reference: all light, direct and indirect.
-    Reference(ReferenceSettings),
-}
+use super::indirect::GiMethod;
+use super::indirect::path_tracer::TraceSettings;
 
 /// Settings of a path-traced image that is shown as a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -58,6 +43,11 @@ impl Layer {
     /// Whether it shows light, rather than what the surfaces are.
     pub fn is_light(self) -> bool {
         matches!(self, Self::Total | Self::Direct | Self::Indirect)
+    }
+
+    /// Whether it holds indirect light.
+    pub fn shows_indirect(self) -> bool {
+        matches!(self, Self::Total | Self::Indirect)
     }
 }
 
@@ -120,6 +110,8 @@ pub enum MlaaEdges {
 pub struct RenderSettings {
     /// Method of indirect light.
     pub gi: GiMethod,
+    /// What the path tracer traces where it is the method.
+    pub reference: ReferenceSettings,
     /// What the image shows.
     pub only: Layer,
     /// Display exposure as a power of two. Never touches the radiance image.
@@ -158,6 +150,7 @@ impl Default for RenderSettings {
     fn default() -> Self {
         Self {
             gi: GiMethod::default(),
+            reference: ReferenceSettings::default(),
             only: Layer::Total,
             exposure: 0.0,
             no_cache: false,

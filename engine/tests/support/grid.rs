@@ -17,7 +17,7 @@ struct VolumeUniform {
     padding: u32,
 }
 
-/// `Propagation` of `lpv/propagate.wgsl`.
+/// `Propagation` of `indirect/light_volumes/diffusion/propagate.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
 pub struct Settings {
     pub occlusion: u32,
@@ -173,7 +173,10 @@ fn blocker(grid: &Grid, cell: UVec3, travel: DVec3) -> ([f64; 4], [f64; 3]) {
 
 /// Steps on the device: the light after the last, and the sum of all with what was there before.
 pub fn propagate(gpu: &Gpu, grid: &Grid, settings: Settings, steps: u32) -> (Grid, Grid) {
-    let pipeline = gpu.pipelines.compute(gpu, &ComputeKey::new("lpv/propagate.wgsl", "step")).expect("a valid shader");
+    let pipeline = gpu
+        .pipelines
+        .compute(gpu, &ComputeKey::new("indirect/light_volumes/diffusion/propagate.wgsl", "step"))
+        .expect("a valid shader");
     let volume = gpu.uniform("volume", &VolumeUniform { origin: Vec3::ZERO, cell: 1.0, cells: grid.cells, padding: 0 });
     let settings = gpu.uniform("settings", &settings);
     let blockers = gpu.storage("blockers", &grid.blockers, wgpu::BufferUsages::empty());

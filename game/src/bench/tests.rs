@@ -98,7 +98,7 @@ fn every_pass_of_a_frame_has_a_stage() {
         let view = SceneView { camera: session.camera().unwrap(), size: [32; 2], jitter: [0.0; 2] };
         let settings = lightwell::render::RenderSettings {
             gi: match variant.is_traced() {
-                true => lightwell::render::GiMethod::Reference(Default::default()),
+                true => lightwell::render::GiMethod::REFERENCE,
                 false => session.render_settings(true).gi,
             },
             ..session.render_settings(true)

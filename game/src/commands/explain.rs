@@ -39,7 +39,7 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         let wrong = 100.0 * (tested - accepted) / tested.max(f64::MIN_POSITIVE);
         say!("virtual lights a pixel: {tested:.1} tested, {accepted:.1} accepted, {wrong:.0} % in vain");
     }
-    if matches!(settings.gi, GiMethod::Reference(_)) {
+    if settings.gi == GiMethod::REFERENCE {
         return Ok(());
     }
     // The first frame in which something moves makes what the others keep.

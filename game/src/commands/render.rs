@@ -30,8 +30,9 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
     let shot = Shot { size: args.size, aa: args.aa, linear: extension_is(&args.output, "exr") };
     let Some(frames) = args.frames.clone() else {
         session.set_seconds(args.time.unwrap_or(0.0));
-        if let GiMethod::Reference(settings) = session.render_settings(true).gi {
-            trace_ahead(&mut session, args, &settings)?;
+        let settings = session.render_settings(true);
+        if settings.gi == GiMethod::REFERENCE {
+            trace_ahead(&mut session, args, &settings.reference)?;
         } else if args.resume.is_some() {
             bail!("--resume goes with `--gi reference`, whose images take long");
         }
@@ -134,7 +135,7 @@ impl Shot {
     pub fn begin(&self, session: &mut Session, bar: &ProgressBar) -> Result<Taken> {
         let settings = session.render_settings(!self.linear);
         // The tracer filters over the pixel by itself.
-        let aa = if matches!(settings.gi, GiMethod::Reference(_)) && settings.only.is_light() { 1 } else { self.aa };
+        let aa = if settings.gi == GiMethod::REFERENCE && settings.only.is_light() { 1 } else { self.aa };
         if aa == 1 {
             let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
             let settings = if self.linear { settings } else { session.display_settings() };

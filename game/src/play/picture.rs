@@ -5,7 +5,7 @@ use super::player::Player;
 use crate::session::Objects;
 use anyhow::Result;
 use lightwell::profile::FrameRecorder;
-use lightwell::render::{GiMethod, RenderSettings};
+use lightwell::render::RenderSettings;
 use lightwell::scene::{SceneCamera, SceneView};
 use std::time::{Duration, Instant};
 
@@ -84,10 +84,8 @@ impl Player {
         let view = SceneView { camera: self.eye()?, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
         let mut settings = self.session.display_settings();
         settings.debug.outlined = self.editor.outlined(self.session.world());
-        if let GiMethod::Reference(reference) = &mut settings.gi {
-            // One sample a frame: the image gets better while it is looked at.
-            reference.samples_a_frame = 1;
-        }
+        // One sample a frame: the image gets better while it is looked at.
+        settings.reference.samples_a_frame = 1;
         Ok((view, settings))
     }
 

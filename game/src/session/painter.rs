@@ -55,15 +55,16 @@ impl Painter {
     pub fn settings(&self, world: &GameWorld, display: bool) -> RenderSettings {
         RenderSettings {
             gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(world)) {
-                Gi::None => GiMethod::None,
-                Gi::Clpv => GiMethod::Clpv,
-                Gi::Vpl => GiMethod::Vpl,
-                Gi::Slc => GiMethod::Slc,
-                Gi::Reference => {
-                    let samples = self.look.trace.spp;
-                    let trace = self.trace_settings();
-                    GiMethod::Reference(ReferenceSettings { trace, samples, samples_a_frame: samples })
-                }
+                Gi::None => GiMethod::NONE,
+                Gi::Clpv => GiMethod::CLPV,
+                Gi::Vpl => GiMethod::VPL,
+                Gi::Slc => GiMethod::SLC,
+                Gi::Reference => GiMethod::REFERENCE,
+            },
+            reference: ReferenceSettings {
+                trace: self.trace_settings(),
+                samples: self.look.trace.spp,
+                samples_a_frame: self.look.trace.spp,
             },
             only: match self.look.only {
                 Only::Total => Layer::Total,

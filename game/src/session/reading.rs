@@ -114,7 +114,7 @@ impl Painter {
     /// If the device is lost.
     pub fn light_counts(&self, gi: GiMethod) -> Result<Option<[f64; 2]>> {
         let textures = [TESTED, ACCEPTED].map(|name| self.renderer.target(name));
-        let (GiMethod::Slc, [Some(tested), Some(accepted)]) = (gi, textures) else {
+        let (GiMethod::SLC, [Some(tested), Some(accepted)]) = (gi, textures) else {
             return Ok(None);
         };
         let tested = gpu::read_texture_f32(&self.gpu, tested)?;

@@ -5,8 +5,8 @@ use super::overlay::{self, Draw};
 use crate::gpu::Binding;
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::Frame;
-use crate::render::gbuffer::GBuffer;
-use crate::render::lpv::{MAX_CASCADES, Volume, VolumeUniform};
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::light_volumes::{MAX_CASCADES, Volume, VolumeUniform};
 use encase::ShaderType;
 use glam::Vec4;
 

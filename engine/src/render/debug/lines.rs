@@ -6,8 +6,8 @@ use super::{DebugView, cascade_color};
 use crate::gpu::Binding;
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::Frame;
-use crate::render::gbuffer::GBuffer;
-use crate::render::lpv::{Volume, sweep};
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::light_volumes::{Volume, sweep};
 use crate::world::Transport;
 use glam::Vec3;
 

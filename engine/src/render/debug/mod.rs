@@ -23,8 +23,8 @@ pub use shapes::{Line, box_edges};
 pub(crate) use self::{cells::CellsUniform, coverage::CoverageUniform, points::PointsUniform};
 
 use super::frame::Frame;
-use super::gbuffer::GBuffer;
-use super::lpv::{self, Volume};
+use super::geometry::gbuffer::GBuffer;
+use super::indirect::light_volumes::{self, Volume};
 use crate::graph::{Graph, Handle, Texture};
 use crate::world::Transport;
 use glam::Vec3;
@@ -191,8 +191,10 @@ fn skip(graph: &mut Graph, view: DebugView, why: &str, display: Handle<Texture>)
 fn volumes(frame: &Frame) -> (Vec<Volume>, &'static str) {
     let Some(clpv) = &frame.scene.clpv else { return (Vec::new(), "the scene has no light volumes") };
     let found = match clpv.settings.transport {
-        Transport::Sweep => lpv::sweep::volumes(clpv, frame.sweep_quality(&clpv.settings), &frame.bounds, frame.view),
-        Transport::Diffusion => lpv::volumes(clpv, &frame.bounds, frame.view),
+        Transport::Sweep => {
+            light_volumes::sweep::volumes(clpv, frame.sweep_quality(&clpv.settings), &frame.bounds, frame.view)
+        }
+        Transport::Diffusion => light_volumes::volumes(clpv, &frame.bounds, frame.view),
     };
     (found.unwrap_or_default(), "the settings of the light volumes make none")
 }

@@ -3,9 +3,9 @@
 use super::overlay::{self, Draw};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::blend::OBJECTS;
 use crate::render::frame::Frame;
-use crate::render::gbuffer::GBuffer;
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::transparency::blend::OBJECTS;
 use wgpu::{TextureFormat, TextureUsages};
 
 /// Declares the passes; the result is the display image with the outline.

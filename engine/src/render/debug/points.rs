@@ -4,8 +4,7 @@ use super::overlay::{self, DEPTH, Draw};
 use crate::gpu::Binding;
 use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::gbuffer::GBuffer;
-use crate::render::settings::GiMethod;
+use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
 use wgpu::TextureUsages;
 
@@ -20,17 +19,6 @@ pub(crate) struct PointsUniform {
     count: u32,
 }
 
-/// Where a method keeps what of a light, in vectors of four numbers.
-fn layout(method: GiMethod) -> Option<(u32, u32, u32)> {
-    match method {
-        // `VirtualLight` of `lib/vpl.wgsl`: place, normal, intensity, and two more.
-        GiMethod::Vpl => Some((5, 1, 2)),
-        // `VirtualLight` of `lib/slc.wgsl`: position, direction, normal, flux, and two more.
-        GiMethod::Slc => Some((6, 2, 3)),
-        _ => None,
-    }
-}
-
 /// Declares the pass; the result is the display image with the lights.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
@@ -39,7 +27,7 @@ pub(super) fn declare<'a>(
     display: Handle<Texture>,
 ) -> Handle<Texture> {
     let lights = graph.latest::<Buffer>("virtual lights");
-    let (Some((stride, normal, light)), Some(lights)) = (layout(frame.settings.gi), lights) else {
+    let (Some(layout), Some(lights)) = (frame.method.point_layout(), lights) else {
         graph.skip("debug virtual-lights", "the method of indirect light makes none");
         return display;
     };
@@ -57,19 +45,17 @@ pub(super) fn declare<'a>(
     let frame = frame.clone();
     pass.execute(move |cx| {
         let buffer = cx.buffer(lights).clone();
-        let in_buffer = (buffer.size() / (16 * u64::from(stride))) as u32;
-        // What lies behind the last light of a buffer is older.
-        let count = match frame.virtual_lights.filter(|_| frame.settings.gi == GiMethod::Vpl) {
-            Some(state) if !state.particles().lights.is_empty() => state.particles().lights.len() as u32,
-            _ => in_buffer,
-        };
+        // How many there are is known by now. What lies behind the last light of a buffer is older.
+        let layout = frame.method.point_layout().unwrap_or(layout);
+        let in_buffer = (buffer.size() / (16 * u64::from(layout.stride))) as u32;
+        let count = layout.count.unwrap_or(in_buffer).min(in_buffer);
         let uniform = PointsUniform {
-            stride,
-            normal,
-            light,
-            is_culled: u32::from(frame.settings.gi == GiMethod::Slc),
+            stride: layout.stride,
+            normal: layout.normal,
+            light: layout.light,
+            is_culled: u32::from(layout.has_gaps),
             radius: 0.006 * frame.bounds.size().length(),
-            count: count.min(in_buffer),
+            count,
         };
         let (view, uniform) = (frame.view_uniform(cx.gpu), cx.gpu.uniform("points", &uniform));
         let (depth, target, own) = (cx.view(depth), cx.view(display), cx.view(own));
@@ -85,7 +71,7 @@ pub(super) fn declare<'a>(
             target: &target,
             depth: Some(&own),
             vertices: 6,
-            instances: count.min(in_buffer),
+            instances: count,
         };
         overlay::draw(cx, &draw)
     });

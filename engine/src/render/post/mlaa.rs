@@ -4,7 +4,7 @@
 use super::tone_map::DISPLAY;
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::gbuffer::GBuffer;
+use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::settings::MlaaEdges;
 use wgpu::TextureFormat;
 

@@ -1,5 +1,8 @@
-//! What happens to the finished image on its way to a display.
+//! From light to image: in comes the light of each stage, out go its sum, the radiance that is measured, and what a
+//! display shows of it.
 
 mod auto_exposure;
+pub mod compare;
+pub mod compose;
 pub mod mlaa;
 pub mod tone_map;

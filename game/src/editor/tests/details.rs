@@ -205,7 +205,7 @@ fn time_is_scrubbed_and_speed_changed() {
 fn errors_are_copied_and_messages_filtered() {
     let (mut bench, _folder) = bench();
     let desk = bench.state_mut();
-    desk.errors.push("gbuffer.wgsl:3:1: no such name".into());
+    desk.errors.push("geometry/gbuffer.wgsl:3:1: no such name".into());
     for text in ["a lamp is dark", "a wall is wet"] {
         desk.log.push(Record { level: log::Level::Info, target: "t".into(), text: text.into(), times: 1 });
     }
@@ -216,7 +216,8 @@ fn errors_are_copied_and_messages_filtered() {
         bench.run_steps(1);
         copied.extend(bench.output().platform_output.commands.clone());
     }
-    let is_it = |c: &OutputCommand| matches!(c, OutputCommand::CopyText(text) if text.contains("gbuffer.wgsl:3:1"));
+    let is_it =
+        |c: &OutputCommand| matches!(c, OutputCommand::CopyText(text) if text.contains("geometry/gbuffer.wgsl:3:1"));
     assert!(copied.iter().any(is_it), "{copied:?}");
     open(&mut bench, Pane::Console);
     find(&bench, "Filter").focus();

@@ -53,10 +53,10 @@ fn the_path_tracer_is_started_and_stopped() {
 fn errors_and_messages_are_shown() {
     let (mut bench, _folder) = bench();
     let desk = bench.state_mut();
-    desk.errors.push("gbuffer.wgsl:3:1: no such name".into());
+    desk.errors.push("geometry/gbuffer.wgsl:3:1: no such name".into());
     desk.log.push(Record { level: log::Level::Warn, target: "t".into(), text: "careful".into(), times: 2 });
     open(&mut bench, Pane::Errors);
-    assert!(bench.query_by_label("gbuffer.wgsl:3:1: no such name").is_some());
+    assert!(bench.query_by_label("geometry/gbuffer.wgsl:3:1: no such name").is_some());
     assert!(bench.query_by_label("Errors (1)").is_some());
     open(&mut bench, Pane::Console);
     assert!(bench.query_by_label("careful (×2)").is_some());

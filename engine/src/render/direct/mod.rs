@@ -1,0 +1,241 @@
+//! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
+//! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]).
+
+pub(in crate::render) mod light_uniform;
+pub(in crate::render) mod tiled;
+
+use self::light_uniform::LightUniform;
+use super::frame::Frame;
+use super::geometry::gbuffer::GBuffer;
+use super::shadows::shadow_map::{self, ShadowMap};
+use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::scene::{Aabb, SceneLight, SceneView};
+use encase::ShaderType;
+use glam::{UVec2, Vec3};
+
+/// `Region` of `direct/direct.wgsl`.
+#[derive(ShaderType, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Region {
+    origin: UVec2,
+    size: UVec2,
+}
+
+/// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lamps: &[Lamp<'a>]) -> Handle<Texture> {
+    let mut radiance = declare_clear(graph, frame);
+    let (shadowed, others): (Vec<&Lamp>, Vec<&Lamp>) = lamps.iter().partition(|lamp| lamp.shadow.is_some());
+    let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
+    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (lamps.iter().collect(), Vec::new()) };
+    for lamp in alone {
+        let name = format!("direct {}", lamp.light.pass_name());
+        radiance = declare_light(graph, frame, gbuffer, radiance, &name, lamp.clone());
+    }
+    if tiled.is_empty() {
+        return radiance;
+    }
+    tiled::declare(graph, frame, gbuffer, radiance, tiled.into_iter().cloned().collect())
+}
+
+/// Lights without shadows from which on they share a pass.
+const FEWEST: usize = 4;
+
+/// A light that reaches the view, with what the passes need that it lights.
+#[derive(Clone)]
+pub struct Lamp<'a> {
+    /// The light.
+    pub light: &'a SceneLight,
+    /// Its shadow map, if it casts shadows.
+    pub shadow: Option<ShadowMap>,
+    region: Region,
+}
+
+/// Declares the shadow maps of all lights that reach the view.
+pub fn lamps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Vec<Lamp<'a>> {
+    let mut lamps = Vec::new();
+    for light in &frame.scene.lights {
+        let name = format!("direct {}", light.pass_name());
+        if light.intensity == Vec3::ZERO {
+            graph.skip(&name, "the light has no intensity");
+        } else if let Some(region) = reached_region(light, frame.view) {
+            let shadow = shadow_map::declare(graph, frame, light);
+            lamps.push(Lamp { light, shadow, region });
+        } else {
+            graph.skip(&name, "its reach lies outside the view");
+        }
+    }
+    lamps
+}
+
+pub(in crate::render) fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2_array(width, height, 3, wgpu::TextureFormat::R32Float, usage);
+    let radiance = graph.retained_texture("direct radiance", desc);
+    let mut pass = graph.pass("direct clear");
+    let radiance = pass.write(radiance);
+    pass.key(&());
+    pass.execute(move |cx| {
+        let target = cx.view(radiance);
+        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
+        cx.dispatch(&ComputeKey::new("direct/direct.wgsl", "clear"), &[("radiance", Binding::Texture(&target))], groups)
+    });
+    radiance
+}
+
+fn declare_light<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    radiance: Handle<Texture>,
+    name: &str,
+    lamp: Lamp<'a>,
+) -> Handle<Texture> {
+    let mut pass = graph.pass(name);
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    if let Some(shadow) = &lamp.shadow {
+        pass.read(shadow.map);
+    }
+    let radiance = pass.write(radiance);
+    pass.key(&(frame.scene.identity, lamp.light.revision, lamp.shadow.is_some(), frame.view_key()));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let shadow_map = lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(cx.texture(s.map)));
+        let shadow = lamp.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
+        let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
+        let size = lamp.region.size;
+        let counts = cx.counts();
+        counts.lights += 1;
+        counts.texels += u64::from(size.x) * u64::from(size.y);
+        let target = cx.view(radiance);
+        cx.dispatch(
+            &ComputeKey::new("direct/direct.wgsl", "add_light"),
+            &[
+                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                ("light", Binding::Buffer(&LightUniform::buffer(gpu, lamp.light))),
+                ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
+                ("region", Binding::Buffer(&gpu.uniform("region", &lamp.region))),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("object", Binding::Texture(&object)),
+                ("depth", Binding::Texture(&depth)),
+                ("shadow_map", Binding::Texture(&shadow_map)),
+                ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),
+                ("radiance", Binding::Texture(&target)),
+            ],
+            [size.x.div_ceil(8), size.y.div_ceil(8), 1],
+        )
+    });
+    radiance
+}
+
+pub(in crate::render) fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// Stands in where a light has no map; it is never read.
+pub(in crate::render) fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
+    layered_view(&gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("no shadow"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: super::geometry::gbuffer::DEPTH_FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    }))
+}
+
+/// Lit where the receiver's reversed depth is not below the stored one.
+pub(in crate::render) fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
+    gpu.sampler(&wgpu::SamplerDescriptor {
+        label: Some("shadow comparison"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        compare: Some(wgpu::CompareFunction::GreaterEqual),
+        ..Default::default()
+    })
+}
+
+/// The pixels that a light of limited range can reach: the rectangle around its box. None if that is outside.
+fn reached_region(light: &SceneLight, view: &SceneView) -> Option<Region> {
+    let full = Region { origin: UVec2::ZERO, size: view.size.into() };
+    let (Some(range), true) = (light.range, light.has_position()) else { return Some(full) };
+    let reach = Aabb { min: light.position - range, max: light.position + range };
+    let clip_from_world = view.clip_from_world();
+    if !crate::scene::Frustum::new(&clip_from_world).intersects(&reach) {
+        return None;
+    }
+    let corners = reach.corners().map(|corner| clip_from_world * corner.extend(1.0));
+    // In an orthographic image w is 1, wherever the corner lies.
+    if !view.camera.is_orthographic() && corners.iter().any(|corner| corner.w <= view.camera.near) {
+        return Some(full);
+    }
+    let size = glam::Vec2::new(view.size[0] as f32, view.size[1] as f32);
+    let pixels = corners.map(|c| (glam::Vec2::new(c.x, -c.y) / c.w * 0.5 + 0.5) * size);
+    let low = pixels.iter().fold(size, |low, p| low.min(*p)).floor().max(glam::Vec2::ZERO);
+    let high = pixels.iter().fold(glam::Vec2::ZERO, |high, p| high.max(*p)).ceil().min(size);
+    let (low, high) = (low.as_uvec2(), high.as_uvec2());
+    (low.x < high.x && low.y < high.y).then(|| Region { origin: low, size: high - low })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{LightShape, SceneCamera, SceneId, ViewProjection};
+    use glam::Affine3A;
+
+    fn view() -> SceneView {
+        let camera = SceneCamera {
+            id: SceneId(1),
+            name: "camera".into(),
+            world_from_view: Affine3A::IDENTITY,
+            projection: ViewProjection::Perspective { vertical_fov: 1.0 },
+            near: 0.1,
+            far: None,
+            primary: true,
+        };
+        SceneView { camera, size: [128, 64], jitter: [0.0; 2] }
+    }
+
+    fn lamp(position: Vec3, range: Option<f32>) -> SceneLight {
+        SceneLight {
+            id: SceneId(2),
+            name: "lamp".into(),
+            shape: LightShape::Point,
+            intensity: Vec3::ONE,
+            position,
+            direction: Vec3::NEG_Z,
+            range,
+            casts_shadow: false,
+            indirect: false,
+            shadow_size: 1,
+            rsm_size: 1,
+            revision: 0,
+        }
+    }
+
+    #[test]
+    fn a_light_pays_only_for_pixels_in_its_reach() {
+        let region = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), Some(1.0)), &view()).expect("in view");
+        assert!(region.size.x < 24 && region.size.y < 24 && region.size.x > 4, "{region:?}");
+        assert!(region.origin.x > 48 && region.origin.x + region.size.x < 80, "{region:?}");
+        assert_eq!(reached_region(&lamp(Vec3::new(0.0, 0.0, 10.0), Some(1.0)), &view()), None);
+        let whole = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), None), &view()).expect("everywhere");
+        assert_eq!(whole.size, UVec2::new(128, 64));
+        let mut parallel = view();
+        parallel.camera.projection = ViewProjection::Orthographic { height: 8.0 };
+        for distance in [0.0, 2.0, 40.0] {
+            let region = reached_region(&lamp(Vec3::new(2.0, 0.0, -distance), Some(1.0)), &parallel).expect("in view");
+            assert_eq!((region.origin, region.size), (UVec2::new(72, 24), UVec2::new(16, 16)), "at {distance} m");
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The frame as a list of stages.
+//!
+//! ```text
+//! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
+//!      ├─ shadow (a map a light) ┘                           │
+//!      ├─ what the method of indirect light declares ─ accumulate ─┤
+//!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
+//!      └─ blend (blended surfaces, over all others) ─────────┘
+//! ```
+//! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
+//! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
+
+use super::debug;
+use super::direct::{self, Lamp};
+use super::error::RenderError;
+use super::frame::Frame;
+use super::geometry::{GBuffer, gbuffer};
+use super::indirect::light_volumes::Field;
+use super::indirect::path_tracer::{self, PathTracer};
+use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient};
+use super::post::compose::{self, Lights};
+use super::post::{compare, mlaa, tone_map};
+use super::settings::{Beside, Layer, RenderSettings};
+use super::sky::sky_light;
+use super::transparency::blend::{self, Source};
+use crate::gpu::Gpu;
+use crate::graph::{Graph, Handle, Texture};
+
+/// What a frame has before it is shown.
+pub(super) struct Drawn {
+    pub gbuffer: GBuffer,
+    pub radiance: Handle<Texture>,
+    /// Whether there are blended surfaces in it.
+    pub has_blended: bool,
+}
+
+/// Declares everything up to the radiance.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    method: &'a dyn IndirectMethod,
+    gpu: &Gpu,
+) -> Result<Drawn, RenderError> {
+    let gbuffer = gbuffer::declare(graph, frame);
+    let has_blended = blend::is_needed(graph, frame);
+    let (direct, lamps) = declare_direct(graph, frame, &gbuffer, method, has_blended);
+    let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
+    let (indirect, field) = indirect.map_or((None, None), |light| (Some(light.radiance), light.field));
+    let indirect = indirect.map(|light| accumulate::declare(graph, frame, &gbuffer, light));
+    let sky = sky_light::declare(graph, frame, &gbuffer, method);
+    let mut lights = Lights { direct, indirect, sky: sky.as_ref().map(|sky| sky.radiance), blended: None };
+    if has_blended {
+        let source = source_of_blended(graph, &gbuffer, [field, sky.and_then(|sky| sky.field)], &lights);
+        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, lamps, source));
+    }
+    let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
+    if frame.settings.only.is_light() {
+        radiance = method.declare_overlay(graph, frame, &gbuffer, radiance);
+    }
+    Ok(Drawn { gbuffer, radiance, has_blended })
+}
+
+/// Declares the lights' own light, and finds those that blended surfaces need.
+fn declare_direct<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    method: &'a dyn IndirectMethod,
+    has_blended: bool,
+) -> (Option<Handle<Texture>>, Vec<Lamp<'a>>) {
+    if !matches!(frame.settings.only, Layer::Total | Layer::Direct) {
+        graph.skip("direct", "the layer that is shown holds no direct light");
+        return (None, Vec::new());
+    }
+    let own = method.declare_direct(graph, frame, gbuffer);
+    let lamps = if own.is_none() || has_blended { direct::lamps(graph, frame) } else { Vec::new() };
+    let direct = own.unwrap_or_else(|| direct::declare(graph, frame, gbuffer, &lamps));
+    (Some(direct), lamps)
+}
+
+fn declare_indirect<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    method: &'a dyn IndirectMethod,
+    gpu: &Gpu,
+) -> Result<Option<IndirectLight>, RenderError> {
+    if frame.settings.only.shows_indirect() {
+        return method.declare(graph, frame, gbuffer, gpu);
+    }
+    graph.skip("indirect", "the layer that is shown holds no indirect light");
+    Ok(None)
+}
+
+/// Where blended surfaces find indirect light: in a field of the method or else of the sky, if that is all there is;
+/// otherwise at the pixels behind them.
+fn source_of_blended(
+    graph: &mut Graph,
+    gbuffer: &GBuffer,
+    [field, sky]: [Option<Field>; 2],
+    lights: &Lights,
+) -> Option<Source> {
+    let sources = [lights.indirect, lights.sky].into_iter().flatten().collect::<Vec<_>>();
+    match (field, sky) {
+        (Some(field), None) => Some(Source::Field(Box::new(field))),
+        (None, Some(sky)) if lights.indirect.is_none() => Some(Source::Field(Box::new(sky))),
+        _ if sources.is_empty() => None,
+        _ => Some(Source::Ambient(ambient::declare(graph, gbuffer, &sources))),
+    }
+}
+
+/// The reference goes on, and is shown with what was drawn.
+pub(super) fn declare_beside<'a>(
+    graph: &mut Graph<'a>,
+    settings: &RenderSettings,
+    radiance: Handle<Texture>,
+    tracer: &'a mut PathTracer,
+    beside: &Beside,
+) -> Handle<Texture> {
+    let traced = path_tracer::declare(graph, tracer, "traced radiance", settings.only, &beside.reference);
+    compare::declare(graph, radiance, traced, beside.shown)
+}
+
+/// Asks for the radiance, and where it is wanted for the display image of `shown`, with what is drawn over it.
+pub(super) fn finish<'a>(
+    graph: &mut Graph<'a>,
+    settings: &RenderSettings,
+    radiance: Handle<Texture>,
+    shown: Handle<Texture>,
+    size: [u32; 2],
+    drawn: Option<(&Frame<'a>, &GBuffer)>,
+) {
+    graph.output(radiance);
+    if !settings.display {
+        graph.skip("tone map", "no display image is wanted");
+        return;
+    }
+    let mut display = tone_map::declare(graph, settings, shown, size);
+    if settings.mlaa {
+        display = mlaa::declare(graph, display, size, settings.mlaa_edges, drawn.map(|(_, gbuffer)| gbuffer));
+    } else {
+        graph.skip("mlaa", "anti-aliasing is off");
+    }
+    match drawn {
+        _ if settings.debug.is_empty() => {}
+        Some((frame, gbuffer)) => display = debug::declare(graph, frame, gbuffer, display),
+        None => graph.skip("debug", "a path-traced frame has no depth to draw over; use a drawn method"),
+    }
+    graph.output(display);
+}

@@ -1,0 +1,111 @@
+//! What moves drawn over a kept image of what does not.
+//!
+//! A view that rests, be it a light's or the camera's, needs what does not move only once: it is kept in targets of its
+//! own, and a frame copies those and draws what moves on top. That takes the memory of the view's targets a second
+//! time, while anything moves in the view. The depth test lets the first of equals stay, and what moves is drawn last
+//! whether it is drawn apart or not: both ways give the same bits.
+
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::scene_gpu::{DrawFilter, Motion};
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::{Mutex, PoisonError};
+
+/// How the views of the last frame were drawn.
+#[derive(Debug, Default)]
+pub struct Views {
+    then: HashMap<String, Drawn>,
+    now: Mutex<HashMap<String, Drawn>>,
+}
+
+/// How a view was drawn.
+#[derive(Clone, Copy, Debug)]
+struct Drawn {
+    view: u64,
+    moving: u64,
+    apart: bool,
+}
+
+impl Views {
+    /// A frame begins: what was drawn is what the last one drew.
+    pub fn begin_frame(&mut self) {
+        self.then = std::mem::take(self.now.get_mut().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Whether to draw apart what moves: from when it first changes in a view that rests, until the view changes.
+    fn are_apart(&self, name: &str, view: u64, moving: &[[u64; 3]]) -> bool {
+        let changes = hash(&moving);
+        let apart = match self.then.get(name) {
+            Some(then) if then.view == view => !moving.is_empty() && (then.apart || then.moving != changes),
+            _ => false,
+        };
+        let mut now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        now.insert(name.to_owned(), Drawn { view, moving: changes, apart });
+        apart
+    }
+}
+
+fn hash(value: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Targets that hold what passes one of the `filters`, as seen by the views with that `key`. `draw` draws into the
+/// targets that it is given: all into cleared ones, or what moves over what they hold, see [`ops`].
+pub(in crate::render) fn declare<'a, const N: usize>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    name: &str,
+    targets: [(String, TextureDesc); N],
+    filters: &[DrawFilter],
+    key: &impl Hash,
+    draw: impl Fn(&mut PassContext, &[Handle<Texture>; N], Motion) -> Result<(), PassError> + Clone + 'a,
+) -> [Handle<Texture>; N] {
+    let scene = frame.gpu_scene;
+    let moving = scene.moving(filters);
+    let view = hash(&(hash(key), &targets.each_ref().map(|(_, desc)| desc)));
+    let apart = frame.views.are_apart(name, view, &moving)
+        && filters.iter().any(|filter| scene.any_visible(&filter.of(Motion::Still)));
+    let still = apart.then(|| {
+        let kept =
+            targets.each_ref().map(|(name, desc)| graph.retained_texture(format!("{name}, still"), desc.clone()));
+        let mut pass = graph.pass(format!("{name}, still"));
+        let kept = kept.map(|handle| pass.write(handle));
+        pass.key(&(scene.still_key(), view));
+        let draw = draw.clone();
+        pass.execute(move |cx| draw(cx, &kept, Motion::Still));
+        kept
+    });
+    let textures = targets.map(|(name, desc)| graph.retained_texture(name, desc));
+    let mut pass = graph.pass(name);
+    still.iter().flatten().for_each(|handle| pass.read(*handle));
+    let textures = textures.map(|handle| pass.write(handle));
+    pass.key(&(scene.still_key(), moving, view));
+    pass.execute(move |cx| match still {
+        Some(still) => {
+            still.into_iter().zip(textures).for_each(|(from, to)| copy(cx, from, to));
+            draw(cx, &textures, Motion::Moving)
+        }
+        None => draw(cx, &textures, Motion::Any),
+    });
+    textures
+}
+
+fn copy(cx: &mut PassContext, from: Handle<Texture>, to: Handle<Texture>) {
+    let [from, to] = [from, to].map(|handle| cx.texture(handle).clone());
+    cx.encoder().copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
+    cx.counts().bytes += TextureDesc::of(&from).bytes();
+}
+
+/// Whether nothing is to be drawn into a view: its target holds all already.
+pub(in crate::render) fn is_done(frame: &Frame, filter: &DrawFilter) -> bool {
+    filter.motion == Motion::Moving && !frame.gpu_scene.any_visible(filter)
+}
+
+/// What becomes of a target before it is drawn into: what moves comes over what it holds.
+pub(in crate::render) fn ops<V>(motion: Motion, clear: V) -> wgpu::Operations<V> {
+    let load = if motion == Motion::Moving { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(clear) };
+    wgpu::Operations { load, store: wgpu::StoreOp::Store }
+}

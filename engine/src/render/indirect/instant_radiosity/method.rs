@@ -1,0 +1,91 @@
+//! The door of instant radiosity.
+
+use super::{VirtualLights, declare, main_light, paths};
+use crate::gpu::Gpu;
+use crate::graph::{Graph, Handle, Texture};
+use crate::render::Renderer;
+use crate::render::error::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::GBuffer;
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout};
+use crate::scene::Scene;
+
+impl GiMethod {
+    /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
+    pub const VPL: Self = Self::named("vpl");
+}
+
+/// Instant radiosity, with what it keeps of earlier frames.
+#[derive(Default)]
+pub struct InstantRadiosityMethod {
+    /// Made for the first frame.
+    state: Option<VirtualLights>,
+}
+
+/// A renderer's virtual lights, for tools and measurements: none before the first frame that asked for them.
+pub fn virtual_lights(renderer: &Renderer) -> Option<&VirtualLights> {
+    renderer.methods().of_type::<InstantRadiosityMethod>()?.state.as_ref()
+}
+
+impl IndirectMethod for InstantRadiosityMethod {
+    fn id(&self) -> GiMethod {
+        GiMethod::VPL
+    }
+
+    fn title(&self) -> &'static str {
+        "Instant radiosity"
+    }
+
+    fn varies(&self, _: &Scene) -> bool {
+        true
+    }
+
+    fn has_sky_light(&self, _: &Scene) -> bool {
+        true
+    }
+
+    fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        Ok(self.state.get_or_insert_with(|| VirtualLights::new(gpu)).update(gpu, scene)?)
+    }
+
+    fn declare<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        _: &Gpu,
+    ) -> Result<Option<IndirectLight>, RenderError> {
+        let Some(state) = &self.state else { return Ok(None) };
+        let radiance = declare(graph, frame, gbuffer, state)?;
+        Ok(radiance.map(IndirectLight::at_pixels))
+    }
+
+    fn declare_direct<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+    ) -> Option<Handle<Texture>> {
+        let settings = self.state.as_ref()?.published()?;
+        Some(main_light::declare(graph, frame, gbuffer, settings))
+    }
+
+    fn declare_overlay<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        radiance: Handle<Texture>,
+    ) -> Handle<Texture> {
+        match &self.state {
+            Some(state) if frame.settings.particle_paths > 0 => paths::declare(graph, frame, gbuffer, state, radiance),
+            _ => radiance,
+        }
+    }
+
+    fn point_layout(&self) -> Option<PointLayout> {
+        let count = self.state.as_ref().map(|state| state.particles().lights.len() as u32);
+        // `VirtualLight` of `lib/vpl.wgsl`: place, normal, intensity, and two more.
+        Some(PointLayout { stride: 5, normal: 1, light: 2, has_gaps: false, count: count.filter(|count| *count > 0) })
+    }
+}

@@ -1,0 +1,232 @@
+//! The light that the bound on virtual lights leaves out, found by short rays. See `indirect/instant_radiosity/near.wgsl`.
+
+use super::particles::{Lights, VirtualLights};
+use super::simulate::{Particles, VirtualLight};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::render::frame::{Frame, ViewUniform};
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::gloss;
+use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::world::{VirtualPlacement, VirtualShading, VirtualVisibility};
+use encase::ShaderType;
+use wgpu::BufferUsages;
+
+/// Rays of one submit: a submit of a second may cost the device on desktop drivers.
+const RAYS_A_SUBMIT: u64 = 1 << 18;
+
+/// `Near` of `indirect/instant_radiosity/near.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct NearUniform {
+    view: ViewUniform,
+    root: u32,
+    light_count: u32,
+    virtual_count: u32,
+    seed: u32,
+    reach: f32,
+    glow: f32,
+    first_row: u32,
+}
+
+/// What the rays brought: what a white diffuse surface reflects, and what the specular lobe does.
+#[derive(Clone, Copy)]
+struct Brought {
+    diffuse: Handle<Texture>,
+    specular: Handle<Texture>,
+}
+
+/// Declares the rays and the filter over what they bring; the result is `summed` with it. Where no ray is cast, the
+/// reason is in the report.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    state: &'a VirtualLights,
+    lights: Lights,
+    summed: Handle<Texture>,
+) -> Handle<Texture> {
+    if let Some(why) = why_not(frame, state) {
+        graph.skip("near light", why);
+        return summed;
+    }
+    let work = Work { frame: frame.clone(), gbuffer: *gbuffer, state, lights };
+    let brought = work.cast(graph);
+    work.filter(graph, brought, summed)
+}
+
+fn why_not(frame: &Frame, state: &VirtualLights) -> Option<&'static str> {
+    let settings = &state.settings;
+    if settings.near_rays == 0 {
+        Some("`near_rays` is 0: what the bound on near lights takes away is left out")
+    } else if settings.near_bound <= 0.0 {
+        Some("`near_bound` is 0: nothing is taken away from near lights")
+    } else if settings.shading == VirtualShading::AsPublished {
+        Some("the report's shading knows no distance, and no bound")
+    } else if settings.visibility == VirtualVisibility::None {
+        Some("virtual lights cast no shadows, as no ray finds light")
+    } else if settings.placement == VirtualPlacement::Rsm {
+        Some("lights from reflective shadow maps have a bound of their own each")
+    } else if frame.settings.virtual_light.is_some() {
+        Some("one virtual light is shown by itself")
+    } else {
+        None
+    }
+}
+
+#[derive(Clone)]
+struct Work<'a> {
+    frame: Frame<'a>,
+    gbuffer: GBuffer,
+    state: &'a VirtualLights,
+    lights: Lights,
+}
+
+impl<'a> Work<'a> {
+    /// Declares the rays.
+    fn cast(&self, graph: &mut Graph<'a>) -> Brought {
+        let frame = &self.frame;
+        let brought = Brought {
+            diffuse: graph.texture("near diffuse", frame.image_desc()),
+            specular: graph.texture("near specular", frame.image_desc()),
+        };
+        let mut pass = graph.pass("near light");
+        let inputs = [self.gbuffer.base_color, self.gbuffer.normal, self.gbuffer.object, self.gbuffer.depth];
+        inputs.into_iter().for_each(|handle| pass.read(handle));
+        pass.read(self.lights.all);
+        let brought = Brought { diffuse: pass.write(brought.diffuse), specular: pass.write(brought.specular) };
+        pass.key(&(self.state.settings.near_rays, frame.seed(), frame.view_key(), frame.geometry_key()));
+        pass.key(&frame.scene.revisions.lights);
+        let work = self.clone();
+        pass.execute(move |cx| work.run(cx, inputs, brought));
+        brought
+    }
+
+    fn run(&self, cx: &mut PassContext, inputs: [Handle<Texture>; 4], brought: Brought) -> Result<(), PassError> {
+        let rays = u64::from(self.state.settings.near_rays);
+        let [width, height] = self.frame.view.size;
+        let pixels = u64::from(width) * u64::from(height);
+        cx.counts().texels += pixels;
+        cx.counts().paths += pixels * rays;
+        // Whole workgroups, eight rows high.
+        let step = (RAYS_A_SUBMIT / (u64::from(width) * rays) / 8).clamp(1, 1 << 16) as usize * 8;
+        for first_row in (0..height).step_by(step) {
+            let rows = (height - first_row).min(step as u32);
+            self.dispatch(cx, inputs, brought, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
+            if first_row + rows < height {
+                cx.submit();
+            }
+        }
+        Ok(())
+    }
+
+    fn dispatch(
+        &self,
+        cx: &mut PassContext,
+        inputs: [Handle<Texture>; 4],
+        brought: Brought,
+        first_row: u32,
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
+        let gpu = cx.gpu;
+        let rays = &self.state.rays;
+        let particles = self.state.particles();
+        // As many lights as can be bound: those left out are the last ones of many, which have little to add.
+        let most = gpu.limits.max_storage_buffer_binding_size / size_of::<VirtualLight>() as u64;
+        let count = (particles.lights.len() as u64).min(most);
+        let near = gpu.uniform("near", &self.uniform(&particles, count as u32, first_row));
+        let nearest = if particles.nearest.is_empty() { &[0.0][..] } else { &particles.nearest };
+        let nearest = gpu.storage("nearest", nearest, BufferUsages::empty());
+        let virtual_lights = cx.buffer(self.lights.all).clone();
+        let size = count.max(1) * size_of::<VirtualLight>() as u64;
+        let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
+        let [diffuse, specular] = [brought.diffuse, brought.specular].map(|handle| cx.view(handle));
+        let group = [
+            ("near", Binding::Buffer(&near)),
+            ("nearest", Binding::Buffer(&nearest)),
+            ("virtual_lights", Binding::BufferRange(&virtual_lights, 0, size)),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("object", Binding::Texture(&object)),
+            ("depth", Binding::Texture(&depth)),
+            ("diffuse_out", Binding::Texture(&diffuse)),
+            ("specular_out", Binding::Texture(&specular)),
+        ];
+        let mut key = rays
+            .shader("indirect/instant_radiosity/near.wgsl", "main")
+            .def("RAYS", ShaderDef::Uint(self.state.settings.near_rays));
+        if !gloss::is_wanted(self.frame.scene) {
+            key = key.def("MATTE", ShaderDef::Flag(true));
+        }
+        cx.counts().dispatches += 1;
+        dispatch_rays(gpu, cx.encoder(), &key, &group, rays, groups)
+    }
+
+    fn uniform(&self, particles: &Particles, count: u32, first_row: u32) -> NearUniform {
+        let next = particles.lights.iter().map(|light| light.next).fold(0.0, f32::max);
+        let first = particles.nearest.iter().copied().fold(particles.nearest_glow, f32::max);
+        NearUniform {
+            view: self.frame.view_values(),
+            root: self.state.rays.root(),
+            light_count: self.state.rays.light_count,
+            virtual_count: if next > 0.0 { count } else { 0 },
+            seed: self.frame.seed(),
+            reach: first.max(next),
+            glow: particles.nearest_glow,
+            first_row,
+        }
+    }
+
+    /// Declares the filter, along rows and columns; the result is `summed` with the near light.
+    fn filter(&self, graph: &mut Graph<'a>, brought: Brought, summed: Handle<Texture>) -> Handle<Texture> {
+        let (frame, gbuffer) = (&self.frame, &self.gbuffer);
+        let radius = self.state.settings.near_filter.max(1);
+        let key = (radius, frame.seed(), frame.view_key(), frame.geometry_key(), frame.scene.revisions.lights);
+        let half = Brought {
+            diffuse: graph.texture("near diffuse, filtered along rows", frame.image_desc()),
+            specular: graph.texture("near specular, filtered along rows", frame.image_desc()),
+        };
+        let mut pass = graph.pass("near filter, horizontal");
+        let inputs = [gbuffer.normal, gbuffer.depth, brought.diffuse, brought.specular];
+        inputs.into_iter().for_each(|handle| pass.read(handle));
+        let half = Brought { diffuse: pass.write(half.diffuse), specular: pass.write(half.specular) };
+        pass.key(&key);
+        let work = self.clone();
+        pass.execute(move |cx| {
+            let names = ["normal", "depth", "diffuse", "specular"];
+            work.run_filter(
+                cx,
+                "horizontal",
+                names.into_iter().zip(inputs).chain([("diffuse_out", half.diffuse), ("specular_out", half.specular)]),
+            )
+        });
+        let indirect = graph.retained_texture("indirect radiance, near light added", frame.image_desc());
+        let mut pass = graph.pass("near filter, vertical");
+        let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, half.diffuse, half.specular, summed];
+        inputs.into_iter().for_each(|handle| pass.read(handle));
+        let indirect = pass.write(indirect);
+        pass.key(&key);
+        let work = self.clone();
+        pass.execute(move |cx| {
+            let names = ["base_color", "normal", "depth", "diffuse", "specular", "summed"];
+            work.run_filter(cx, "vertical", names.into_iter().zip(inputs).chain([("indirect", indirect)]))
+        });
+        indirect
+    }
+
+    fn run_filter(
+        &self,
+        cx: &mut PassContext,
+        entry: &'static str,
+        textures: impl Iterator<Item = (&'static str, Handle<Texture>)>,
+    ) -> Result<(), PassError> {
+        let [width, height] = self.frame.view.size;
+        let near = cx.gpu.uniform("near", &self.uniform(&Particles::default(), 0, 0));
+        let views: Vec<_> = textures.map(|(name, handle)| (name, cx.view(handle))).collect();
+        let mut group = vec![("near", Binding::Buffer(&near))];
+        group.extend(views.iter().map(|(name, view)| (*name, Binding::Texture(view))));
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        let radius = self.state.settings.near_filter.max(1) as i32;
+        let key = ComputeKey::new("indirect/instant_radiosity/near.wgsl", entry).def("RADIUS", ShaderDef::Int(radius));
+        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
+    }
+}

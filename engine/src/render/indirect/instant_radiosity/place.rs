@@ -1,0 +1,92 @@
+//! Virtual lights from the lights' reflective shadow maps ("ignore the further bounces").
+
+use super::particles::{LightCount, Lights, VirtualLights};
+use super::schedule::deal;
+use super::simulate::VirtualLight;
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{BufferDesc, Graph};
+use crate::render::direct::light_uniform::LightUniform;
+use crate::render::frame::Frame;
+use crate::render::shadows::reflective::{self, Rsm};
+use crate::world::ParticleSequence;
+use encase::ShaderType;
+
+/// `Place` of `indirect/instant_radiosity/place.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct MapPlaceUniform {
+    first: u32,
+    count: u32,
+    seed: u32,
+    random: u32,
+    near_bound: f32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
+/// Declares the maps and the lights from them; none where no light is seen to light anything.
+pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a VirtualLights) -> Option<Lights> {
+    let lights = frame.scene.lights.iter().zip(0..);
+    let maps: Vec<Rsm<'a>> =
+        lights.filter_map(|(light, index)| reflective::declare(graph, frame, light, index, &frame.bounds)).collect();
+    let settings = &state.settings;
+    if maps.is_empty() {
+        graph.skip("place", "no light has a reflective shadow map");
+        return None;
+    }
+    // Every layer of every map alike: a cube's faces share its light, and lights their number.
+    let layers: Vec<(usize, usize)> =
+        maps.iter().enumerate().flat_map(|(map, rsm)| (0..rsm.views.len()).map(move |layer| (map, layer))).collect();
+    let counts = deal(settings.particles, &vec![1.0; layers.len()]);
+    let total: u32 = counts.iter().sum();
+    let size = u64::from(total) * size_of::<VirtualLight>() as u64;
+    let buffer = graph.retained_buffer("virtual lights", BufferDesc::new(size, wgpu::BufferUsages::STORAGE));
+    let mut pass = graph.pass("place");
+    for map in &maps {
+        pass.read(map.base_color);
+        pass.read(map.normal);
+        pass.read(map.depth);
+    }
+    let buffer = pass.write(buffer);
+    let revisions: Vec<u64> = maps.iter().map(|map| map.light.revision).collect();
+    let key = (settings.particles, settings.seed, settings.near_bound.to_bits(), settings.sequence, settings.shading);
+    pass.key(&(frame.scene.identity, revisions, key));
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let mut first = 0;
+        for (&(map, layer), &count) in layers.iter().zip(&counts) {
+            let rsm = &maps[map];
+            let place = MapPlaceUniform {
+                first,
+                count,
+                seed: super::random::hash_pair(settings.seed, first),
+                random: u32::from(settings.sequence == ParticleSequence::Random),
+                near_bound: settings.near_bound,
+                pad_a: 0,
+                pad_b: 0,
+                pad_c: 0,
+            };
+            let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
+            let lights = cx.buffer(buffer).clone();
+            let groups = count.div_ceil(64);
+            let across = groups.min(32_768);
+            cx.dispatch(
+                &ComputeKey::new("indirect/instant_radiosity/place.wgsl", "main"),
+                &[
+                    ("place", Binding::Buffer(&gpu.uniform("place", &place))),
+                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, rsm.light))),
+                    ("rsm", Binding::Buffer(&gpu.uniform("rsm layer", &rsm.layer_uniform(layer, 1.0)))),
+                    ("base_color", Binding::Texture(&base_color)),
+                    ("normal", Binding::Texture(&normal)),
+                    ("depth", Binding::Texture(&depth)),
+                    ("virtual_lights", Binding::Buffer(&lights)),
+                ],
+                [across, groups.div_ceil(across), 1],
+            )?;
+            first += count;
+        }
+        cx.counts().lights += u64::from(total);
+        Ok(())
+    });
+    Some(Lights { buffer, all: buffer, count: LightCount::Known(total) })
+}

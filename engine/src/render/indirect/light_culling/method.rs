@@ -1,0 +1,56 @@
+//! The door of stochastic light culling.
+
+use super::{casts_rays, declare, settings};
+use crate::gpu::Gpu;
+use crate::graph::Graph;
+use crate::render::error::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::GBuffer;
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, RayUse};
+use crate::scene::Scene;
+
+impl GiMethod {
+    /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
+    pub const SLC: Self = Self::named("slc");
+}
+
+/// Stochastic light culling. It keeps nothing but what passes retain.
+pub(in crate::render) struct LightCullingMethod;
+
+impl IndirectMethod for LightCullingMethod {
+    fn id(&self) -> GiMethod {
+        GiMethod::SLC
+    }
+
+    fn title(&self) -> &'static str {
+        "Stochastic light culling"
+    }
+
+    fn varies(&self, _: &Scene) -> bool {
+        true
+    }
+
+    fn rays(&self, scene: &Scene) -> RayUse {
+        if casts_rays(&settings(scene)) { RayUse::Required } else { RayUse::None }
+    }
+
+    fn has_sky_light(&self, scene: &Scene) -> bool {
+        casts_rays(&settings(scene))
+    }
+
+    fn declare<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        gpu: &Gpu,
+    ) -> Result<Option<IndirectLight>, RenderError> {
+        let radiance = declare(graph, frame, gbuffer, gpu)?;
+        Ok(radiance.map(IndirectLight::at_pixels))
+    }
+
+    fn point_layout(&self) -> Option<PointLayout> {
+        // `VirtualLight` of `lib/slc.wgsl`: position, direction, normal, flux, and two more.
+        Some(PointLayout { stride: 6, normal: 2, light: 3, has_gaps: true, count: None })
+    }
+}

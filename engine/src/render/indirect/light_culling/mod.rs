@@ -1,0 +1,206 @@
+//! Stochastic light culling: one bounce of indirect light from many virtual lights, each with a random range (Tokuyoshi
+//! and Harada 2016; with bounding ellipsoids of GGX lobes, 2017).
+//!
+//! ```text
+//! rsm (a light) ─ virtual lights ─ error bound ─ ranges ─┐
+//! gbuffer ───────────────────────────────── cull tiles ──┴─ shade ─ filter
+//! ```
+//! A light with intensity I(ω) is accepted at a distance l with p = min(I/(δ·l²), 1) > ξ, and what it brings is divided
+//! by p: the mean over ξ is the sum over all lights. Since ξ is one number a light, the points that accept it lie within
+//! l² = I(ω)/(δ·ξ), for which there are tight bounds: a sphere for the diffuse lobe, a spheroid for the GGX lobe.
+
+mod cull;
+mod filter;
+mod lights;
+pub mod lobe;
+#[cfg(test)]
+mod lobe_tests;
+mod method;
+mod shade;
+mod splat;
+
+#[cfg(test)]
+pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
+
+use crate::gpu::Gpu;
+use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
+use crate::render::error::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::world::{LightCulling, LightVisibility, StochasticLightCulling};
+use glam::Vec3;
+
+pub(in crate::render) use method::LightCullingMethod;
+
+/// Name of the retained texture of what diffuse surfaces answer to; its alpha is the number of lights tested.
+pub const TESTED: &str = "slc diffuse";
+/// Name of the retained texture of specular light; its alpha is the number of lights accepted.
+pub const ACCEPTED: &str = "slc specular";
+/// Edge of a tile \[pixels of a subset's image\].
+const TILE: u32 = 16;
+
+/// The settings of a scene: its own or the default ones.
+pub(in crate::render) fn settings(scene: &crate::scene::Scene) -> StochasticLightCulling {
+    scene.slc.clone().unwrap_or_default().sanitized()
+}
+
+/// Whether shadow rays are cast.
+pub(in crate::render) fn casts_rays(settings: &StochasticLightCulling) -> bool {
+    settings.visibility == LightVisibility::ShadowRays
+}
+
+/// What all passes work with.
+#[derive(Clone)]
+struct Method {
+    settings: StochasticLightCulling,
+    /// Virtual lights of a subset.
+    lights: u32,
+    /// Slices of depth in a tile.
+    slices: u32,
+    /// Tiles of a subset's image.
+    tiles: [u32; 2],
+    /// ξ of this frame.
+    seed: u32,
+    /// What rays need to know of the hierarchy.
+    root: u32,
+    /// Radiance of the sky, where rays are cast \[W/(m² sr)\].
+    sky: Vec3,
+}
+
+/// The virtual lights of a frame.
+#[derive(Clone, Copy)]
+struct Sources {
+    ranges: Handle<Buffer>,
+    /// What shading reads of the lights.
+    texels: Handle<Texture>,
+    bound: Handle<Buffer>,
+}
+
+/// Unfiltered light.
+#[derive(Clone, Copy)]
+struct Shaded {
+    diffuse: Handle<Texture>,
+    specular: Handle<Texture>,
+}
+
+impl Method {
+    fn subsets(&self) -> u32 {
+        self.settings.interleave * self.settings.interleave
+    }
+
+    /// Words of a mask of all lights of a subset: as many as workgroups fill at once.
+    fn words(&self) -> u32 {
+        self.lights.div_ceil(256).max(1) * 8
+    }
+
+    /// Words of all masks with their summaries.
+    fn mask_words(&self) -> u64 {
+        let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]) * u64::from(self.subsets());
+        let words = self.words();
+        tiles * u64::from(self.slices) * 2 * u64::from(words + words.div_ceil(32))
+    }
+}
+
+/// Declares all passes of indirect light; the result is reflected radiance, rgba32float. None, with the reason in the
+/// report, if no light feeds it.
+///
+/// # Errors
+/// If the lights or their masks do not fit the device.
+fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    gpu: &Gpu,
+) -> Result<Option<Handle<Texture>>, RenderError> {
+    let settings = settings(frame.scene);
+    let maps = lights::maps(graph, frame, &settings);
+    let lights: u64 = maps.iter().map(|map| lights::lights_of(map, settings.interleave)).sum();
+    let sky = if casts_rays(&settings) { frame.scene.sky } else { Vec3::ZERO };
+    if lights == 0 && sky == Vec3::ZERO {
+        graph.skip("slc", "no light feeds indirect light");
+        return Ok(None);
+    }
+    let [width, height] = frame.view.size;
+    let covered = TILE * settings.interleave;
+    let method = Method {
+        // Under a sky alone there is one light of no flux.
+        lights: u32::try_from(lights).unwrap_or(u32::MAX).max(1),
+        slices: if settings.culling == LightCulling::Clustered { 32 } else { 2 },
+        tiles: [width.div_ceil(covered), height.div_ceil(covered)],
+        seed: settings.seed ^ frame.seed(),
+        root: frame.rays.map_or(0, |rays| rays.root()),
+        sky,
+        settings,
+    };
+    check_memory(gpu, &method, frame.view.size)?;
+    check_splatting(gpu, &method.settings)?;
+    check_loops(gpu, &method)?;
+    let sources = lights::declare(graph, frame, &maps, &method);
+    let shaded = match method.settings.culling {
+        LightCulling::Splatting => splat::declare(graph, frame, gbuffer, &method, sources),
+        LightCulling::None => {
+            graph.skip("slc cull", "all lights are shaded at every pixel");
+            shade::declare(graph, frame, gbuffer, &method, sources, None)
+        }
+        LightCulling::Tiled | LightCulling::Clustered => {
+            let culled = cull::declare(graph, frame, gbuffer, &method, sources);
+            shade::declare(graph, frame, gbuffer, &method, sources, Some(culled))
+        }
+    };
+    Ok(Some(filter::declare(graph, frame, gbuffer, &method, shaded)))
+}
+
+/// Whether all buffers can be bound.
+fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), RenderError> {
+    let limit = gpu.limits.max_storage_buffer_binding_size;
+    let count = u64::from(method.lights) * u64::from(method.subsets());
+    let masks = 4 * method.mask_words();
+    let pixels = 4 * u64::from(size[0]) * u64::from(size[1]);
+    let needs = [
+        (lights::LIGHT_BYTES * count, format!("{count} virtual lights"), "a smaller `slc.rsm_size`"),
+        (masks, format!("the light masks of {count} virtual lights"), "a smaller `slc.rsm_size`, or `Tiled` culling"),
+        (pixels, "the slices of so many pixels".to_owned(), "a smaller image"),
+    ];
+    match needs.into_iter().find(|(bytes, ..)| *bytes > limit) {
+        None => Ok(()),
+        Some((bytes, what, help)) => Err(RenderError::LightCulling(format!(
+            "{what} take {} MiB, and this adapter binds at most {} MiB at once: use {help}",
+            bytes.div_ceil(1 << 20),
+            limit >> 20
+        ))),
+    }
+}
+
+/// Whether lights can be drawn one by one, if that is wanted.
+fn check_splatting(gpu: &Gpu, settings: &StochasticLightCulling) -> Result<(), RenderError> {
+    let wrong = |what: &str| Err(RenderError::LightCulling(format!("`Splatting` {what}: use `Tiled` culling")));
+    match settings.culling {
+        LightCulling::Splatting if casts_rays(settings) => wrong("casts no shadow rays"),
+        LightCulling::Splatting if !splat::is_possible(gpu) => wrong("needs an adapter that blends 32-bit floats"),
+        _ => Ok(()),
+    }
+}
+
+/// lavapipe ends all loops of a thread after 65,535 turns together, without a word: the sum over all lights would lack
+/// some. A ray takes up to some hundred turns.
+fn check_loops(gpu: &Gpu, method: &Method) -> Result<(), RenderError> {
+    const MOST: u64 = 65_535;
+    let unculled = method.settings.culling == LightCulling::None && gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let a_light = if casts_rays(&method.settings) { 256 } else { 1 };
+    let turns = 2 * u64::from(method.lights) * a_light;
+    if !unculled || turns <= MOST {
+        return Ok(());
+    }
+    Err(RenderError::LightCulling(format!(
+        "all {} lights of a pixel take up to {turns} turns of a loop, which software drivers end after {MOST}: use a \
+         larger `slc.interleave`, a smaller `slc.rsm_size`, or no shadow rays",
+        method.lights
+    )))
+}
+
+/// A texture of four floats a pixel.
+fn image_desc(frame: &Frame) -> TextureDesc {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage)
+}

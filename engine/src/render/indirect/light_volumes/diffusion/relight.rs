@@ -1,0 +1,114 @@
+//! Indirect light of the visible surfaces, looked up in the volumes.
+
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, Graph, Handle, PassContext, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::light_volumes::volume::{MAX_CASCADES, Volume, VolumeUniform};
+use crate::world::Clpv;
+use encase::ShaderType;
+use glam::Vec3;
+
+/// `Cascade` of `lib/relight.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct CascadeUniform {
+    volume: VolumeUniform,
+    fade_center: Vec3,
+    fade_cells: f32,
+    fade_half: Vec3,
+    padding: f32,
+}
+
+impl CascadeUniform {
+    pub(in crate::render::indirect) fn new(volume: &Volume, fade_cells: f32) -> Self {
+        Self {
+            volume: volume.uniform(),
+            fade_center: volume.fade_center,
+            fade_cells,
+            fade_half: volume.fade_half,
+            padding: 0.0,
+        }
+    }
+}
+
+/// `Relight` of `lib/relight.wgsl`.
+#[derive(ShaderType, Clone)]
+pub(crate) struct RelightUniform {
+    cascades: [CascadeUniform; MAX_CASCADES],
+    count: u32,
+    gain: f32,
+    padding_a: u32,
+    padding_b: u32,
+}
+
+/// Declares the pass; `lit` are the propagated volumes, finest first. The result is reflected radiance.
+pub(in crate::render::indirect) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    volumes: &[Volume],
+    lit: &[Handle<Buffer>],
+) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let indirect = graph.retained_texture("indirect radiance", desc);
+    let mut pass = graph.pass("relight");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    for &volume in lit {
+        pass.read(volume);
+    }
+    let indirect = pass.write(indirect);
+    let uniform = uniform(settings, volumes);
+    let fades: Vec<_> = volumes.iter().map(Volume::fade_key).collect();
+    let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
+    pass.key(&(keys, fades, uniform.gain.to_bits(), settings.border_fade.to_bits(), frame.view_key()));
+    let (frame, lit) = (frame.clone(), lit.to_vec());
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
+        let light = cascade_buffers(cx, &lit);
+        let target = cx.view(indirect);
+        let relight = gpu.uniform("relight", &uniform);
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        cx.dispatch(
+            &ComputeKey::new("indirect/light_volumes/diffusion/relight.wgsl", "main"),
+            &[
+                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                ("relight", Binding::Buffer(&relight)),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("depth", Binding::Texture(&depth)),
+                ("light_finest", Binding::Buffer(&light[0])),
+                ("light_second", Binding::Buffer(&light[1])),
+                ("light_third", Binding::Buffer(&light[2])),
+                ("light_coarsest", Binding::Buffer(&light[3])),
+                ("indirect", Binding::Texture(&target)),
+            ],
+            [width.div_ceil(8), height.div_ceil(8), 1],
+        )
+    });
+    indirect
+}
+
+/// The buffers of four cascades. One that is not there is never read; the finest stands in for it.
+pub(in crate::render::indirect) fn cascade_buffers(cx: &PassContext, lit: &[Handle<Buffer>]) -> [wgpu::Buffer; 4] {
+    [0, 1, 2, 3].map(|level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone())
+}
+
+pub(in crate::render::indirect) fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
+    let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
+    let cascade =
+        |level: usize| CascadeUniform::new(&volumes[level.min(volumes.len() - 1)], finite(settings.border_fade));
+    RelightUniform {
+        cascades: std::array::from_fn(cascade),
+        count: volumes.len() as u32,
+        gain: finite(settings.gain),
+        padding_a: 0,
+        padding_b: 0,
+    }
+}

@@ -1,0 +1,83 @@
+//! The door of the light volumes.
+
+use super::sweep::{self, gather};
+use super::{Indirect, diffusion};
+use crate::gpu::Gpu;
+use crate::graph::Graph;
+use crate::render::error::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::GBuffer;
+use crate::render::indirect::gloss;
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, RayUse, Subject};
+use crate::scene::Scene;
+use crate::world::{Clpv, Transport};
+
+impl GiMethod {
+    /// Light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
+    pub const CLPV: Self = Self::named("clpv");
+}
+
+/// Light propagation volumes, swept or diffused.
+pub(in crate::render) struct LightVolumesMethod;
+
+fn settings(scene: &Scene) -> Option<&Clpv> {
+    scene.clpv.as_ref().map(|clpv| &clpv.settings)
+}
+
+impl IndirectMethod for LightVolumesMethod {
+    fn id(&self) -> GiMethod {
+        GiMethod::CLPV
+    }
+
+    fn title(&self) -> &'static str {
+        "Light propagation volumes"
+    }
+
+    fn varies(&self, scene: &Scene) -> bool {
+        settings(scene).is_some_and(|clpv| gather::is_wanted(clpv) || sweep::varies(clpv))
+    }
+
+    fn rays(&self, scene: &Scene) -> RayUse {
+        match settings(scene).is_some_and(gather::is_wanted) {
+            true => RayUse::Optional,
+            false => RayUse::None,
+        }
+    }
+
+    fn has_sky_light(&self, scene: &Scene) -> bool {
+        settings(scene).is_some_and(|clpv| clpv.transport == Transport::Sweep)
+    }
+
+    fn surfel_spacing(&self, subject: &Subject) -> Result<Option<f32>, RenderError> {
+        let swept = subject.scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
+        let Some(clpv) = swept else { return Ok(None) };
+        let is_gathered = subject.has_rays && gather::is_wanted(&clpv.settings);
+        let quality = gather::quality_of_volumes(&clpv.settings, is_gathered);
+        let volumes = sweep::volumes(clpv, quality, subject.bounds, subject.view)?;
+        Ok(volumes.first().map(|volume| volume.cell))
+    }
+
+    fn declare<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        _: &Gpu,
+    ) -> Result<Option<IndirectLight>, RenderError> {
+        let Some(clpv) = &frame.scene.clpv else {
+            graph.skip("clpv", "the scene has no Clpv component");
+            return Ok(None);
+        };
+        let declared = match clpv.settings.transport {
+            Transport::Sweep => sweep::declare(graph, frame, gbuffer, clpv)?,
+            Transport::Diffusion => diffusion::declare(graph, frame, gbuffer, clpv)?,
+        };
+        Ok(declared.map(|light| of_all_surfaces(graph, frame, gbuffer, light)))
+    }
+}
+
+/// Adds what glossy surfaces reflect of the volumes.
+fn of_all_surfaces<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, light: Indirect) -> IndirectLight {
+    let radiance = gloss::declare(graph, frame, gbuffer, &light, gloss::Names::ALL);
+    IndirectLight { radiance, field: Some(light.field) }
+}

@@ -1,0 +1,93 @@
+//! Cascaded light propagation volumes, as the scene's `Clpv` component sets them: in come what lights see (reflective
+//! shadow maps) and the scene's surfaces, out goes what the visible surfaces reflect, and light to look up at any point.
+//! Two ways of transport fill the volumes: the [`sweep`] along many directions with a final gather, and the thesis's
+//! `diffusion` from cell to cell.
+
+mod diffusion;
+mod method;
+pub mod sweep;
+mod texels;
+mod volume;
+
+pub(crate) use diffusion::relight::RelightUniform;
+#[cfg(test)]
+pub(crate) use diffusion::{CameraSamplesUniform, PropagationUniform};
+pub(in crate::render) use method::LightVolumesMethod;
+pub(in crate::render) use volume::VolumeUniform;
+pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
+
+use crate::graph::{Buffer, Handle, PassContext, Texture};
+use diffusion::relight;
+
+/// Indirect light by the volumes.
+pub(crate) struct Indirect {
+    /// What the visible surfaces reflect of it, rgba32float.
+    pub radiance: Handle<Texture>,
+    /// Whether that holds what glossy surfaces reflect.
+    pub is_glossy: bool,
+    /// Where it can be looked up at any point.
+    pub field: Field,
+    /// The same of the sky's light alone, if that is wanted.
+    pub sky: Option<Field>,
+}
+
+/// Volumes of indirect light, as `lib/sweep_lookup.wgsl` and `lib/relight.wgsl` read them.
+#[derive(Clone)]
+pub(crate) enum Field {
+    /// Irradiance by cell and normal; of several cascades the coarsest, which covers most.
+    Swept {
+        /// Where the volume lies.
+        volume: Volume,
+        /// Irradiance by axis, by the cell's surface, and the opacity.
+        buffers: [Handle<Buffer>; 3],
+    },
+    /// Spherical harmonics by cell, finest cascade first.
+    Propagated {
+        /// `Relight` of `lib/relight.wgsl`.
+        uniform: RelightUniform,
+        /// The cascades.
+        lit: Vec<Handle<Buffer>>,
+    },
+}
+
+impl Field {
+    /// All buffers, which a pass that looks light up reads.
+    pub(in crate::render) fn buffers(&self) -> &[Handle<Buffer>] {
+        match self {
+            Self::Swept { buffers, .. } => buffers,
+            Self::Propagated { lit, .. } => lit,
+        }
+    }
+
+    /// The define with which a shader looks it up.
+    pub(in crate::render) fn define(&self) -> &'static str {
+        match self {
+            Self::Swept { .. } => "SWEPT",
+            Self::Propagated { .. } => "PROPAGATED",
+        }
+    }
+
+    /// What a shader binds that looks it up, by its names.
+    pub(in crate::render) fn bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
+        match self {
+            Self::Swept { volume, buffers } => {
+                let [axes, facing, opacity] = buffers.map(|handle| cx.buffer(handle).clone());
+                let volume = cx.gpu.uniform("volume", &volume.uniform());
+                vec![("swept", volume), ("axes", axes), ("facing", facing), ("opacity", opacity)]
+            }
+            Self::Propagated { uniform, lit } => {
+                let names = ["light_finest", "light_second", "light_third", "light_coarsest"];
+                let mut bindings: Vec<_> = names.into_iter().zip(relight::cascade_buffers(cx, lit)).collect();
+                bindings.push(("relight", cx.gpu.uniform("relight", uniform)));
+                bindings
+            }
+        }
+    }
+}
+
+/// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
+pub(in crate::render) fn linear_groups(items: u32) -> [u32; 3] {
+    let groups = items.div_ceil(64).max(1);
+    let x = groups.min(32_768);
+    [x, groups.div_ceil(x), 1]
+}

@@ -1,0 +1,250 @@
+//! The final gather: rays from the visible surfaces, into the swept light. See `indirect/light_volumes/sweep/gather.wgsl`.
+
+use super::Level;
+use super::gather_filter::{self, Gathered};
+use super::lit_points::{self, LitPoints};
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
+use crate::render::frame::{Frame, ViewUniform};
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::light_volumes::volume::{Volume, VolumeUniform};
+use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::render::rays::RayScene;
+use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
+use encase::ShaderType;
+use glam::Vec3;
+
+/// Most rays of a pixel: lavapipe ends all loops of a thread after 65,535 turns together, without a word, and a ray
+/// takes some thousand of them in a large scene.
+const MAX_RAYS: u32 = 16;
+/// Widest filter \[pixels\].
+const MAX_FILTER: u32 = 32;
+/// Rays of one submit: a submit of a second may cost the device on desktop drivers.
+const RAYS_A_SUBMIT: u64 = 1 << 18;
+
+/// Distance within which swept light is not known [cells]. From there rays go on, which takes a bounce more than was
+/// swept: only where all are counted.
+const NEAR: f32 = 1.5;
+
+/// `Gather` of `indirect/light_volumes/sweep/gather.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct GatherUniform {
+    view: ViewUniform,
+    swept: VolumeUniform,
+    sky: Vec3,
+    sky_turn: f32,
+    root: u32,
+    light_count: u32,
+    emitter_count: u32,
+    seed: u32,
+    first_row: u32,
+    nearest: f32,
+    points_low: Vec3,
+    point_count: u32,
+    points_high: Vec3,
+}
+
+/// Swept light where rays end.
+#[derive(Clone, Copy)]
+struct Swept {
+    volume: Volume,
+    buffers: [Handle<Buffer>; 3],
+    /// Distance \[m\] from the beginning of a ray within which it is not known.
+    nearest: f32,
+}
+
+/// Declares the gather and its filter; the result is reflected radiance. `level` is what was swept, if anything was that
+/// counts.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    level: Option<&Level>,
+    lit: Option<LitPoints>,
+) -> Handle<Texture> {
+    let gathered = Gathered {
+        diffuse: graph.retained_texture("gathered diffuse", frame.image_desc()),
+        specular: graph.retained_texture("gathered specular", frame.image_desc()),
+    };
+    let swept = level.map(|level| Swept {
+        volume: level.volume,
+        buffers: [level.light().axes, level.light().facing, level.obstacles.opacity],
+        nearest: if settings.bounces == Bounces::Converged { NEAR * level.volume.cell } else { 0.0 },
+    });
+    let mut pass = graph.pass("gather");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
+    inputs.into_iter().for_each(|handle| pass.read(handle));
+    swept.iter().flat_map(|swept| swept.buffers).for_each(|handle| pass.read(handle));
+    lit.iter().for_each(|lit| pass.read(lit.points));
+    let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
+    let scene = frame.scene;
+    let (rays, points) = (rays(settings), points(settings));
+    let is_near = swept.map(|swept| swept.nearest.to_bits());
+    pass.key(&(
+        rays,
+        points,
+        lit.is_some(),
+        frame.seed(),
+        frame.view_key(),
+        swept.map(|swept| swept.volume.key()),
+        is_near,
+    ));
+    pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
+    let work = Work { frame: frame.clone(), inputs, swept, lit, gathered, rays, points };
+    pass.execute(move |cx| work.run(cx));
+    gather_filter::declare(graph, frame, gbuffer, gathered, filter_radius(settings, frame.images()))
+}
+
+struct Work<'a> {
+    frame: Frame<'a>,
+    inputs: [Handle<Texture>; 4],
+    swept: Option<Swept>,
+    lit: Option<LitPoints>,
+    gathered: Gathered,
+    rays: u32,
+    points: u32,
+}
+
+impl Work<'_> {
+    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
+        let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let [width, height] = self.frame.view.size;
+        let pixels = u64::from(width) * u64::from(height);
+        cx.counts().texels += pixels;
+        cx.counts().paths += pixels * u64::from(self.rays);
+        let rows_a_submit = RAYS_A_SUBMIT / (u64::from(width) * u64::from(self.rays));
+        // Whole workgroups, eight rows high.
+        let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
+        for first_row in (0..height).step_by(step) {
+            let rows = (height - first_row).min(step as u32);
+            self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
+            if first_row + rows < height {
+                cx.submit();
+            }
+        }
+        Ok(())
+    }
+
+    fn dispatch(
+        &self,
+        cx: &mut PassContext,
+        rays: &RayScene,
+        first_row: u32,
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
+        let gpu = cx.gpu;
+        let uniform = gpu.uniform("gather", &self.uniform(rays, first_row));
+        let views = self.inputs.map(|handle| cx.view(handle));
+        let targets = [self.gathered.diffuse, self.gathered.specular].map(|handle| cx.view(handle));
+        let swept = self.swept.map(|swept| swept.buffers.map(|handle| cx.buffer(handle).clone()));
+        let lit = self.lit.map(|lit| cx.buffer(lit.points).clone());
+        let mut key =
+            rays.shader("indirect/light_volumes/sweep/gather.wgsl", "main").def("RAYS", ShaderDef::Uint(self.rays));
+        let mut group = vec![
+            ("gather", Binding::Buffer(&uniform)),
+            ("diffuse", Binding::Texture(&targets[0])),
+            ("specular", Binding::Texture(&targets[1])),
+        ];
+        let names = ["base_color", "normal", "object", "depth"];
+        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        match &swept {
+            Some(buffers) => {
+                let names = ["axes", "facing", "opacity"];
+                group.extend(names.into_iter().zip(buffers).map(|(name, buffer)| (name, Binding::Buffer(buffer))));
+            }
+            None => key = key.def("UNSWEPT", ShaderDef::Flag(true)),
+        }
+        if let Some(lit) = &lit {
+            key = key.def("POINTS", ShaderDef::Uint(self.points));
+            group.push(("lit_points", Binding::Buffer(lit)));
+        }
+        if self.frame.scene.sky_map.is_some() {
+            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
+        } else {
+            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
+        }
+        dispatch_rays(gpu, cx.encoder(), &key, &group, rays, groups)?;
+        cx.counts().dispatches += 1;
+        Ok(())
+    }
+
+    fn uniform(&self, rays: &RayScene, first_row: u32) -> GatherUniform {
+        let scene = self.frame.scene;
+        let nowhere = Volume {
+            origin: Vec3::ZERO,
+            cell: 1.0,
+            cells: glam::UVec3::ONE,
+            fade_center: Vec3::ZERO,
+            fade_half: Vec3::ZERO,
+        };
+        GatherUniform {
+            view: self.frame.view_values(),
+            swept: self.swept.map_or(nowhere, |swept| swept.volume).uniform(),
+            sky: scene.sky,
+            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+            root: rays.root(),
+            light_count: rays.light_count,
+            emitter_count: rays.emitter_count,
+            seed: self.frame.seed(),
+            first_row,
+            nearest: self.swept.map_or(0.0, |swept| swept.nearest),
+            points_low: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.min),
+            point_count: lit_points::POINTS,
+            points_high: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.max),
+        }
+    }
+}
+
+/// Radius of the filter \[pixels\] where so many images are averaged. Most of what a filter gets wrong lies at edges of the
+/// light, where the squared error grows with its radius r; that of the noise of n images falls with 1/(n·r²). Their sum is
+/// least for r ∝ n^(−1/3).
+fn filter_radius(settings: &Clpv, images: u32) -> u32 {
+    let radius = settings.gather_filter.min(MAX_FILTER) as f32;
+    (radius / (images.max(1) as f32).cbrt()).round() as u32
+}
+
+/// Whether the light is gathered; else the reason is in the report.
+pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> bool {
+    match (is_wanted(settings), frame.refused_rays) {
+        (false, _) => graph.skip("gather", "no rays are asked for: surfaces look the volumes up themselves"),
+        (true, Some(why)) => graph.skip("gather", why),
+        (true, None) => return true,
+    }
+    false
+}
+
+/// Whether rays are wanted.
+pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
+    settings.transport == Transport::Sweep && rays(settings) > 0
+}
+
+/// Rays of a pixel.
+fn rays(settings: &Clpv) -> u32 {
+    match (settings.gather_rays, settings.quality) {
+        (GatherRays::Count(count), _) => count.min(MAX_RAYS),
+        (GatherRays::Auto, Quality::Low) => 0,
+        (GatherRays::Auto, Quality::Medium) => 4,
+        (GatherRays::Auto, Quality::High) => 8,
+        (GatherRays::Auto, Quality::Ultra) => 16,
+    }
+}
+
+/// Points of lit surfaces that a pixel samples.
+pub(super) fn points(settings: &Clpv) -> u32 {
+    match settings.gather_points {
+        GatherRays::Auto => rays(settings).div_ceil(4),
+        GatherRays::Count(count) => count.min(MAX_RAYS),
+    }
+}
+
+/// What the volumes are swept with. Light that rays gather needs less: what the volumes get wrong is evened out over all that a
+/// pixel sees, and where surfaces are nearer to each other than cells they are not looked up.
+pub(in crate::render) fn quality_of_volumes(settings: &Clpv, is_gathered: bool) -> Quality {
+    match settings.quality {
+        quality if !is_gathered => quality,
+        Quality::Low | Quality::Medium => Quality::Low,
+        Quality::High => Quality::Medium,
+        Quality::Ultra => Quality::High,
+    }
+}

@@ -1,0 +1,51 @@
+//! Which cells the surfels take their light from and send it to.
+
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::indirect::light_volumes::volume::Volume;
+use wgpu::BufferUsages;
+
+/// Declares the links of the surfels to a cascade: a word each, see `indirect/light_volumes/sweep/links.wgsl`. They depend on the scene's
+/// surfaces alone.
+pub(super) fn declare(
+    graph: &mut Graph<'_>,
+    [surfels, walls]: [Handle<Buffer>; 2],
+    count: u32,
+    level: &str,
+    volume: &Volume,
+) -> Handle<Buffer> {
+    let name = format!("links, {level}");
+    let links = graph.retained_buffer(name.as_str(), BufferDesc::new(4 * u64::from(count), BufferUsages::STORAGE));
+    let mut pass = graph.pass(name.as_str());
+    pass.read(surfels);
+    pass.read(walls);
+    let links = pass.write(links);
+    pass.key(&volume.key());
+    let volume = *volume;
+    pass.execute(move |cx| {
+        let [surfels, walls, links] = [surfels, walls, links].map(|handle| cx.buffer(handle).clone());
+        find(cx, &volume, [&surfels, &walls, &links], count)
+    });
+    links
+}
+
+/// Finds the links of so many surfels.
+pub(super) fn find(
+    cx: &mut PassContext,
+    volume: &Volume,
+    [surfels, walls, links]: [&wgpu::Buffer; 3],
+    count: u32,
+) -> Result<(), PassError> {
+    let uniform = cx.gpu.uniform("volume", &volume.uniform());
+    cx.dispatch(
+        &ComputeKey::new("indirect/light_volumes/sweep/links.wgsl", "main"),
+        &[
+            ("volume", Binding::Buffer(&uniform)),
+            ("surfels", Binding::Buffer(surfels)),
+            ("walls", Binding::Buffer(walls)),
+            ("links", Binding::Buffer(links)),
+        ],
+        linear_groups(count),
+    )
+}

@@ -1,0 +1,314 @@
+//! The sweep transport: directions kept, light swept once through the grid for each (discrete ordinates).
+//!
+//! ```text
+//! the scene's surfaces:  walls ──┬── opacity ─── white (emit, sweep, receive)
+//!            surfels ────────────┴── links            │
+//! its light: rsm (a light) ── emit ── sweep ── receive ── emit ── sweep ── … ── relight, or gather
+//!                 └── lit points ───────────────────────────────────────────────────────────┘
+//! ```
+//! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`, with what closes whole faces of cells,
+//! `walls`), and from the second bounce on they are its sources; those of the first are the texels of reflective shadow maps,
+//! whose flux is exact, and emissive surfels. `links` tells which cells a surfel has to do with, and `white` what it has
+//! of light that is even everywhere, by which all other is calibrated. All lengths in the shaders are in cells.
+//!
+//! Where the grid is fine, all bounces but the last are swept in a coarser one (`further`): it tells what the surfaces send
+//! out, and one sweep of the fine grid brings all of that and the first bounce's light.
+
+mod directions;
+mod emit;
+mod further;
+pub(in crate::render) mod gather;
+mod gather_filter;
+mod grid;
+mod irradiance;
+mod links;
+mod lit_points;
+mod opacity;
+mod probes;
+pub(in crate::render) mod sky;
+mod surfels;
+mod transport;
+mod walls;
+
+pub use grid::volumes;
+
+#[cfg(test)]
+pub(crate) use self::{
+    emit::EmitUniform,
+    gather::GatherUniform,
+    irradiance::LookupUniform,
+    lit_points::DrawUniform,
+    transport::{SliceUniform, SumUniform},
+};
+
+use super::Indirect;
+use super::volume::Volume;
+use crate::graph::{Buffer, Graph, Handle};
+use crate::render::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::shadows::reflective::{self, Rsm};
+use crate::render::sky::sky_light;
+use crate::scene::{Aabb, SceneClpv, SceneLight};
+use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
+use directions::Directions;
+use glam::Vec3;
+use opacity::Obstacles;
+use transport::{Kept, Sky};
+
+pub(crate) use probes::{PROBE_LIGHT, probe_light};
+pub use surfels::GpuSurfels;
+
+/// Most bounces that a `Count` may ask for.
+pub const MAX_BOUNCES: u32 = 32;
+
+/// Texels of a reflective shadow map along the edge of a cell: fewer leave some cells with more light than others.
+const TEXELS_A_CELL: f32 = 3.0;
+
+/// Share of the light that may be left when the geometric series takes over.
+const TAIL: f32 = 0.1;
+
+/// A cascade with what is in it so far.
+struct Level {
+    /// What the names of its passes and resources have for it.
+    name: String,
+    volume: Volume,
+    /// Of the light on its way.
+    precision: Precision,
+    obstacles: Obstacles,
+    emission: Handle<Buffer>,
+    /// Irradiance of the bounce that is under way.
+    bounce: Irradiance,
+    /// Irradiance of all bounces, where several are swept and it is asked for.
+    sum: Option<Irradiance>,
+    /// Light of the bounce under way that enters from the next coarser cascade, by axis.
+    shell: Option<[Handle<Buffer>; 3]>,
+}
+
+impl Level {
+    /// Irradiance of all that was swept.
+    fn light(&self) -> Irradiance {
+        self.sum.unwrap_or(self.bounce)
+    }
+}
+
+/// Irradiance by cell and normal, see `indirect/light_volumes/sweep/transport.wgsl`.
+#[derive(Clone, Copy)]
+struct Irradiance {
+    axes: Handle<Buffer>,
+    facing: Handle<Buffer>,
+}
+
+/// Declares all passes. None, with the reason in the report, if there is no light.
+///
+/// # Errors
+/// Settings that make no volume.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    clpv: &'a SceneClpv,
+) -> Result<Option<Indirect>, RenderError> {
+    let settings = &clpv.settings;
+    let quality = frame.sweep_quality(settings);
+    let volumes = volumes(clpv, quality, &frame.bounds, frame.view)?;
+    let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
+    let rsms = rsms(graph, frame, &volumes, &reach);
+    let cloud = frame.surfels;
+    if rsms.is_empty() && !cloud.is_emissive() && frame.scene.sky == Vec3::ZERO {
+        graph.skip("clpv", "no light feeds indirect light");
+        return Ok(None);
+    }
+    let directions = [Directions::of(quality), Directions::of_further_bounces(quality)];
+    let directions = match frame.number().filter(|_| varies(settings)) {
+        Some(number) => directions.map(|set| set.varied(number)),
+        None => directions,
+    };
+    let surfels = surfels::declare(graph, frame);
+    let is_gathered = gather::is_possible(graph, frame, settings);
+    let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
+    let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| bounces.swept > 1);
+    let kept = if bounces.swept == 1 || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
+    let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
+    for (index, volume) in volumes.iter().enumerate() {
+        let name = format!("cascade {index}");
+        levels.push(level(graph, frame, surfels, &name, volume, settings.precision, kept));
+    }
+    let scale = emit::scale(frame, &rsms, &levels);
+    let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
+    let work = Work { frame, source };
+    let [straight, further] = &directions;
+    match coarser {
+        // All bounces but the last are swept in the coarser grid, and tell what the surfaces send out.
+        Some(volume) => {
+            let before = BounceCount { swept: bounces.swept - 1, ..bounces };
+            let (name, precision) = ("further bounces", settings.precision);
+            let level = level(graph, frame, surfels, name, &volume, precision, Kept::Nothing);
+            let received = further::declare(graph, &work, level, before, further);
+            let once = BounceCount { swept: 1, has_tail: false };
+            let bounce = Bounce { number: 0, of: once, directions: straight, light: Light::Scene(Some(received)) };
+            work.sweep(graph, &mut levels, None, bounce);
+        }
+        None => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
+    }
+    let radiance = if is_gathered {
+        let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
+        let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings));
+        gather::declare(graph, frame, gbuffer, settings, swept, lit)
+    } else {
+        let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
+        irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
+    };
+    if !frame.probes.is_empty() {
+        let light = probes::declare(graph, frame, &levels);
+        graph.output(light);
+    }
+    let sky = levels
+        .last()
+        .filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene))
+        .map(|level| (level.obstacles, level.volume));
+    let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
+    Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
+}
+
+/// Whether light is swept along other directions in each of the frames that are averaged.
+pub(in crate::render) fn varies(settings: &Clpv) -> bool {
+    settings.transport == Transport::Sweep && settings.vary_directions
+}
+
+/// An empty cascade, with what stops light in it.
+fn level<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    surfels: Handle<Buffer>,
+    name: &str,
+    volume: &Volume,
+    precision: Precision,
+    kept: Kept,
+) -> Level {
+    let obstacles = opacity::declare(graph, frame, surfels, name, volume);
+    transport::level(graph, obstacles, name, volume, precision, kept)
+}
+
+/// What all sweeps of a frame share.
+struct Work<'f, 'a> {
+    frame: &'f Frame<'a>,
+    source: emit::Sources<'f, 'a>,
+}
+
+/// A bounce to be swept.
+#[derive(Clone, Copy)]
+struct Bounce<'d> {
+    /// 0: light straight from the lights.
+    number: u32,
+    of: BounceCount,
+    directions: &'d Directions,
+    light: Light,
+}
+
+/// What the surfaces send out.
+#[derive(Clone, Copy)]
+enum Light {
+    /// Radiance 1 from all of them, and from the sky.
+    White,
+    /// Of the scene: straight from the lights, if it is the first bounce, and what they reflect of this irradiance \[W/m²\].
+    Scene(Option<Handle<Buffer>>),
+}
+
+impl<'a> Work<'_, 'a> {
+    /// Declares the sweeps of all bounces through all cascades. The directions are those of light that comes straight from
+    /// the lights, and of all further bounces.
+    fn sweep_all(
+        &self,
+        graph: &mut Graph<'a>,
+        levels: &mut [Level],
+        bounces: BounceCount,
+        [straight, further]: [&Directions; 2],
+    ) {
+        let mut totals = emit::totals(graph, bounces.swept);
+        let white = self.white(graph, levels, further);
+        let first = Bounce { number: 0, of: bounces, directions: straight, light: Light::Scene(None) };
+        self.sweep(graph, levels, Some(&mut totals), first);
+        for number in 1..bounces.swept {
+            let received = irradiance::at_surfels(graph, &self.source, levels, &bounce_name(number), Some(white));
+            let light = Light::Scene(Some(received));
+            self.sweep(graph, levels, Some(&mut totals), Bounce { number, of: bounces, directions: further, light });
+        }
+    }
+
+    /// Declares the sweep of one bounce through all cascades.
+    fn sweep(
+        &self,
+        graph: &mut Graph<'a>,
+        levels: &mut [Level],
+        mut totals: Option<&mut Handle<Buffer>>,
+        Bounce { number: bounce, of: bounces, directions, light }: Bounce<'_>,
+    ) {
+        for index in (0..levels.len()).rev() {
+            let step = emit::Step { index, bounce, light };
+            emit::declare(graph, self.frame, &self.source, directions, levels, totals.as_deref_mut(), step);
+            let sky = match light {
+                Light::White => Sky::White,
+                Light::Scene(_) if bounce == 0 => Sky::Scene,
+                Light::Scene(_) => Sky::Dark,
+            };
+            let step = transport::Step { index, bounce, bounces };
+            transport::declare(graph, self.frame, directions, levels, totals.as_deref().copied(), sky, step);
+        }
+    }
+
+    /// Declares what the surfels have where all surfaces and the sky are white. Each light that is swept to them is held
+    /// against it, see `indirect/light_volumes/sweep/irradiance.wgsl`. It depends on the scene's surfaces alone.
+    fn white(&self, graph: &mut Graph<'a>, levels: &[Level], directions: &Directions) -> Handle<Buffer> {
+        let white = |level: &Level| {
+            let name = format!("white, {}", level.name);
+            transport::level(graph, level.obstacles, &name, &level.volume, level.precision, Kept::Nothing)
+        };
+        let mut levels: Vec<Level> = levels.iter().map(white).collect();
+        let once = BounceCount { swept: 1, has_tail: false };
+        self.sweep(graph, &mut levels, None, Bounce { number: 0, of: once, directions, light: Light::White });
+        irradiance::at_surfels(graph, &self.source, &levels, "white", None)
+    }
+}
+
+/// What the names of a bounce's passes have for it.
+fn bounce_name(number: u32) -> String {
+    format!("bounce {number}")
+}
+
+/// The directions that light is swept along when it comes straight from the lights.
+pub fn directions(quality: Quality) -> Vec<Vec3> {
+    Directions::of(quality).values.iter().map(|&[x, y, z, _]| Vec3::new(x, y, z)).collect()
+}
+
+/// The maps of all lights, with texels small enough for the finest cells.
+fn rsms<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, volumes: &[Volume], reach: &Aabb) -> Vec<Rsm<'a>> {
+    let spacing = volumes.first().map_or(1.0, |volume| volume.cell / TEXELS_A_CELL);
+    let declare = |(light, index): (&'a SceneLight, u32)| {
+        let size = reflective::size_for_spacing(light, &frame.bounds, spacing);
+        reflective::declare_sized(graph, frame, light, index, reach, size)
+    };
+    frame.scene.lights.iter().zip(0..).filter_map(declare).collect()
+}
+
+/// How many bounces are swept, and whether the rest is a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct BounceCount {
+    swept: u32,
+    has_tail: bool,
+}
+
+/// The scene's mean reflectance bounds what is left after each bounce.
+fn bounces(settings: &Clpv, mean_albedo: Vec3, is_gathered: bool) -> BounceCount {
+    match settings.bounces {
+        Bounces::Count(count) => {
+            // The gather is a bounce itself. What is swept lights blended surfaces even where it is all there is.
+            BounceCount { swept: count.saturating_sub(u32::from(is_gathered)).clamp(1, MAX_BOUNCES), has_tail: false }
+        }
+        Bounces::Converged => {
+            let albedo = mean_albedo.max_element().clamp(0.01, 0.99);
+            let swept = (TAIL.ln() / albedo.ln()).ceil() as u32;
+            BounceCount { swept: swept.clamp(3, 8), has_tail: true }
+        }
+    }
+}

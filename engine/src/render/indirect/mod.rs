@@ -1,0 +1,188 @@
+//! Indirect light, by methods: in come what the camera sees, reflective shadow maps and the scene as rays meet it, out
+//! goes the light that the visible surfaces reflect after it has met others. Each method has a folder of its own and one
+//! door, [`IndirectMethod`]; [`Methods`] lists those that there are, and a game adds its own by
+//! [`Renderer::add_method`](super::Renderer::add_method).
+
+pub(super) mod accumulate;
+pub(super) mod ambient;
+pub(super) mod gloss;
+pub mod instant_radiosity;
+pub mod light_culling;
+pub mod light_volumes;
+mod methods;
+mod none;
+pub mod path_tracer;
+
+pub use methods::Methods;
+
+use super::error::RenderError;
+use super::frame::Frame;
+use super::geometry::GBuffer;
+use super::settings::RenderSettings;
+use crate::gpu::Gpu;
+use crate::graph::{Graph, Handle, Texture};
+use crate::scene::{Aabb, Scene, SceneView};
+use light_volumes::Field;
+use std::any::Any;
+
+/// A method of indirect light, by the name that the command line and scene tests have for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GiMethod(&'static str);
+
+impl GiMethod {
+    /// The method of that name.
+    pub const fn named(name: &'static str) -> Self {
+        Self(name)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.0
+    }
+}
+
+/// Whether a method casts rays into the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RayUse {
+    /// It casts none.
+    #[default]
+    None,
+    /// It does, and has another way where the scene does not fit the device as rays need it.
+    Optional,
+    /// It does, and a scene that does not fit is an error.
+    Required,
+}
+
+/// What a frame is made of, before any of it is on the device.
+pub struct Subject<'a> {
+    /// The scene's arrays.
+    pub scene: &'a Scene,
+    /// The view.
+    pub view: &'a SceneView,
+    /// Bounds of all primitives.
+    pub bounds: &'a Aabb,
+    /// Whether the scene is ready for rays.
+    pub has_rays: bool,
+}
+
+/// What a method makes of a frame.
+pub struct IndirectLight {
+    /// Radiance that the visible surfaces reflect [W/(m² sr)], rgba32float.
+    pub radiance: Handle<Texture>,
+    /// Light to look up at any point, for blended surfaces; without it they take that of the pixels behind them.
+    pub(crate) field: Option<Field>,
+}
+
+impl IndirectLight {
+    /// Light that is known at the pixels of opaque surfaces alone.
+    pub fn at_pixels(radiance: Handle<Texture>) -> Self {
+        Self { radiance, field: None }
+    }
+}
+
+/// The door of a method. All but [`declare`](Self::declare) has a default that asks for nothing, so that a method whose
+/// light is the same everywhere is a few lines.
+pub trait IndirectMethod: Any + Send {
+    /// Which it is.
+    fn id(&self) -> GiMethod;
+
+    /// Its full name, as the interface shows it.
+    fn title(&self) -> &'static str;
+
+    /// Whether frames with other random numbers have other noise, which averaging them removes.
+    fn varies(&self, scene: &Scene) -> bool {
+        let _ = scene;
+        false
+    }
+
+    /// Whether it casts rays into the scene: [`Frame::rays`] is ready then.
+    fn rays(&self, scene: &Scene) -> RayUse {
+        let _ = scene;
+        RayUse::None
+    }
+
+    /// Whether the sky's light is part of its own.
+    fn has_sky_light(&self, scene: &Scene) -> bool {
+        let _ = scene;
+        false
+    }
+
+    /// How far apart the surfels may lie that it needs \[m\], if it needs any: [`Frame::surfels`] holds them then.
+    ///
+    /// # Errors
+    /// Settings that make no sense.
+    fn surfel_spacing(&self, subject: &Subject) -> Result<Option<f32>, RenderError> {
+        let _ = subject;
+        Ok(None)
+    }
+
+    /// Brings what it keeps of the scene up to date. Costs nothing if nothing changed.
+    ///
+    /// # Errors
+    /// A scene or settings that the device cannot hold.
+    fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        let _ = (gpu, scene);
+        Ok(())
+    }
+
+    /// Declares its passes; none, with the reason in the report, where no light is indirect.
+    ///
+    /// # Errors
+    /// Settings that make no sense, or do not fit the device.
+    fn declare<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        gpu: &Gpu,
+    ) -> Result<Option<IndirectLight>, RenderError>;
+
+    /// Declares direct light of its own in place of the usual one, for methods whose publication defines both.
+    fn declare_direct<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+    ) -> Option<Handle<Texture>> {
+        let _ = (graph, frame, gbuffer);
+        None
+    }
+
+    /// Declares what it draws over the radiance of the whole frame where the settings ask for it.
+    fn declare_overlay<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        frame: &Frame<'a>,
+        gbuffer: &GBuffer,
+        radiance: Handle<Texture>,
+    ) -> Handle<Texture> {
+        let _ = (graph, frame, gbuffer);
+        radiance
+    }
+
+    /// Whether its image is all light there is, so that the frame has no other passes: the path tracer alone.
+    fn is_whole_frame(&self, settings: &RenderSettings) -> bool {
+        let _ = settings;
+        false
+    }
+
+    /// How the buffer `virtual lights` is laid out, if it keeps one, for the debug view of that name.
+    fn point_layout(&self) -> Option<PointLayout> {
+        None
+    }
+}
+
+/// Where a buffer of virtual lights holds what, in vectors of four numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLayout {
+    /// From one light to the next.
+    pub stride: u32,
+    /// The normal's place. The position comes first.
+    pub normal: u32,
+    /// The place of its intensity or flux.
+    pub light: u32,
+    /// Whether lights without flux lie between the others.
+    pub has_gaps: bool,
+    /// Number of lights, where fewer are in use than the buffer can hold.
+    pub count: Option<u32>,
+}

@@ -1,0 +1,37 @@
+//! No indirect light: direct light and the sky's, for comparison and for slow machines.
+
+use super::{GiMethod, IndirectLight, IndirectMethod};
+use crate::gpu::Gpu;
+use crate::graph::Graph;
+use crate::render::error::RenderError;
+use crate::render::frame::Frame;
+use crate::render::geometry::GBuffer;
+
+impl GiMethod {
+    /// Direct light only.
+    pub const NONE: Self = Self::named("none");
+}
+
+/// The method without any.
+pub(super) struct NoIndirectLight;
+
+impl IndirectMethod for NoIndirectLight {
+    fn id(&self) -> GiMethod {
+        GiMethod::NONE
+    }
+
+    fn title(&self) -> &'static str {
+        "None"
+    }
+
+    fn declare<'a>(
+        &'a self,
+        graph: &mut Graph<'a>,
+        _: &Frame<'a>,
+        _: &GBuffer,
+        _: &Gpu,
+    ) -> Result<Option<IndirectLight>, RenderError> {
+        graph.skip("indirect", "indirect light is switched off");
+        Ok(None)
+    }
+}

@@ -1,0 +1,127 @@
+//! The sum of what each pixel shows, or one layer of it.
+
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::settings::Layer;
+use encase::ShaderType;
+use glam::Vec3;
+
+/// Name of the retained image of linear radiance.
+pub const RADIANCE: &str = "radiance";
+
+/// `Compose` of `post/compose.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ComposeUniform {
+    sky: Vec3,
+    sky_turn: f32,
+}
+
+/// Light that the layer is made of; what is missing counts as zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lights {
+    /// Radiance from the direct passes, channels as layers.
+    pub direct: Option<Handle<Texture>>,
+    /// Radiance from the indirect method.
+    pub indirect: Option<Handle<Texture>>,
+    /// Radiance from the sky, where the indirect method has none of it.
+    pub sky: Option<Handle<Texture>>,
+    /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
+    pub blended: Option<Handle<Texture>>,
+}
+
+/// Declares the pass; the result is rgba32float radiance [W/(m² sr)].
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lights: Lights) -> Handle<Texture> {
+    let [width, height] = frame.view.size;
+    let mut usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    if frame.settings.particle_paths > 0 {
+        usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
+    }
+    let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let radiance = graph.retained_texture(RADIANCE, desc);
+    let mut pass = graph.pass("compose");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
+    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect).chain(lights.sky).chain(lights.blended)
+    {
+        pass.read(input);
+    }
+    let radiance = pass.write(radiance);
+    let sky = frame.scene.sky;
+    let map = frame.scene.sky_map.as_deref();
+    let sky_turn = map.map_or(0.0, |map| map.turn);
+    let has_map = map.is_some();
+    let layer = layer_index(frame.settings.only);
+    pass.key(&(
+        sky.to_array().map(f32::to_bits),
+        map.map(|map| map.id),
+        layer,
+        frame.view_key(),
+        lights.direct.is_some(),
+        lights.indirect.is_some(),
+        lights.sky.is_some(),
+        lights.blended.is_some(),
+    ));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let gpu = cx.gpu;
+        let [base_color, normal, emissive, depth] = inputs.map(|handle| cx.view(handle));
+        let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
+        let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let target = cx.view(radiance);
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        let mut key = ComputeKey::new("post/compose.wgsl", "main").def("LAYER", ShaderDef::Uint(layer));
+        if has_map {
+            key = key.def("SKY_MAP", ShaderDef::Flag(true));
+        }
+        cx.dispatch(
+            &key,
+            &[
+                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+                ("compose", Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, sky_turn }))),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("emissive", Binding::Texture(&emissive)),
+                ("depth", Binding::Texture(&depth)),
+                ("direct", Binding::Texture(&direct)),
+                ("indirect", Binding::Texture(&indirect)),
+                ("sky_light", Binding::Texture(&sky_light)),
+                ("blended", Binding::Texture(&blended)),
+                ("sky", Binding::Texture(frame.gpu_scene.sky())),
+                ("radiance", Binding::Texture(&target)),
+            ],
+            [width.div_ceil(8), height.div_ceil(8), 1],
+        )
+    });
+    radiance
+}
+
+/// One texel of exact zero, so that a frame with a skipped term runs the same shader as one without.
+pub(in crate::render) fn zero_texture(gpu: &Gpu, layers: u32) -> wgpu::TextureView {
+    let format = if layers == 1 { wgpu::TextureFormat::Rgba32Float } else { wgpu::TextureFormat::R32Float };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("zero"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
+}
+
+/// The constants of `post/compose.wgsl`.
+fn layer_index(layer: Layer) -> u32 {
+    match layer {
+        Layer::Total => 0,
+        Layer::Direct => 1,
+        Layer::Indirect => 2,
+        Layer::Albedo => 3,
+        Layer::Normal => 4,
+        Layer::Depth => 5,
+    }
+}

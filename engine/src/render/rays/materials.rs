@@ -1,0 +1,117 @@
+//! Materials as rays read them: factors, and where in the atlas their textures lie.
+
+use super::atlas::Atlas;
+use super::{RayError, check_size};
+use crate::assets::{AssetId, Material};
+use crate::gpu::Gpu;
+use crate::render::scene_gpu::alpha_cutoff;
+use crate::scene::Scene;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use std::collections::HashMap;
+
+/// `Material` of `lib/rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(crate) struct RayMaterial {
+    base_color: [f32; 4],
+    emissive: [f32; 3],
+    metallic: f32,
+    specular_color: [f32; 3],
+    roughness: f32,
+    specular: f32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    double_sided: u32,
+    /// In the order of [`Material::textures`].
+    textures: [[u32; 4]; 6],
+    uv_rows: [[f32; 4]; 12],
+}
+
+impl RayMaterial {
+    fn new(material: &Material, atlas: &Atlas) -> Self {
+        let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
+        let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO).min(Vec3::splat(1e30)) } else { Vec3::ZERO };
+        let base_color = material.base_color;
+        Self {
+            base_color: if base_color.is_finite() { base_color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::W }
+                .to_array(),
+            emissive: positive(material.emissive).to_array(),
+            metallic: unit(material.metallic),
+            specular_color: positive(material.specular_color).to_array(),
+            roughness: unit(material.roughness),
+            specular: unit(material.specular),
+            alpha_cutoff: alpha_cutoff(material),
+            normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 0.0 },
+            double_sided: u32::from(material.double_sided),
+            textures: material.textures().map(|(texture, _)| texture.map_or([0; 4], |texture| atlas.slot(texture.id))),
+            uv_rows: material.uv_rows(),
+        }
+    }
+}
+
+/// Materials on the device.
+pub(super) struct GpuMaterials {
+    pub(super) buffer: wgpu::Buffer,
+    indices: HashMap<AssetId, u32>,
+    masked: Vec<bool>,
+    specular: bool,
+    emissive: bool,
+    plain: bool,
+}
+
+impl GpuMaterials {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
+        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, emissive: false, plain: true }
+    }
+
+    /// Uploads all materials of the scene.
+    pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
+        self.indices.clear();
+        self.masked.clear();
+        self.specular = scene.primitives.iter().any(|p| p.material.specular != 0.0 || p.material.metallic != 0.0);
+        self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
+        self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
+        let mut list = Vec::new();
+        for primitive in &scene.primitives {
+            let material = &primitive.material;
+            self.indices.entry(material.id).or_insert_with(|| {
+                list.push(RayMaterial::new(material, atlas));
+                self.masked.push(alpha_cutoff(material) >= 0.0);
+                list.len() as u32 - 1
+            });
+        }
+        list.resize(list.len().max(1), RayMaterial::zeroed());
+        check_size(gpu, "materials", size_of_val(list.as_slice()) as u64)?;
+        self.buffer = gpu.storage("ray materials", &list, wgpu::BufferUsages::empty());
+        Ok(())
+    }
+
+    pub(super) fn index(&self, material: AssetId) -> u32 {
+        self.indices.get(&material).copied().unwrap_or(0)
+    }
+
+    pub(super) fn any_masked(&self) -> bool {
+        self.masked.contains(&true)
+    }
+
+    /// Whether any material is not purely diffuse.
+    pub(super) fn any_specular(&self) -> bool {
+        self.specular
+    }
+
+    /// Whether any material emits light.
+    pub(super) fn any_emissive(&self) -> bool {
+        self.emissive
+    }
+
+    /// Whether all textures lie by one set of coordinates as it is, and no mesh has colours.
+    pub(super) fn is_plain(&self) -> bool {
+        self.plain
+    }
+
+    pub(super) fn is_masked(&self, index: u32) -> bool {
+        self.masked.get(index as usize).copied().unwrap_or(false)
+    }
+}

@@ -1,0 +1,181 @@
+//! Shadow maps: one layer a view, six for point lights (Williams 1978; for points Gerasimov, GPU Gems 2004).
+
+use super::light_view::{LightView, light_views};
+use crate::gpu::{Gpu, RasterKey};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
+use crate::render::geometry::static_layers;
+use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::scene::{Frustum, LightShape, SceneLight};
+use encase::ShaderType;
+use glam::{Mat4, Vec3};
+
+/// `ShadowView` of `shadows/shadow_map.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ShadowViewUniform {
+    clip_from_world: Mat4,
+    eye: Vec3,
+    far: f32,
+}
+
+/// `Shadow` of `lib/shadow_lookup.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct ShadowUniform {
+    faces: [Mat4; 6],
+    eye: Vec3,
+    far: f32,
+    axis: Vec3,
+    texel: f32,
+    size: f32,
+    kind: u32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+/// A light's shadow map as the direct pass reads it.
+#[derive(Clone)]
+pub struct ShadowMap {
+    /// One layer a view.
+    pub map: Handle<Texture>,
+    views: Vec<LightView>,
+    kind: u32,
+    size: u32,
+}
+
+impl ShadowMap {
+    /// How to look a point up in the map.
+    pub(in crate::render) fn uniform(&self) -> ShadowUniform {
+        let face = |i: usize| self.views.get(i).map_or(Mat4::IDENTITY, |view| view.clip_from_world);
+        let first = self.views.first();
+        let texel = first.map_or(0.0, |view| 2.0 * view.half_extent / self.size as f32);
+        ShadowUniform {
+            faces: std::array::from_fn(face),
+            eye: first.map_or(Vec3::ZERO, |view| view.eye),
+            far: first.map_or(1.0, |view| view.far),
+            axis: first.map_or(Vec3::NEG_Z, |view| view.direction),
+            texel,
+            size: self.size as f32,
+            kind: self.kind,
+            pad_a: 0,
+            pad_b: 0,
+        }
+    }
+
+    /// For a light without shadows: everything is lit.
+    pub(in crate::render) fn none_uniform() -> ShadowUniform {
+        ShadowUniform {
+            faces: [Mat4::IDENTITY; 6],
+            eye: Vec3::ZERO,
+            far: 1.0,
+            axis: Vec3::NEG_Z,
+            texel: 0.0,
+            size: 1.0,
+            kind: 0,
+            pad_a: 0,
+            pad_b: 0,
+        }
+    }
+}
+
+/// Declares the light's shadow map; none, with the reason in the report, if it needs none.
+pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLight) -> Option<ShadowMap> {
+    let name = format!("shadow {}", light.pass_name());
+    if !light.casts_shadow {
+        graph.skip(&name, "the light casts no shadow");
+        return None;
+    }
+    let views = light_views(light, &frame.bounds);
+    if views.is_empty() {
+        graph.skip(&name, "nothing lies in the light's reach");
+        return None;
+    }
+    let size = light.shadow_size.clamp(1, 8192);
+    let desc = TextureDesc::d2_array(
+        size,
+        size,
+        views.len() as u32,
+        DEPTH_FORMAT,
+        wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+    );
+    let kind = match light.shape {
+        LightShape::Directional => 1,
+        LightShape::Spot { .. } => 2,
+        LightShape::Point => 3,
+    };
+    let (drawn, faces) = (frame.clone(), views.clone());
+    let draw = move |cx: &mut PassContext, maps: &[Handle<Texture>; 1], motion| {
+        let mut layers = faces.iter().zip(0..);
+        layers.try_for_each(|(face, layer)| draw_face(cx, &drawn, face, (maps[0], layer), kind == 1, motion))
+    };
+    let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
+    let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
+    // Not the light itself: a map does not change with a flickering lamp.
+    let key = view_bits(&views);
+    let [map] = static_layers::declare(graph, frame, &name, [(name.clone(), desc)], &filters, &key, draw);
+    Some(ShadowMap { map, views, kind, size })
+}
+
+/// Draws the casters that a view of the light sees; a face that sees none is only cleared.
+fn draw_face(
+    cx: &mut PassContext,
+    frame: &Frame,
+    view: &LightView,
+    (map, layer): (Handle<Texture>, u32),
+    directional: bool,
+    motion: Motion,
+) -> Result<(), PassError> {
+    let frustum = Frustum::new(&view.clip_from_world);
+    let filter = DrawFilter::casters(&frustum).of(motion);
+    if static_layers::is_done(frame, &filter) {
+        return Ok(());
+    }
+    let target = cx.texture(map).create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    });
+    let uniform = view_uniform(cx.gpu, view);
+    let mut pass = cx
+        .encoder()
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow"),
+            depth_stencil_attachment: Some(depth_attachment(&target, motion)),
+            ..Default::default()
+        })
+        .forget_lifetime();
+    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(class, directional))
+}
+
+fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
+    gpu.uniform(
+        "shadow view",
+        &ShadowViewUniform { clip_from_world: view.clip_from_world, eye: view.eye, far: view.far },
+    )
+}
+
+fn raster_key(class: MaterialClass, directional: bool) -> RasterKey {
+    let fragment = match (directional, class.masked) {
+        (true, false) => None,
+        (true, true) => Some("directional_masked"),
+        (false, false) => Some("perspective_opaque"),
+        (false, true) => Some("perspective_masked"),
+    };
+    RasterKey {
+        shader: "shadows/shadow_map.wgsl",
+        vertex: "vertex",
+        fragment,
+        defs: class.defs(),
+        vertex_buffers: class.vertex_buffers(),
+        // Both sides of a surface block light, whichever of them can be seen.
+        primitive: wgpu::PrimitiveState { cull_mode: None, ..class.primitive_state() },
+        depth: Some(depth_state()),
+        targets: Vec::new(),
+    }
+}
+
+/// The bits of all matrices, for a cache key.
+pub(in crate::render) fn view_bits(views: &[LightView]) -> Vec<[u32; 16]> {
+    views.iter().map(|view| view.clip_from_world.to_cols_array().map(f32::to_bits)).collect()
+}

@@ -1,0 +1,102 @@
+//! The sky on the device: its map, and what glossy surfaces reflect of it.
+
+use crate::assets::{AssetId, SkyMap};
+use crate::gpu::Gpu;
+use crate::scene::Scene;
+use glam::Vec4;
+
+/// The map as `lib/sky.wgsl` reads it; a single black texel where there is none.
+pub(in crate::render) struct GpuSky {
+    map: Option<AssetId>,
+    view: wgpu::TextureView,
+    reflections: Option<SkyReflections>,
+}
+
+/// What glossy surfaces reflect of a map, as `sky/sky_light.wgsl` reads it.
+pub(in crate::render) struct SkyReflections {
+    /// A level for each roughness, below one another.
+    pub levels: wgpu::TextureView,
+    /// Of the first level \[texels\].
+    pub size: [u32; 2],
+    /// Harmonics of the irradiance of open surfaces.
+    pub irradiance: [Vec4; 9],
+}
+
+impl GpuSky {
+    pub(in crate::render) fn new(gpu: &Gpu) -> Self {
+        let view = upload(gpu, "sky", 2, 1, &[[0.0, 0.0, 0.0, 1.0]; 2]);
+        Self { map: None, view, reflections: None }
+    }
+
+    /// Uploads the scene's map, unless it is the one that is there.
+    pub(in crate::render) fn update(&mut self, gpu: &Gpu, scene: &Scene) {
+        let map = scene.sky_map.as_deref();
+        if self.map == map.map(|map| map.id) {
+            return;
+        }
+        *self = match map {
+            Some(map) => Self { map: Some(map.id), view: table(gpu, map), reflections: None },
+            None => Self::new(gpu),
+        };
+    }
+
+    /// Makes what glossy surfaces reflect, unless it is there.
+    pub(in crate::render) fn update_reflections(&mut self, gpu: &Gpu, scene: &Scene) {
+        if let (None, Some(map)) = (&self.reflections, scene.sky_map.as_deref()) {
+            self.reflections = Some(reflections(gpu, map));
+        }
+    }
+
+    /// Whether the sky differs by direction.
+    pub(in crate::render) fn is_map(&self) -> bool {
+        self.map.is_some()
+    }
+
+    pub(in crate::render) fn view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+
+    pub(in crate::render) fn reflections(&self) -> Option<&SkyReflections> {
+        self.reflections.as_ref()
+    }
+}
+
+fn reflections(gpu: &Gpu, map: &SkyMap) -> SkyReflections {
+    let levels = map.reflections();
+    let (width, height) = levels.first().map_or((1, 1), |level| (level.width, level.height));
+    let mut texels = Vec::new();
+    for level in &levels {
+        for row in level.texels.chunks_exact(level.width as usize) {
+            texels.extend(row.iter().map(|texel| texel.extend(0.0).to_array()));
+            texels.resize(texels.len() + (width - level.width) as usize, [0.0; 4]);
+        }
+    }
+    let rows = levels.iter().map(|level| level.height).sum();
+    SkyReflections {
+        levels: upload(gpu, "sky reflections", width, rows, &texels),
+        size: [width, height],
+        irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
+    }
+}
+
+fn table(gpu: &Gpu, map: &SkyMap) -> wgpu::TextureView {
+    upload(gpu, "sky", map.width + 1, map.height, &map.table())
+}
+
+fn upload(gpu: &Gpu, label: &str, width: u32, height: u32, texels: &[[f32; 4]]) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: Some(height) };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, size);
+    texture.create_view(&Default::default())
+}

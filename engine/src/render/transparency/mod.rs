@@ -1,0 +1,4 @@
+//! Blended surfaces: in come lights, light to look up at any point and the opaque surfaces behind them, out goes a layer
+//! that composition lays over the image.
+
+pub(in crate::render) mod blend;
