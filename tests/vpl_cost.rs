@@ -77,7 +77,7 @@ fn follow_the_report(scene: &str) {
         let [brute, hierarchy] = [ParticleCasts::BruteForce, ParticleCasts::Hierarchy].map(|casts| {
             stage.scene.vpl = Some(InstantRadiosity { particles, casts, candidates: 1, ..Default::default() });
             stage.draw(&settings, [0.0; 2]);
-            let shot = virtual_lights(stage.renderer()).expect("they were asked for").particles();
+            let shot = virtual_lights(stage.renderer().methods()).expect("they were asked for").particles();
             (shot.casts, shot.reflectance)
         });
         let predicted = objects * f64::from(particles) / (1.0 - brute.1);

@@ -57,7 +57,7 @@ fn one_light_by_the_formula() {
         &mut stage,
         InstantRadiosity { particles: 1, candidates: 1, bounces: Bounces::Count(1), ..Default::default() },
     );
-    let particles = virtual_lights(&renderer).expect("they were asked for").particles();
+    let particles = virtual_lights(renderer.methods()).expect("they were asked for").particles();
     assert_eq!(particles.lights.len(), 1);
     let light = Vec3::from(particles.lights[0].place);
     assert!(light.length() < 0.05, "{light}");
@@ -108,7 +108,7 @@ fn ten_particles_leave_eighteen_lights() {
     let mut stage = room(0.5, 8);
     let settings = InstantRadiosity { particles: 10, candidates: 1, ..Default::default() };
     let (_, renderer) = draw(&gpu, &mut stage, settings);
-    let particles = virtual_lights(&renderer).expect("they were asked for").particles();
+    let particles = virtual_lights(renderer.methods()).expect("they were asked for").particles();
     assert!((particles.reflectance - 0.5).abs() < 1e-6, "{}", particles.reflectance);
     assert_eq!((particles.lights.len(), particles.casts.rays), (18, 18));
 }
@@ -126,7 +126,7 @@ fn particles_of_the_sun_do_not_pass_the_scene() {
     let settings =
         InstantRadiosity { particles: 1000, candidates: 1, bounces: Bounces::Count(1), ..Default::default() };
     let (_, renderer) = draw(&gpu, &mut stage, settings);
-    let particles = virtual_lights(&renderer).expect("they were asked for").particles();
+    let particles = virtual_lights(renderer.methods()).expect("they were asked for").particles();
     assert!(particles.lights.len() > 600, "{} of 1000 hit", particles.lights.len());
     // A box shows the sun Σ|d_i|·a². Φ = ρ·E·A, and I = Φ/π.
     let flux: f32 = particles.lights.iter().map(|light| light.intensity[0] * PI).sum();
@@ -163,7 +163,7 @@ fn lights_are_chosen_that_the_camera_sees() {
         let (mut squares, mut bias, mut own, mut all) = (0.0, 0.0, 0, 0);
         for seed in 0..SEEDS {
             let (image, renderer) = draw(&gpu, &mut stage, InstantRadiosity { seed, ..settings.clone() });
-            let particles = virtual_lights(&renderer).expect("they were asked for").particles();
+            let particles = virtual_lights(renderer.methods()).expect("they were asked for").particles();
             own += particles.lights.iter().filter(|light| light.place[0] < 1.6).count();
             all += particles.lights.len();
             for (pixel, truth) in image.rgba.iter().zip(&truth.rgba) {

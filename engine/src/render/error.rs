@@ -1,7 +1,5 @@
 //! What can go wrong with a frame.
 
-use super::indirect::instant_radiosity::VplError;
-use super::indirect::path_tracer::TraceError;
 use super::rays::RayError;
 use crate::graph::GraphError;
 
@@ -34,28 +32,31 @@ pub enum RenderError {
         /// Those that there are.
         known: String,
     },
-    /// CLPV settings that make no volume.
-    #[error("Clpv component: {0}")]
-    Clpv(String),
-    /// Virtual lights that cannot be made.
-    #[error("virtual lights cannot be made")]
-    Vpl(#[from] VplError),
-    /// Settings of stochastic light culling that do not fit the device.
-    #[error("stochastic light culling: {0}")]
-    LightCulling(String),
+    /// A method of indirect light refuses its settings or the scene.
+    #[error("{what}")]
+    Method {
+        /// What is wrong and what would be right.
+        what: String,
+        /// Why, where there is more to say.
+        source: Option<Box<dyn std::error::Error + Send + Sync>>,
+    },
     /// The scene does not fit the device as rays need it.
     #[error(transparent)]
     Rays(#[from] RayError),
     /// A pass failed, or the frame was put together wrongly.
     #[error(transparent)]
     Graph(#[from] GraphError),
-    /// The reference cannot be traced.
-    #[error("path tracing: {0}")]
-    Trace(#[from] TraceError),
     /// The device is gone: it was taken away, or its driver has failed.
     #[error("the graphics device was lost: {0}; open the scene again to take up another one")]
     Lost(String),
     /// The device reported errors while drawing.
     #[error("the graphics device reported: {0}")]
     Device(String),
+}
+
+impl RenderError {
+    /// A method's refusal: what is wrong and what would be right.
+    pub fn method(what: impl Into<String>) -> Self {
+        Self::Method { what: what.into(), source: None }
+    }
 }

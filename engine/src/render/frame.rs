@@ -1,16 +1,14 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
-use super::geometry::static_layers::Views;
-use super::indirect::IndirectMethod;
-use super::indirect::accumulate::History;
-use super::indirect::light_volumes::sweep::{GpuSurfels, gather};
+use super::history::History;
 use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
+use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
+use super::views::Views;
 use crate::gpu::Gpu;
 use crate::graph::TextureDesc;
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
-use crate::world::{Clpv, Quality};
 use encase::ShaderType;
 use glam::{Mat4, UVec2, Vec4};
 
@@ -37,8 +35,6 @@ pub struct Frame<'a> {
     pub rays: Option<&'a RayScene>,
     /// Why there are none for the final gather, if there should be.
     pub refused_rays: Option<&'a str>,
-    /// The method of indirect light.
-    pub method: &'a dyn IndirectMethod,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.
@@ -54,11 +50,6 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// What the volumes of these settings are swept with in this frame.
-    pub fn sweep_quality(&self, settings: &Clpv) -> Quality {
-        gather::quality_of_volumes(settings, gather::is_wanted(settings) && self.refused_rays.is_none())
-    }
-
     /// An image of linear values for the pixels of the frame, rgba32float.
     pub fn image_desc(&self) -> TextureDesc {
         let [width, height] = self.view.size;
@@ -114,4 +105,11 @@ impl Frame<'_> {
             size: self.view.size.into(),
         }
     }
+}
+
+/// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
+pub(in crate::render) fn linear_groups(items: u32) -> [u32; 3] {
+    let groups = items.div_ceil(64).max(1);
+    let x = groups.min(32_768);
+    [x, groups.div_ceil(x), 1]
 }

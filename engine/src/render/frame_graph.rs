@@ -128,7 +128,7 @@ pub(super) fn finish<'a>(
     radiance: Handle<Texture>,
     shown: Handle<Texture>,
     size: [u32; 2],
-    drawn: Option<(&Frame<'a>, &GBuffer)>,
+    drawn: Option<(&Frame<'a>, &GBuffer, &'a dyn IndirectMethod)>,
 ) {
     graph.output(radiance);
     if !settings.display {
@@ -137,13 +137,13 @@ pub(super) fn finish<'a>(
     }
     let mut display = tone_map::declare(graph, settings, shown, size);
     if settings.mlaa {
-        display = mlaa::declare(graph, display, size, settings.mlaa_edges, drawn.map(|(_, gbuffer)| gbuffer));
+        display = mlaa::declare(graph, display, size, settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
     } else {
         graph.skip("mlaa", "anti-aliasing is off");
     }
     match drawn {
         _ if settings.debug.is_empty() => {}
-        Some((frame, gbuffer)) => display = debug::declare(graph, frame, gbuffer, display),
+        Some((frame, gbuffer, method)) => display = debug::declare(graph, frame, gbuffer, method, display),
         None => graph.skip("debug", "a path-traced frame has no depth to draw over; use a drawn method"),
     }
     graph.output(display);

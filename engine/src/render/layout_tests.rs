@@ -2,7 +2,6 @@
 
 use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
 use super::direct::Region;
-use super::direct::light_uniform::LightUniform;
 use super::direct::tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::indirect::accumulate::AverageUniform;
@@ -15,14 +14,15 @@ use super::indirect::light_volumes::sweep::{
 };
 use super::indirect::light_volumes::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
+use super::indirect::sky_reflection::ReflectionUniform;
 use super::post::compare::CompareUniform;
 use super::post::compose::ComposeUniform;
 use super::post::tone_map::ToneMapUniform;
 use super::rays::{Emitter, RayMaterial};
+use super::scene_gpu::light_uniform::LightUniform;
 use super::scene_gpu::{Instance, MaterialUniform};
 use super::shadows::reflective::{RsmLayerUniform, RsmViewUniform};
 use super::shadows::shadow_map::{ShadowUniform, ShadowViewUniform};
-use super::sky::sky_light::ReflectionUniform;
 use super::transparency::blend::BlendUniform;
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
@@ -52,7 +52,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct/tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "post/compose.wgsl", "Compose");
     check(&gpu, AverageUniform::min_size().get(), "indirect/accumulate.wgsl", "Average");
-    check(&gpu, ReflectionUniform::min_size().get(), "sky/sky_light.wgsl", "Reflection");
+    check(&gpu, ReflectionUniform::min_size().get(), "indirect/sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "transparency/blend.wgsl", "Blend");
     check(&gpu, RsmViewUniform::min_size().get(), "shadows/reflective.wgsl", "RsmView");
     check(&gpu, RsmLayerUniform::min_size().get(), "indirect/light_volumes/diffusion/inject.wgsl", "RsmLayer");

@@ -9,11 +9,13 @@
 
 mod custom_passes;
 pub mod debug;
+mod debug_settings;
 mod direct;
 mod error;
 pub mod frame;
 mod frame_graph;
 mod geometry;
+mod history;
 pub mod indirect;
 #[cfg(test)]
 mod layout_tests;
@@ -25,17 +27,21 @@ mod settings;
 pub mod shadows;
 mod sky;
 mod transparency;
+mod views;
+mod zero_texture;
 
 pub use custom_passes::Picture;
 pub use error::RenderError;
 pub use geometry::GBuffer;
-pub use indirect::accumulate::MOST_FRAMES;
+pub use history::MOST_FRAMES;
 pub use indirect::instant_radiosity as vpl;
 pub use indirect::light_culling as slc;
 pub use indirect::light_volumes as lpv;
 pub use indirect::path_tracer as reference;
-pub use indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, PointLayout, RayUse, Subject};
+pub use indirect::{IndirectLight, IndirectMethod, Methods, PointLayout, RayUse, Subject};
 pub use rays::{RayError, RayScene};
 pub use renderer::Renderer;
-pub use settings::{Beside, DisplaySettings, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap};
+pub use settings::{
+    Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap,
+};
 pub use shadows::{LightView, light_views, reflective as rsm};

@@ -6,18 +6,20 @@ use super::debug::DebugView;
 use super::error::RenderError;
 use super::frame::Frame;
 use super::frame_graph::{self, Drawn};
-use super::geometry::static_layers::Views;
-use super::indirect::accumulate::History;
-use super::indirect::light_volumes::sweep::{self, GpuSurfels};
+use super::history::History;
+use super::indirect::light_volumes::sweep;
 use super::indirect::path_tracer::{self, PathTracer};
+use super::indirect::sky_reflection;
 use super::indirect::{IndirectMethod, Methods, RayUse, Subject};
 use super::post::compose::RADIANCE;
 use super::post::tone_map::DISPLAY;
 use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
+use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::{Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend;
+use super::views::Views;
 use crate::gpu::{Gpu, ReadbackError, read_buffer};
 use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, TargetCache, Texture};
 use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
@@ -184,7 +186,6 @@ impl Renderer {
             surfels: &self.surfels,
             rays: self.rays.as_ref().filter(|_| refused_rays.is_none()),
             refused_rays,
-            method,
             view,
             settings,
             bounds,
@@ -203,7 +204,7 @@ impl Renderer {
             }
             _ => radiance,
         };
-        frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer)));
+        frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
         execute(gpu, graph, &mut self.targets, settings)
@@ -220,7 +221,7 @@ impl Renderer {
         self.gpu_scene.update(gpu, scene);
         self.views.begin_frame();
         let bounds = self.gpu_scene.bounds(scene);
-        if settings.only.shows_indirect() && sky_light::is_mirrored(scene) {
+        if settings.only.shows_indirect() && sky_reflection::is_mirrored(scene) {
             self.gpu_scene.update_sky_reflections(gpu, scene);
         }
         if settings.only.is_light() {

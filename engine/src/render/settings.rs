@@ -1,8 +1,32 @@
 //! How a frame is to be drawn.
 
-use super::debug::DebugSettings;
-use super::indirect::GiMethod;
-use super::indirect::path_tracer::TraceSettings;
+use super::debug_settings::DebugSettings;
+
+/// A method of indirect light, by the name that the command line and scene tests have for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GiMethod(&'static str);
+
+impl GiMethod {
+    /// The method of that name.
+    pub const fn named(name: &'static str) -> Self {
+        Self(name)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.0
+    }
+}
+
+/// What a path tracer computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct TraceSettings {
+    /// Indirect bounces: the rays that go on after the surface that the camera sees. None: unlimited (Russian roulette
+    /// from the fourth on).
+    pub bounces: Option<u32>,
+    /// Seed of all random numbers. Different seeds give independent images.
+    pub seed: u32,
+}
 
 /// Settings of a path-traced image that is shown as a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -80,7 +80,7 @@ fn collect(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
 fn directions(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
     let (Some(clpv), Some(volume)) = (&frame.scene.clpv, volumes.last()) else { return Vec::new() };
     let directions = match clpv.settings.transport {
-        Transport::Sweep => sweep::directions(frame.sweep_quality(&clpv.settings)),
+        Transport::Sweep => sweep::directions(sweep::quality(frame, &clpv.settings)),
         // Light goes on to the six neighbours.
         Transport::Diffusion => [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]).collect(),
     };

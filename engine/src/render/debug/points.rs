@@ -5,6 +5,7 @@ use crate::gpu::Binding;
 use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::IndirectMethod;
 use encase::ShaderType;
 use wgpu::TextureUsages;
 
@@ -24,10 +25,11 @@ pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
+    method: &'a dyn IndirectMethod,
     display: Handle<Texture>,
 ) -> Handle<Texture> {
     let lights = graph.latest::<Buffer>("virtual lights");
-    let (Some(layout), Some(lights)) = (frame.method.point_layout(), lights) else {
+    let (Some(layout), Some(lights)) = (method.point_layout(), lights) else {
         graph.skip("debug virtual-lights", "the method of indirect light makes none");
         return display;
     };
@@ -46,7 +48,7 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let buffer = cx.buffer(lights).clone();
         // How many there are is known by now. What lies behind the last light of a buffer is older.
-        let layout = frame.method.point_layout().unwrap_or(layout);
+        let layout = method.point_layout().unwrap_or(layout);
         let in_buffer = (buffer.size() / (16 * u64::from(layout.stride))) as u32;
         let count = layout.count.unwrap_or(in_buffer).min(in_buffer);
         let uniform = PointsUniform {

@@ -1,15 +1,14 @@
 //! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
 //! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]).
 
-pub(in crate::render) mod light_uniform;
 pub(in crate::render) mod tiled;
 
-use self::light_uniform::LightUniform;
 use super::frame::Frame;
 use super::geometry::gbuffer::GBuffer;
 use super::shadows::shadow_map::{self, ShadowMap};
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::scene::{Aabb, SceneLight, SceneView};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};

@@ -1,11 +1,11 @@
 //! Direct light of many lights without shadows, in one pass by tiles of the image.
 
 use super::Lamp;
-use super::light_uniform::LightUniform;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use encase::ShaderType;
 use glam::UVec3;
 

@@ -3,6 +3,7 @@
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture};
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::zero_texture::zero_texture;
 use wgpu::BufferUsages;
 
 /// Declares the pass for the sum of at most two images; the result is the mean indirect irradiance of the visible surfaces [W/m²].
@@ -19,9 +20,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, gbuffer: &GBuffer, light: &[Handle<Tex
     pass.execute(move |cx| {
         let [base_color, depth] = inputs.map(|handle| cx.view(handle));
         let gpu = cx.gpu;
-        let [first, second] = light.map(|light| {
-            light.map_or_else(|| crate::render::post::compose::zero_texture(gpu, 1), |handle| cx.view(handle))
-        });
+        let [first, second] = light.map(|light| light.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle)));
         let target = cx.buffer(ambient).clone();
         cx.dispatch(
             &ComputeKey::new("indirect/ambient.wgsl", "main"),

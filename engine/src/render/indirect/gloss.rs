@@ -1,11 +1,12 @@
 //! Glossy reflection of the swept light, at the visible surfaces.
 
 use super::light_volumes::{Field, Indirect};
+use super::sky_reflection;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::sky::sky_light;
+use crate::render::zero_texture::zero_texture;
 use crate::scene::Scene;
 
 /// What the pass and its image are called.
@@ -49,7 +50,7 @@ pub(in crate::render) fn declare<'a>(
         graph.skip(names.pass, "no surface of the scene is glossy");
         return diffuse;
     }
-    let sky = light.sky.as_ref().and_then(|sky| sky_light::reflection(graph, frame, gbuffer, sky));
+    let sky = light.sky.as_ref().and_then(|sky| sky_reflection::reflection(graph, frame, gbuffer, sky));
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
@@ -66,7 +67,7 @@ pub(in crate::render) fn declare<'a>(
     pass.execute(move |cx| {
         let views = inputs.map(|handle| cx.view(handle));
         // Without a reflection of its own the sky is in the light; nothing is added.
-        let sky = sky.map_or_else(|| crate::render::post::compose::zero_texture(cx.gpu, 1), |handle| cx.view(handle));
+        let sky = sky.map_or_else(|| zero_texture(cx.gpu, 1), |handle| cx.view(handle));
         let target = cx.view(indirect);
         let volume = field.bindings(cx);
         let view = frame.view_uniform(cx.gpu);

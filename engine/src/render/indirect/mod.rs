@@ -9,37 +9,23 @@ pub(super) mod gloss;
 pub mod instant_radiosity;
 pub mod light_culling;
 pub mod light_volumes;
+pub(in crate::render) mod lobe_reflectance;
 mod methods;
 mod none;
 pub mod path_tracer;
+pub(in crate::render) mod sky_reflection;
 
 pub use methods::Methods;
 
 use super::error::RenderError;
 use super::frame::Frame;
 use super::geometry::GBuffer;
-use super::settings::RenderSettings;
+use super::settings::{GiMethod, RenderSettings};
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
 use light_volumes::Field;
 use std::any::Any;
-
-/// A method of indirect light, by the name that the command line and scene tests have for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct GiMethod(&'static str);
-
-impl GiMethod {
-    /// The method of that name.
-    pub const fn named(name: &'static str) -> Self {
-        Self(name)
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        self.0
-    }
-}
 
 /// Whether a method casts rays into the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,11 @@
 //! The sum of what each pixel shows, or one layer of it.
 
-use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::settings::Layer;
+use crate::render::zero_texture::zero_texture;
 use encase::ShaderType;
 use glam::Vec3;
 
@@ -96,22 +97,6 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         )
     });
     radiance
-}
-
-/// One texel of exact zero, so that a frame with a skipped term runs the same shader as one without.
-pub(in crate::render) fn zero_texture(gpu: &Gpu, layers: u32) -> wgpu::TextureView {
-    let format = if layers == 1 { wgpu::TextureFormat::Rgba32Float } else { wgpu::TextureFormat::R32Float };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("zero"),
-        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    texture.create_view(&Default::default())
 }
 
 /// The constants of `post/compose.wgsl`.

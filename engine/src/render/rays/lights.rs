@@ -1,7 +1,7 @@
 //! Lights in the layout of `load_light` of `lib/rays.wgsl`.
 
 use super::words::Texel;
-use crate::render::direct::light_uniform::LightUniform;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::scene::SceneLight;
 use encase::ShaderType;
 

@@ -10,9 +10,12 @@ mod batch;
 mod blended;
 mod block;
 mod class;
+pub(super) mod light_uniform;
 mod material;
 mod mesh;
+pub(in crate::render) mod sky;
 mod submit;
+pub(in crate::render) mod surfels;
 mod sync;
 mod texture;
 
@@ -20,7 +23,6 @@ pub use batch::{DrawFilter, Motion};
 pub use blended::Side;
 pub use class::{MaterialClass, vertex_layout};
 
-use super::sky::gpu_sky::{GpuSky, SkyReflections};
 use crate::assets::AssetId;
 use crate::gpu::{Binding, Gpu, Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
@@ -31,6 +33,7 @@ use bytemuck::{Pod, Zeroable};
 pub(super) use material::alpha_cutoff;
 use material::{GpuMaterial, MaterialStore};
 use mesh::MeshStore;
+use sky::{GpuSky, SkyReflections};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;

@@ -1,6 +1,4 @@
-//! The sky: in come its radiance by direction and the scene, out goes its light on surfaces for methods that bring none
-//! of it, and its image in glossy surfaces. What lies behind everything is drawn when the light is put together.
+//! The sky's light: in come its radiance and the scene's surfaces, out goes what they reflect of it, for methods of
+//! indirect light that bring none of it. What lies behind everything is drawn when the light is put together.
 
-pub(in crate::render) mod environment;
-pub(in crate::render) mod gpu_sky;
-pub(in crate::render) mod sky_light;
+pub(super) mod sky_light;

@@ -7,11 +7,11 @@
 
 use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
-use crate::render::direct::light_uniform::LightUniform;
 use crate::render::direct::{Lamp, comparison_sampler, layered_view, no_shadow_map};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{GBuffer, depth_state};
 use crate::render::indirect::light_volumes::Field;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Side};
 use crate::render::settings::Layer;
 use crate::render::shadows::shadow_map::{ShadowMap, ShadowUniform};

@@ -1,6 +1,7 @@
 //! What can be wrong with virtual lights.
 
 use crate::render::RayError;
+use crate::render::error::RenderError;
 
 /// Why there can be no virtual lights.
 #[derive(Debug, thiserror::Error)]
@@ -33,4 +34,10 @@ pub enum VplError {
         /// Particles whose lights fit.
         possible: u64,
     },
+}
+
+impl From<VplError> for RenderError {
+    fn from(error: VplError) -> Self {
+        Self::Method { what: "virtual lights cannot be made".into(), source: Some(Box::new(error)) }
+    }
 }

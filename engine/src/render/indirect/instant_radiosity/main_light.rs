@@ -2,10 +2,10 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture};
-use crate::render::direct::light_uniform::LightUniform;
 use crate::render::direct::{declare_clear, layered_view, no_shadow_map};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::shadow_map::{self, ShadowMap};
 use crate::world::InstantRadiosity;
 use encase::ShaderType;

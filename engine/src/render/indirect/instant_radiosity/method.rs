@@ -3,11 +3,10 @@
 use super::{VirtualLights, declare, main_light, paths};
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
-use crate::render::Renderer;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, PointLayout};
 use crate::scene::Scene;
 
 impl GiMethod {
@@ -22,9 +21,9 @@ pub struct InstantRadiosityMethod {
     state: Option<VirtualLights>,
 }
 
-/// A renderer's virtual lights, for tools and measurements: none before the first frame that asked for them.
-pub fn virtual_lights(renderer: &Renderer) -> Option<&VirtualLights> {
-    renderer.methods().of_type::<InstantRadiosityMethod>()?.state.as_ref()
+/// The virtual lights that a [renderer's methods](crate::render::Renderer::methods) keep, for tools and measurements: none before the first frame that asked for them.
+pub fn virtual_lights(methods: &Methods) -> Option<&VirtualLights> {
+    methods.of_type::<InstantRadiosityMethod>()?.state.as_ref()
 }
 
 impl IndirectMethod for InstantRadiosityMethod {

@@ -2,7 +2,7 @@
 
 use crate::assets::{AlphaMode, Texture, UvMap};
 use crate::bvh::{SceneBvh, vertex_indices, world_normal};
-use crate::render::sky::environment::lobe_reflectance;
+use crate::render::indirect::lobe_reflectance::lobe_reflectance;
 use crate::scene::{Primitive, Scene, texel};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;

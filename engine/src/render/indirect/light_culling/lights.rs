@@ -3,8 +3,8 @@
 use super::{Method, Sources};
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
-use crate::render::direct::light_uniform::LightUniform;
 use crate::render::frame::{Frame, ViewUniform};
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::light_view::light_views;
 use crate::render::shadows::reflective::{self, Rsm, RsmLayerUniform};
 use crate::scene::SceneLight;

@@ -163,8 +163,8 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
     ];
     match needs.into_iter().find(|(bytes, ..)| *bytes > limit) {
         None => Ok(()),
-        Some((bytes, what, help)) => Err(RenderError::LightCulling(format!(
-            "{what} take {} MiB, and this adapter binds at most {} MiB at once: use {help}",
+        Some((bytes, what, help)) => Err(RenderError::method(format!(
+            "stochastic light culling: {what} take {} MiB, and this adapter binds at most {} MiB at once: use {help}",
             bytes.div_ceil(1 << 20),
             limit >> 20
         ))),
@@ -173,7 +173,9 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
 
 /// Whether lights can be drawn one by one, if that is wanted.
 fn check_splatting(gpu: &Gpu, settings: &StochasticLightCulling) -> Result<(), RenderError> {
-    let wrong = |what: &str| Err(RenderError::LightCulling(format!("`Splatting` {what}: use `Tiled` culling")));
+    let wrong = |what: &str| {
+        Err(RenderError::method(format!("stochastic light culling: `Splatting` {what}: use `Tiled` culling")))
+    };
     match settings.culling {
         LightCulling::Splatting if casts_rays(settings) => wrong("casts no shadow rays"),
         LightCulling::Splatting if !splat::is_possible(gpu) => wrong("needs an adapter that blends 32-bit floats"),
@@ -191,8 +193,8 @@ fn check_loops(gpu: &Gpu, method: &Method) -> Result<(), RenderError> {
     if !unculled || turns <= MOST {
         return Ok(());
     }
-    Err(RenderError::LightCulling(format!(
-        "all {} lights of a pixel take up to {turns} turns of a loop, which software drivers end after {MOST}: use a \
+    Err(RenderError::method(format!(
+        "stochastic light culling: all {} lights of a pixel take up to {turns} turns of a loop, which software drivers end after {MOST}: use a \
          larger `slc.interleave`, a smaller `slc.rsm_size`, or no shadow rays",
         method.lights
     )))

@@ -84,10 +84,3 @@ impl Field {
         }
     }
 }
-
-/// Workgroups of 64 threads for that many items, spread over two dimensions where one would be over the limit.
-pub(in crate::render) fn linear_groups(items: u32) -> [u32; 3] {
-    let groups = items.div_ceil(64).max(1);
-    let x = groups.min(32_768);
-    [x, groups.div_ceil(x), 1]
-}

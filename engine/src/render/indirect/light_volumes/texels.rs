@@ -3,7 +3,7 @@
 use super::volume::Volume;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{PassContext, PassError};
-use crate::render::direct::light_uniform::LightUniform;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use std::ops::Range;
 

@@ -74,7 +74,7 @@ impl Volume {
 /// Settings that make no volume; the message names the field, its value and the range.
 pub fn volumes(clpv: &SceneClpv, bounds: &Aabb, view: &SceneView) -> Result<Vec<Volume>, RenderError> {
     let settings = &clpv.settings;
-    let wrong = |what: String| Err(RenderError::Clpv(what));
+    let wrong = |what: String| Err(RenderError::method(format!("Clpv component: {what}")));
     if !(1..=MAX_CASCADES as u32).contains(&settings.cascades) {
         return wrong(format!("`cascades` is {}; give 1 to {MAX_CASCADES}", settings.cascades));
     }

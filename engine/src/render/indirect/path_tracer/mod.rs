@@ -14,6 +14,7 @@ mod path_trace;
 mod state;
 mod throughput;
 
+pub use crate::render::settings::TraceSettings;
 pub use content::content_key;
 pub use estimate::Estimate;
 pub(in crate::render) use path_trace::dispatch_rays;
@@ -26,13 +27,3 @@ pub(crate) use path_trace::{ResolveUniform, TraceUniform};
 
 pub(in crate::render) use method::PathTracing;
 pub(in crate::render) use path_trace::declare;
-
-/// What a path tracer computes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct TraceSettings {
-    /// Indirect bounces: the rays that go on after the surface that the camera sees. None: unlimited (Russian roulette
-    /// from the fourth on).
-    pub bounces: Option<u32>,
-    /// Seed of all random numbers. Different seeds give independent images.
-    pub seed: u32,
-}

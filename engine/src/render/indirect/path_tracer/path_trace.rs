@@ -4,9 +4,10 @@ use super::{Estimate, TraceSettings};
 use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::measure::Image;
+use crate::render::error::RenderError;
 use crate::render::rays::{RayError, RayScene};
+use crate::render::scene_gpu::sky::GpuSky;
 use crate::render::settings::{Layer, ReferenceSettings};
-use crate::render::sky::gpu_sky::GpuSky;
 use crate::scene::{Scene, SceneView};
 use encase::ShaderType;
 use glam::{UVec2, Vec2, Vec3};
@@ -44,6 +45,12 @@ pub enum TraceError {
     /// Nothing was begun.
     #[error("nothing was traced yet")]
     Nothing,
+}
+
+impl From<TraceError> for RenderError {
+    fn from(error: TraceError) -> Self {
+        Self::Method { what: format!("path tracing: {error}"), source: Some(Box::new(error)) }
+    }
 }
 
 /// `Trace` of `indirect/path_tracer/path_trace.wgsl`.

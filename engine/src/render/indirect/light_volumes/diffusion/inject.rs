@@ -4,7 +4,7 @@ use super::LIGHT_BYTES;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::texels::dispatch_texels;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;

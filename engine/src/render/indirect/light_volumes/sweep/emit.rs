@@ -6,7 +6,7 @@ use super::{Level, Light};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::texels::dispatch_rsm;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;

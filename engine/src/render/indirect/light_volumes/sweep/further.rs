@@ -9,7 +9,7 @@ use super::directions::Directions;
 use super::{Bounce, BounceCount, Level, Light, Work, bounce_name, emit, irradiance, transport};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
 use wgpu::BufferUsages;
 
 /// Declares all passes; the result is the irradiance of which the surfels reflect their share \[W/m²\], of all bounces.

@@ -38,7 +38,9 @@ pub fn volumes(
     let cells: u32 = settings.cells.iter().product();
     if cells > MAX_CELLS {
         let cells = settings.cells;
-        return Err(RenderError::Clpv(format!("`cells` is {cells:?}; the sweep takes at most {MAX_CELLS} together")));
+        return Err(RenderError::method(format!(
+            "Clpv component: `cells` is {cells:?}; the sweep takes at most {MAX_CELLS} together"
+        )));
     }
     Ok(nested(volume::volumes(clpv, bounds, view)?))
 }

@@ -2,7 +2,7 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
 

@@ -2,9 +2,9 @@
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
-use crate::render::direct::light_uniform::LightUniform;
 use crate::render::frame::Frame;
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use crate::scene::Aabb;
 use encase::ShaderType;

@@ -47,8 +47,8 @@ use crate::graph::{Buffer, Graph, Handle};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::sky_reflection;
 use crate::render::shadows::reflective::{self, Rsm};
-use crate::render::sky::sky_light;
 use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
@@ -57,7 +57,6 @@ use opacity::Obstacles;
 use transport::{Kept, Sky};
 
 pub(crate) use probes::{PROBE_LIGHT, probe_light};
-pub use surfels::GpuSurfels;
 
 /// Most bounces that a `Count` may ask for.
 pub const MAX_BOUNCES: u32 = 32;
@@ -110,7 +109,7 @@ pub(super) fn declare<'a>(
     clpv: &'a SceneClpv,
 ) -> Result<Option<Indirect>, RenderError> {
     let settings = &clpv.settings;
-    let quality = frame.sweep_quality(settings);
+    let quality = quality(frame, settings);
     let volumes = volumes(clpv, quality, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
     let rsms = rsms(graph, frame, &volumes, &reach);
@@ -165,10 +164,15 @@ pub(super) fn declare<'a>(
     }
     let sky = levels
         .last()
-        .filter(|_| !is_gathered && sky_light::is_mirrored(frame.scene))
+        .filter(|_| !is_gathered && sky_reflection::is_mirrored(frame.scene))
         .map(|level| (level.obstacles, level.volume));
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
     Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
+}
+
+/// What the volumes of these settings are swept with in a frame.
+pub(in crate::render) fn quality(frame: &Frame, settings: &Clpv) -> Quality {
+    gather::quality_of_volumes(settings, gather::is_wanted(settings) && frame.refused_rays.is_none())
 }
 
 /// Whether light is swept along other directions in each of the frames that are averaged.

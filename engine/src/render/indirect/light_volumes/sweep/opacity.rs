@@ -4,7 +4,7 @@ use super::{links, walls};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
-use crate::render::indirect::light_volumes::linear_groups;
+use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::scene::Surfel;
 use wgpu::BufferUsages;

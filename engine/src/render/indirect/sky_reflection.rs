@@ -1,0 +1,80 @@
+//! The sky's image in glossy surfaces, beside the sky's light that volumes hold. See `indirect/sky_reflection.wgsl`.
+
+use super::gloss;
+use super::light_volumes::Field;
+use crate::assets::REFLECTION_LEVELS;
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::frame::Frame;
+use crate::render::geometry::GBuffer;
+use crate::scene::Scene;
+use encase::ShaderType;
+use glam::{UVec2, Vec3, Vec4};
+
+/// Whether surfaces show an image of the sky, beside its light.
+pub(in crate::render) fn is_mirrored(scene: &Scene) -> bool {
+    scene.sky_map.is_some() && gloss::is_wanted(scene)
+}
+
+/// `Reflection` of `indirect/sky_reflection.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct ReflectionUniform {
+    irradiance: [Vec4; 9],
+    size: UVec2,
+    levels: u32,
+    mean: Vec3,
+    turn: f32,
+}
+
+/// Declares what the sky's image adds to the sky's light in the lobes of glossy surfaces: radiance that may be negative.
+/// `field` holds the light of the sky alone.
+pub(in crate::render) fn reflection<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    field: &Field,
+) -> Option<Handle<Texture>> {
+    let (map, reflections) = (frame.scene.sky_map.as_deref()?, frame.gpu_scene.sky_reflections()?);
+    let Field::Swept { volume, .. } = field else { return None };
+    let [width, height] = frame.view.size;
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+    let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let reflected = graph.retained_texture("sky reflection", desc);
+    let mut pass = graph.pass("sky reflection");
+    let inputs = [gbuffer.normal, gbuffer.object, gbuffer.depth];
+    for input in inputs {
+        pass.read(input);
+    }
+    field.buffers().iter().for_each(|&buffer| pass.read(buffer));
+    let reflected = pass.write(reflected);
+    pass.key(&(volume.key(), frame.view_key(), map.id));
+    let uniform = ReflectionUniform {
+        irradiance: reflections.irradiance,
+        size: reflections.size.into(),
+        levels: REFLECTION_LEVELS,
+        mean: frame.scene.sky,
+        turn: map.turn,
+    };
+    let (frame, field) = (frame.clone(), field.clone());
+    pass.execute(move |cx| {
+        let [normal, object, depth] = inputs.map(|handle| cx.view(handle));
+        let target = cx.view(reflected);
+        let volume = field.bindings(cx);
+        let view = frame.view_uniform(cx.gpu);
+        let uniform = cx.gpu.uniform("sky reflection", &uniform);
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        let mut bindings = vec![
+            ("view", Binding::Buffer(&view)),
+            ("reflection", Binding::Buffer(&uniform)),
+            ("normal", Binding::Texture(&normal)),
+            ("object", Binding::Texture(&object)),
+            ("depth", Binding::Texture(&depth)),
+            ("levels", Binding::Texture(&reflections.levels)),
+            ("reflected", Binding::Texture(&target)),
+        ];
+        bindings.extend(volume.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
+        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
+        cx.dispatch(&ComputeKey::new("indirect/sky_reflection.wgsl", "main"), &bindings, groups)
+    });
+    Some(reflected)
+}
