@@ -10,7 +10,7 @@ use super::indirect::instant_radiosity::{
 };
 use super::indirect::light_culling::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 use super::indirect::light_volumes::sweep::{
-    DrawUniform, EmitUniform, GatherUniform, LookupUniform, SliceUniform, SumUniform,
+    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, SumUniform,
 };
 use super::indirect::light_volumes::{CameraSamplesUniform, PropagationUniform, RelightUniform, VolumeUniform};
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
@@ -74,7 +74,8 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");
     check(&gpu, EmitUniform::min_size().get(), "indirect/light_volumes/sweep/emit.wgsl", "Emit");
     check(&gpu, LookupUniform::min_size().get(), "indirect/light_volumes/sweep/irradiance.wgsl", "Lookup");
-    check(&gpu, SliceUniform::min_size().get(), "indirect/light_volumes/sweep/transport.wgsl", "Slice");
+    check(&gpu, MarchUniform::min_size().get(), "indirect/light_volumes/sweep/transport.wgsl", "March");
+    check(&gpu, CollectUniform::min_size().get(), "indirect/light_volumes/sweep/collect.wgsl", "Collect");
     check(&gpu, SumUniform::min_size().get(), "indirect/light_volumes/sweep/sum.wgsl", "Sum");
     check(&gpu, size_of::<Surfel>() as u64, "indirect/light_volumes/sweep/emit.wgsl", "Surfel");
     check(&gpu, ShadeUniform::min_size().get(), "indirect/instant_radiosity/shade.wgsl", "Shade");

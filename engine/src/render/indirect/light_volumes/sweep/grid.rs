@@ -14,7 +14,7 @@ const MARGIN: f32 = 2.0;
 /// How far ahead of the eye the finer cascades lie, as a part of their half extent.
 const AHEAD: f32 = 0.6;
 /// Most bytes of a storage binding, the portable limit.
-const BINDING: u64 = 128 << 20;
+pub(super) const BINDING: u64 = 128 << 20;
 /// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding.
 const MAX_CELLS: u32 = BINDING as u32 / 176;
 /// Most cells along an axis: a texture that walls are drawn into has a texel for each part, and 8192 is the portable limit.
@@ -155,10 +155,10 @@ struct Most {
     slice: u32,
 }
 
-/// Cells of a layer whose light along all directions of an axis fills a storage binding.
+/// Cells of a layer whose light along all directions of an axis, before and after the layer, fills a storage binding.
 fn largest_slice(quality: Quality) -> u32 {
     let group = Directions::of(quality).group().max(Directions::of_further_bounces(quality).group());
-    BINDING as u32 / (transport::FRONT_BYTES as u32 * group)
+    BINDING as u32 / (64 * group)
 }
 
 /// Cells of a grid that covers the scene.

@@ -38,7 +38,7 @@ pub(crate) use self::{
     gather::GatherUniform,
     irradiance::LookupUniform,
     lit_points::DrawUniform,
-    transport::{SliceUniform, SumUniform},
+    transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
 use super::Indirect;

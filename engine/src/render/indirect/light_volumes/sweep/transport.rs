@@ -1,6 +1,7 @@
 //! The sweep of one bounce through one cascade.
 
 use super::directions::Directions;
+use super::grid::BINDING;
 use super::opacity::Obstacles;
 use super::{BounceCount, Irradiance, Level};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
@@ -12,18 +13,37 @@ use crate::world::Precision;
 use bytemuck::{Pod, Zeroable};
 use encase::ShaderType;
 use glam::{IVec3, UVec3, Vec3};
+use std::ops::Range;
 use wgpu::BufferUsages;
 
-/// `Slice` of `indirect/light_volumes/sweep/transport.wgsl`.
+/// `March` of `indirect/light_volumes/sweep/transport.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
-pub(crate) struct SliceUniform {
+pub(crate) struct MarchUniform {
     inner_low: IVec3,
-    forward: i32,
-    inner_size: IVec3,
-    backward: i32,
     quarter: u32,
-    before: u32,
-    after: u32,
+    inner_size: IVec3,
+    chunk: u32,
+    first: u32,
+    arrivals: u32,
+    turn: u32,
+    brightest: f32,
+}
+
+/// `Part` of `indirect/light_volumes/sweep/collect.wgsl`.
+#[derive(ShaderType, Clone, Copy, Default)]
+pub(crate) struct PartUniform {
+    first: u32,
+    end: u32,
+    arrivals: u32,
+    padding: u32,
+}
+
+/// `Collect` of `indirect/light_volumes/sweep/collect.wgsl`.
+#[derive(ShaderType, Clone, Copy)]
+pub(crate) struct CollectUniform {
+    parts: [PartUniform; 3],
+    quarter: u32,
+    is_first: u32,
     brightest: f32,
 }
 
@@ -120,13 +140,20 @@ fn light_bytes(precision: Precision) -> u64 {
     }
 }
 
-/// Bytes of a cell and direction of a front: light of both senses before and after a slice.
-fn front_bytes(precision: Precision) -> u64 {
-    4 * light_bytes(precision)
+/// Directions whose light is on its way at once: as many as the portable size of a binding holds, which is all of them
+/// for grids of middle size. They go through the grid in rounds.
+fn directions_a_round(volume: &Volume, directions: &Directions, precision: Precision) -> u32 {
+    let columns = 2 * u64::from(largest_slice(volume));
+    let fitting = BINDING / (columns.max(u64::from(volume.cell_count())) * light_bytes(precision));
+    fitting.clamp(1, directions.values.len() as u64) as u32
 }
 
-/// The most that they are: grids are the same in either precision.
-pub(super) const FRONT_BYTES: u64 = 64;
+/// Directions that one workgroup takes through the grid. They share what is read of a cell, so that few processors do best
+/// with few workgroups, and graphics cards with many. It divides those of a quadrant.
+fn directions_a_workgroup(gpu: &Gpu, quarter: u32, most: u32) -> u32 {
+    let wanted = if gpu.info.device_type == wgpu::DeviceType::Cpu { quarter } else { 2 };
+    (1..=wanted.min(most)).rev().find(|chunk| quarter.is_multiple_of(*chunk)).unwrap_or(1)
+}
 
 /// Declares the sweep of a bounce through a cascade, and its addition to the sum of all bounces.
 pub(super) fn declare<'a>(
@@ -144,8 +171,11 @@ pub(super) fn declare<'a>(
     let name = format!("sweep, {}, bounce {}", level.name, step.bounce + 1);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let precision = level.precision;
-    let bytes = front_bytes(precision) * u64::from(directions.group()) * u64::from(largest_slice(&volume));
-    let fronts = graph.buffer(format!("{name}, fronts"), BufferDesc::new(bytes, usage));
+    let at_once = u64::from(directions_a_round(&volume, directions, precision)) * light_bytes(precision);
+    let fronts = BufferDesc::new(2 * at_once * u64::from(largest_slice(&volume)), usage);
+    let fronts = graph.buffer(format!("{name}, fronts"), fronts);
+    let arrivals = BufferDesc::new(at_once * u64::from(volume.cell_count()), usage);
+    let arrivals = graph.buffer(format!("{name}, arrivals"), arrivals);
     let outer = level.shell.take();
     let shell = inner.map(|inner| Shell::new(graph, &name, level, &inner, directions));
     let mut pass = graph.pass(name);
@@ -164,6 +194,7 @@ pub(super) fn declare<'a>(
         bounce,
         sum: sum.zip(totals),
         fronts: pass.write(fronts),
+        arrivals: pass.write(arrivals),
         outer,
         inner: shell.map(|shell| Shell { light: shell.light.map(|light| pass.write(light)), ..shell }),
     };
@@ -202,6 +233,8 @@ struct Buffers {
     /// The sum over all bounces, and the flux of each.
     sum: Option<(Irradiance, Handle<Buffer>)>,
     fronts: Handle<Buffer>,
+    /// What arrives at each cell along each direction.
+    arrivals: Handle<Buffer>,
     /// Light of the shell around this cascade, by axis.
     outer: Option<[Handle<Buffer>; 3]>,
     /// The shell around the next finer one.
@@ -254,66 +287,128 @@ fn sweep(
     buffers: &Buffers,
     border: &[[f32; 4]],
 ) -> Result<(), PassError> {
-    let handles = [buffers.opacity, buffers.emission, buffers.bounce.axes, buffers.bounce.facing, buffers.fronts];
-    let [opacity, emission, axes, facing, fronts] = handles.map(|handle| cx.buffer(handle).clone());
-    for buffer in [&axes, &facing] {
-        cx.encoder().clear_buffer(buffer, 0, None);
-    }
-    let uniform = cx.gpu.uniform("volume", &volume.uniform());
     let ordinates = directions.values.iter().zip(border).map(|(&direction, &border)| Ordinate { direction, border });
-    let ordinates = cx.gpu.storage("ordinates", &ordinates.collect::<Vec<_>>(), BufferUsages::empty());
-    let half = (fronts.size() / light_bytes(buffers.precision) / 2) as u32;
-    let brightest = border.iter().flat_map(|light| &light[..3]).fold(0.0, |most: f32, &light| most.max(light));
-    for axis in 0..3 {
-        let along = volume.cells[axis];
-        let across = [volume.cells[(axis + 1) % 3], volume.cells[(axis + 2) % 3]];
-        let mut key = ComputeKey::new("indirect/light_volumes/sweep/transport.wgsl", "main")
-            .def("AXIS", ShaderDef::Int(axis as i32));
-        let outer = buffers.outer.map(|shell| cx.buffer(shell[axis]).clone());
-        let inner = buffers.inner.map(|shell| cx.buffer(shell.light[axis]).clone());
-        if buffers.precision == Precision::Half {
-            key = key.def("HALF", ShaderDef::Flag(true));
-        }
-        for (name, shell) in [("NO_OUTER", &outer), ("NO_INNER", &inner)] {
-            if shell.is_none() {
-                key = key.def(name, ShaderDef::Flag(true));
-            }
-        }
-        // Both senses go on in one dispatch. They must not add to the same slice: where the number of slices is odd
-        // they would meet in the middle, and the second sense starts one later.
-        let late = along % 2;
-        for step in 0..=along + late {
-            let turn = step % 2;
-            let slice = SliceUniform {
-                inner_low: buffers.inner.map_or(IVec3::ZERO, |shell| shell.low),
-                forward: if step <= along { step as i32 } else { -1 },
-                inner_size: buffers.inner.map_or(IVec3::ZERO, |shell| shell.size),
-                backward: step as i32 - late as i32,
-                quarter: directions.quarter,
-                before: turn * half,
-                after: (1 - turn) * half,
-                brightest,
-            };
-            let slice = cx.gpu.uniform("slice", &slice);
-            let mut bindings = vec![
-                ("volume", Binding::Buffer(&uniform)),
-                ("slice", Binding::Buffer(&slice)),
-                ("ordinates", Binding::Buffer(&ordinates)),
-                ("opacity", Binding::Buffer(&opacity)),
-                ("emission", Binding::Buffer(&emission)),
-                ("fronts", Binding::Buffer(&fronts)),
-                ("axes", Binding::Buffer(&axes)),
-                ("facing", Binding::Buffer(&facing)),
-            ];
-            bindings.extend(outer.iter().map(|shell| ("outer_shell", Binding::Buffer(shell))));
-            bindings.extend(inner.iter().map(|shell| ("inner_shell", Binding::Buffer(shell))));
-            cx.dispatch(&key, &bindings, [across[0].div_ceil(8), across[1].div_ceil(8), 2])?;
-        }
+    let most = directions_a_round(volume, directions, buffers.precision);
+    let work = Work {
+        volume,
+        directions,
+        buffers,
+        uniform: cx.gpu.uniform("volume", &volume.uniform()),
+        ordinates: cx.gpu.storage("ordinates", &ordinates.collect::<Vec<_>>(), BufferUsages::empty()),
+        brightest: border.iter().flat_map(|light| &light[..3]).fold(0.0, |most: f32, &light| most.max(light)),
+        chunk: directions_a_workgroup(cx.gpu, directions.quarter, most),
+    };
+    let all = 3 * work.workgroups_an_axis();
+    let a_round = (most / work.chunk).max(1);
+    for first in (0..all).step_by(a_round as usize) {
+        work.round(cx, first..all.min(first + a_round))?;
         // A submit stays short even for the largest grids.
         cx.submit();
     }
     cx.counts().cells += u64::from(volume.cell_count()) * directions.values.len() as u64;
     Ok(())
+}
+
+/// What all dispatches of a sweep share.
+struct Work<'a> {
+    volume: &'a Volume,
+    directions: &'a Directions,
+    buffers: &'a Buffers,
+    uniform: wgpu::Buffer,
+    ordinates: wgpu::Buffer,
+    /// Radiance of the brightest direction beyond the border [W/(m² sr)].
+    brightest: f32,
+    /// Directions of a workgroup.
+    chunk: u32,
+}
+
+impl Work<'_> {
+    /// Workgroups for all directions of an axis, of both senses.
+    fn workgroups_an_axis(&self) -> u32 {
+        8 * self.directions.quarter / self.chunk
+    }
+
+    /// Takes the directions of some workgroups through the grid, counted over all axes, and sums up what arrives.
+    fn round(&self, cx: &mut PassContext, groups: Range<u32>) -> Result<(), PassError> {
+        let an_axis = self.workgroups_an_axis();
+        let mut parts = [PartUniform::default(); 3];
+        for (axis, part) in (0..3).zip(&mut parts) {
+            let first = (groups.start.max(axis * an_axis)) - axis * an_axis;
+            let end = groups.end.clamp(axis * an_axis, (axis + 1) * an_axis) - axis * an_axis;
+            if first >= end {
+                continue;
+            }
+            let before = (axis * an_axis + first - groups.start) * self.chunk;
+            let arrivals = before * self.volume.cell_count();
+            *part = PartUniform { first: first * self.chunk, end: end * self.chunk, arrivals, padding: 0 };
+            self.march(cx, axis as usize, first..end, arrivals)?;
+        }
+        self.collect(cx, parts, groups.start == 0)
+    }
+
+    /// Takes the directions of some workgroups of an axis through the grid.
+    fn march(&self, cx: &mut PassContext, axis: usize, groups: Range<u32>, arrivals: u32) -> Result<(), PassError> {
+        let Buffers { precision, opacity, emission, fronts, arrivals: kept, outer, inner, .. } = self.buffers;
+        let [opacity, emission, fronts, kept] =
+            [opacity, emission, fronts, kept].map(|handle| cx.buffer(*handle).clone());
+        let outer = outer.map(|shell| cx.buffer(shell[axis]).clone());
+        let inner_shell = inner.map(|shell| cx.buffer(shell.light[axis]).clone());
+        let mut key = ComputeKey::new("indirect/light_volumes/sweep/transport.wgsl", "main")
+            .def("AXIS", ShaderDef::Int(axis as i32));
+        let flags =
+            [("HALF", *precision == Precision::Half), ("NO_OUTER", outer.is_none()), ("NO_INNER", inner.is_none())];
+        for (name, _) in flags.into_iter().filter(|(_, set)| *set) {
+            key = key.def(name, ShaderDef::Flag(true));
+        }
+        let march = MarchUniform {
+            inner_low: inner.map_or(IVec3::ZERO, |shell| shell.low),
+            quarter: self.directions.quarter,
+            inner_size: inner.map_or(IVec3::ZERO, |shell| shell.size),
+            chunk: self.chunk,
+            first: groups.start,
+            arrivals,
+            turn: (fronts.size() / light_bytes(*precision) / 2) as u32,
+            brightest: self.brightest,
+        };
+        let march = cx.gpu.uniform("march", &march);
+        let mut bindings = vec![
+            ("volume", Binding::Buffer(&self.uniform)),
+            ("march", Binding::Buffer(&march)),
+            ("ordinates", Binding::Buffer(&self.ordinates)),
+            ("opacity", Binding::Buffer(&opacity)),
+            ("emission", Binding::Buffer(&emission)),
+            ("fronts", Binding::Buffer(&fronts)),
+            ("arrivals", Binding::Buffer(&kept)),
+        ];
+        bindings.extend(outer.iter().map(|shell| ("outer_shell", Binding::Buffer(shell))));
+        bindings.extend(inner_shell.iter().map(|shell| ("inner_shell", Binding::Buffer(shell))));
+        cx.dispatch(&key, &bindings, [groups.end - groups.start, 1, 1])
+    }
+
+    /// Sums up what arrived.
+    fn collect(&self, cx: &mut PassContext, parts: [PartUniform; 3], is_first: bool) -> Result<(), PassError> {
+        let Buffers { precision, opacity, emission, bounce, arrivals, .. } = self.buffers;
+        let handles = [*opacity, *emission, *arrivals, bounce.axes, bounce.facing];
+        let [opacity, emission, arrivals, axes, facing] = handles.map(|handle| cx.buffer(handle).clone());
+        let mut key = ComputeKey::new("indirect/light_volumes/sweep/collect.wgsl", "main");
+        if *precision == Precision::Half {
+            key = key.def("HALF", ShaderDef::Flag(true));
+        }
+        let (quarter, brightest) = (self.directions.quarter, self.brightest);
+        let collect = CollectUniform { parts, quarter, is_first: u32::from(is_first), brightest };
+        let collect = cx.gpu.uniform("collect", &collect);
+        let bindings = [
+            ("volume", Binding::Buffer(&self.uniform)),
+            ("collect", Binding::Buffer(&collect)),
+            ("ordinates", Binding::Buffer(&self.ordinates)),
+            ("opacity", Binding::Buffer(&opacity)),
+            ("emission", Binding::Buffer(&emission)),
+            ("arrivals", Binding::Buffer(&arrivals)),
+            ("axes", Binding::Buffer(&axes)),
+            ("facing", Binding::Buffer(&facing)),
+        ];
+        cx.dispatch(&key, &bindings, linear_groups(self.volume.cell_count()))
+    }
 }
 
 /// Adds a bounce to the sum.
