@@ -206,17 +206,24 @@ pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneF
     let before = describe_scene(world);
     let now = SceneFile { entities: Vec::new(), ..now.clone() };
     Validator::scene(&now).map_err(|fault| fault_error(context.path, *fault))?;
-    if now.settings.environment != before.settings.environment {
-        let document = Document::in_memory(context.path);
-        match environment_image(&document, &now.settings, context.library)? {
-            Some(image) => world.ecs.insert_resource(image),
-            None => drop(world.ecs.remove_resource::<EnvironmentImage>()),
-        }
-    }
+    // All that can be missing is loaded before anything changes.
+    let environment = match now.settings.environment != before.settings.environment {
+        true => Some(environment_image(&Document::in_memory(context.path), &now.settings, context.library)?),
+        false => None,
+    };
     let changed = now.materials.iter().filter(|(name, file)| before.materials.get(*name) != Some(*file));
-    for (name, file) in changed {
+    let load = |(name, file): (&String, &MaterialFile)| {
         let material = with_loader(world, context, |loader, context| loader.material(name, file, context, &[]))?;
-        replace_material(world, name, &material);
+        Ok((name.clone(), material))
+    };
+    let materials = changed.map(load).collect::<Result<Vec<_>, FileError>>()?;
+    match environment {
+        Some(Some(image)) => world.ecs.insert_resource(image),
+        Some(None) => drop(world.ecs.remove_resource::<EnvironmentImage>()),
+        None => {}
+    }
+    for (name, material) in &materials {
+        replace_material(world, name, material);
     }
     if now.settings != before.settings {
         let clock = world.clock();

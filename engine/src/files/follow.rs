@@ -30,35 +30,65 @@ pub fn read_scene(path: &Path, options: &LoadOptions) -> Result<SceneFile, FileE
 /// that the world has lost since are not brought back.
 ///
 /// # Errors
-/// When an asset is missing or faulty; what was changed before stays changed.
+/// When the world or the file holds what cannot be described, before anything changes; or when an asset is missing or
+/// faulty, and what was changed before stays changed then.
 pub fn follow_scene(
     world: &mut GameWorld,
     context: &mut EditContext,
     before: &SceneFile,
     now: &SceneFile,
 ) -> Result<(), FileError> {
+    let mut plan = Plan { world, path: context.path, steps: Vec::new() };
+    plan.siblings(None, &before.entities, &now.entities)?;
+    let steps = plan.steps;
     let present = describe_scene(world);
     let settings = if now.settings == before.settings { present.settings } else { now.settings.clone() };
     edit_scene(world, context, &SceneFile { settings, entities: Vec::new(), ..now.clone() })?;
-    Follower { world, context }.siblings(None, &before.entities, &now.entities)
+    steps.into_iter().try_for_each(|step| step.apply(world, context))
 }
 
-struct Follower<'a, 'b> {
-    world: &'a mut GameWorld,
-    context: &'a mut EditContext<'b>,
+/// A change of the world that the file asks for.
+enum Change<'a> {
+    Despawn(Entity),
+    Spawn { parent: Option<Entity>, file: &'a EntityFile },
+    Edit(Entity, Box<OverrideFile>),
 }
 
-impl Follower<'_, '_> {
-    fn siblings(&mut self, parent: Option<Entity>, before: &[EntityFile], now: &[EntityFile]) -> Result<(), FileError> {
-        for gone in before.iter().filter(|old| named(now, &old.name).is_none()) {
-            if let Some(entity) = self.child(parent, &gone.name) {
-                let _ = self.world.ecs.try_despawn(entity);
+impl Change<'_> {
+    fn apply(self, world: &mut GameWorld, context: &mut EditContext) -> Result<(), FileError> {
+        match self {
+            Self::Despawn(entity) => {
+                // Gone already if it stood below another one.
+                let _ = world.ecs.try_despawn(entity);
+                Ok(())
             }
+            Self::Spawn { parent, file } => spawn_entity(world, context, parent, file).map(drop),
+            Self::Edit(entity, wanted) => edit_entity(world, context, entity, &wanted),
+        }
+    }
+}
+
+/// Everything that is to change, in order.
+struct Plan<'w, 'f> {
+    world: &'w GameWorld,
+    path: &'w Path,
+    steps: Vec<Change<'f>>,
+}
+
+impl<'f> Plan<'_, 'f> {
+    fn siblings(
+        &mut self,
+        parent: Option<Entity>,
+        before: &[EntityFile],
+        now: &'f [EntityFile],
+    ) -> Result<(), FileError> {
+        for gone in before.iter().filter(|old| named(now, &old.name).is_none()) {
+            self.steps.extend(self.child(parent, &gone.name).map(Change::Despawn));
         }
         for new in now {
             match (named(before, &new.name), self.child(parent, &new.name)) {
                 (Some(old), Some(entity)) if old != new => self.entity(parent, entity, old, new)?,
-                (None, None) => drop(spawn_entity(self.world, self.context, parent, new)?),
+                (None, None) => self.steps.push(Change::Spawn { parent, file: new }),
                 // The same as before; or despawned or made by the game, whose word counts then.
                 _ => {}
             }
@@ -76,19 +106,18 @@ impl Follower<'_, '_> {
         parent: Option<Entity>,
         entity: Entity,
         old: &EntityFile,
-        new: &EntityFile,
+        new: &'f EntityFile,
     ) -> Result<(), FileError> {
         let instance = |file: &EntityFile| (file.prefab.clone(), file.repeat.clone(), file.overrides.clone());
         if instance(old) != instance(new) {
             // Another prefab, or another form of it, is another thing.
-            let _ = self.world.ecs.try_despawn(entity);
-            return spawn_entity(self.world, self.context, parent, new).map(drop);
+            self.steps.extend([Change::Despawn(entity), Change::Spawn { parent, file: new }]);
+            return Ok(());
         }
         let (before, now) = (old.components(), new.components());
         if before != now {
-            let present = describe_entity(self.world, entity, self.context.path)?;
-            let wanted = self.merged(&before, &now, &present)?;
-            edit_entity(self.world, self.context, entity, &wanted)?;
+            let present = describe_entity(self.world, entity, self.path)?;
+            self.steps.push(Change::Edit(entity, Box::new(self.merged(&before, &now, &present)?)));
         }
         self.siblings(Some(entity), &old.children, &new.children)
     }
@@ -99,7 +128,7 @@ impl Follower<'_, '_> {
         now: &OverrideFile,
         present: &OverrideFile,
     ) -> Result<OverrideFile, FileError> {
-        let fault = |what: String| FileError::new(self.context.path, Kind::BadValue, what);
+        let fault = |what: String| FileError::new(self.path, Kind::BadValue, what);
         let node = |components: &OverrideFile| {
             ron_options().to_string(components).map(|text| Node::parse(&text)).map_err(|error| fault(error.to_string()))
         };

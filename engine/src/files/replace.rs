@@ -1,10 +1,12 @@
 //! Files are replaced in one step: at every moment there is the old one or the whole new one.
 
 use std::ffi::OsString;
+use std::fs::{File, Metadata};
 use std::io::{Result, Write};
 use std::path::{Path, PathBuf};
 
-/// Replaces a file, or makes it. If that fails the old one stays, and nothing else is left. A link stays a link: the
+/// Replaces a file, or makes it. Permissions, and owner and group as far as the system lets, stay those of the file that
+/// is replaced; a new one has the usual ones. If that fails the old one stays, and nothing else is left. A link stays a link: the
 /// file that it leads to is replaced. What is no file, such as a pipe, is written to.
 ///
 /// # Errors
@@ -15,7 +17,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<()> {
         return std::fs::write(path, bytes);
     }
     let temporary = beside(path, ".tmp");
-    let written = write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path));
+    let written = write(&temporary, bytes, path).and_then(|()| std::fs::rename(&temporary, path));
     written.inspect_err(|_| discard(&temporary))
 }
 
@@ -26,13 +28,95 @@ pub(super) fn beside(path: &Path, ending: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let mut file = std::fs::File::create(path)?;
+/// Writes a file that shall take the place of another one, with the permissions of that.
+pub(super) fn write(path: &Path, bytes: &[u8], old: &Path) -> Result<()> {
+    discard(path);
+    let old = old.metadata().ok();
+    let mut file = create(path, old.as_ref())?;
     file.write_all(bytes)?;
+    if let Some(old) = &old {
+        keep_access(&file, old)?;
+    }
     file.sync_all()
+}
+
+/// Nobody reads the new file, not even for a moment, who must not read the old one.
+#[cfg(unix)]
+fn create(path: &Path, old: Option<&Metadata>) -> Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    let mode = if old.is_some() { 0o600 } else { 0o666 };
+    File::options().write(true).create_new(true).mode(mode).open(path)
+}
+
+#[cfg(not(unix))]
+fn create(path: &Path, _old: Option<&Metadata>) -> Result<File> {
+    File::options().write(true).create_new(true).open(path)
+}
+
+/// Gives the file owner, group and permissions of an older one. Without the right to give the group, the group may do
+/// what all others may.
+#[cfg(unix)]
+fn keep_access(file: &File, old: &Metadata) -> Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let new = file.metadata()?;
+    if (new.uid(), new.gid()) != (old.uid(), old.gid()) && fchown(file, Some(old.uid()), Some(old.gid())).is_err() {
+        // Only the group can be given by those who are not root, and only one of theirs; what came of it is seen below.
+        let _ = fchown(file, None, Some(old.gid()));
+    }
+    let mode = match file.metadata()?.gid() == old.gid() {
+        true => old.mode() & 0o777,
+        false => old.mode() & 0o707 | (old.mode() & 0o7) << 3,
+    };
+    file.set_permissions(std::fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+fn keep_access(_file: &File, _old: &Metadata) -> Result<()> {
+    Ok(())
 }
 
 /// What is left of a failure is of no use; that it is there harms nobody.
 pub(super) fn discard(path: &Path) {
     let _ = std::fs::remove_file(path);
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::files::write_atomically;
+    use std::fs::{Permissions, set_permissions};
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+
+    #[test]
+    fn permissions_stay_those_of_the_file_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| folder.path().join(name).metadata().unwrap().mode() & 0o777;
+        let (path, plain) = (folder.path().join("a.scene.ron"), folder.path().join("plain"));
+        File::create(&plain).unwrap();
+        write_atomically(&path, "one").unwrap();
+        assert_eq!(mode("a.scene.ron"), mode("plain"), "a new file has the usual permissions");
+        for wanted in [0o600, 0o640, 0o664, 0o755, 0o444] {
+            set_permissions(&path, Permissions::from_mode(wanted)).unwrap();
+            write_atomically(&path, "two").unwrap();
+            assert_eq!((mode("a.scene.ron"), mode("a.scene.ron.bak")), (wanted, wanted), "{wanted:o}");
+            replace_file(&path, b"three").unwrap();
+            assert_eq!(mode("a.scene.ron"), wanted, "{wanted:o}");
+        }
+    }
+
+    #[test]
+    fn the_owner_stays_where_the_system_lets() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.scene.ron");
+        std::fs::write(&path, "one").unwrap();
+        if std::os::unix::fs::chown(&path, Some(4242), Some(4243)).is_err() {
+            return; // only root may give files away
+        }
+        write_atomically(&path, "two").unwrap();
+        for name in ["a.scene.ron", "a.scene.ron.bak"] {
+            let data = folder.path().join(name).metadata().unwrap();
+            assert_eq!((data.uid(), data.gid()), (4242, 4243), "{name}");
+        }
+    }
 }

@@ -84,7 +84,7 @@ impl Defaults {
     }
 }
 
-/// Replaces the file in one step, and keeps the one before as `NAME.bak`.
+/// Replaces the file in one step, and keeps the one before as `NAME.bak`. Both have the permissions of the file before.
 pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
     // A link stays a link: the file it leads to is replaced.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -99,12 +99,13 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
     let (temporary, copy) = (beside(path, ".tmp"), beside(path, ".bak.tmp"));
     let mut backup = path.as_os_str().to_owned();
     backup.push(".bak");
-    let result = replace::write(&temporary, text.as_bytes())
+    let result = replace::write(&temporary, text.as_bytes(), path)
         .map_err(|e| failed("cannot write beside it", &e))
         .and_then(|()| match path.exists() {
             // In one step too: a backup that is cut off would be none.
-            true => std::fs::copy(path, &copy)
-                .and_then(|_| std::fs::rename(&copy, backup))
+            true => std::fs::read(path)
+                .and_then(|old| replace::write(&copy, &old, path))
+                .and_then(|()| std::fs::rename(&copy, backup))
                 .map_err(|e| failed("cannot keep the file before as backup", &e)),
             false => Ok(()),
         })

@@ -208,11 +208,14 @@ impl Game {
         // All that can be wrong is found before anything changes.
         files::load_scene(&path, &mut self.library.clone(), &self.options)?;
         let now = files::read_scene(&path, &self.options)?;
-        let before = self.file.replace(now.clone()).unwrap_or_else(|| now.clone());
+        let before = self.file.as_ref().unwrap_or(&now);
         let mut context = EditContext { library: &mut self.library, options: &self.options, path: &path };
-        let result = files::follow_scene(&mut self.world, &mut context, &before, &now);
+        let result = files::follow_scene(&mut self.world, &mut context, before, &now);
         self.settle();
-        Ok(result?)
+        result?;
+        // What could not be taken up is still new to the next reload.
+        self.file = Some(now);
+        Ok(())
     }
 
     /// Begins the scene anew with prefabs, models and images read again, for when those have changed. Resources and what

@@ -119,6 +119,31 @@ fn a_faulty_file_leaves_the_last_good_one() {
     assert_eq!(component::<Light>(&game, "Lamp").intensity, 99.0, "mended");
 }
 
+/// The game has given the wall a mesh that no file can name, so that the wall cannot be merged with its file.
+#[test]
+fn what_cannot_be_taken_up_changes_nothing_and_is_tried_again() {
+    let folder = Folder::new();
+    let mut game = playing(&folder);
+    let wall = game.world.find("Wall").unwrap();
+    let usual = component::<MeshRenderer>(&game, "Wall");
+    let mesh = std::sync::Arc::new(lightwell::assets::Mesh::new("made by code", Vec::new(), Vec::new()));
+    game.world.ecs.entity_mut(wall).insert(MeshRenderer { mesh, ..usual.clone() });
+    let now = BEFORE
+        .replace("entities: [", "settings: (exposure: 3), entities: [")
+        .replace("intensity: 10", "intensity: 99")
+        .replace("size: (4, 2, 1)", "size: (4, 3, 1)");
+    folder.write("a.scene.ron", &now);
+    let error = message(game.reload());
+    assert!(error.contains("Wall"), "{error}");
+    assert_eq!(component::<Light>(&game, "Lamp").intensity, 3.0, "nothing of it is taken");
+    assert_eq!(game.world.ecs.resource::<SceneSettings>().exposure, SceneSettings::default().exposure);
+
+    game.world.ecs.entity_mut(wall).insert(usual);
+    game.reload().unwrap();
+    assert_eq!(component::<Light>(&game, "Lamp").intensity, 99.0, "the file before still counts as the known one");
+    assert_eq!(game.world.ecs.resource::<SceneSettings>().exposure, 3.0);
+}
+
 #[test]
 fn changed_prefabs_begin_the_scene_anew_and_broken_ones_do_not() {
     let folder = Folder::new();

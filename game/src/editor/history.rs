@@ -113,6 +113,44 @@ impl Change {
         Ok(())
     }
 
+    /// The change that brings back what this one is about to change; none where it finds nothing to change.
+    ///
+    /// # Errors
+    /// If an entity of it is gone.
+    fn inverse(&self, world: &mut GameWorld, forth: bool) -> Result<Option<Self>> {
+        Ok(Some(match self {
+            Self::Components { id, .. } => {
+                let entity = world.entity(*id).ok_or_else(|| anyhow!("the entity is gone"))?;
+                let now = world.stash(entity, false)?;
+                Self::Components { id: *id, before: now, after: now }
+            }
+            Self::Came(existence) | Self::Went(existence) => {
+                let comes = matches!(self, Self::Came(_)) == forth;
+                match (comes, world.entity(existence.id)) {
+                    // Taking it away again needs no copy of its own.
+                    (true, _) => Self::Came(*existence),
+                    (false, Some(_)) => Self::Went(Existence::of(world, existence.id)?),
+                    (false, None) => return Ok(None),
+                }
+            }
+            Self::Moved { id, .. } => {
+                let now = Seat::of(world, *id);
+                Self::Moved { id: *id, before: now, after: now }
+            }
+            Self::Scene(..) => {
+                let now = Box::new(describe_scene(world));
+                Self::Scene(now.clone(), now)
+            }
+        }))
+    }
+
+    /// Lets go of the copies that [`Change::inverse`] made.
+    fn drop_inverse(&self, world: &mut GameWorld) {
+        if !matches!(self, Self::Came(_)) {
+            self.drop(world);
+        }
+    }
+
     fn drop(&self, world: &mut GameWorld) {
         match self {
             Self::Components { before, after, .. } => {
@@ -145,6 +183,47 @@ pub fn seat(world: &mut GameWorld, id: SceneId, seat: &Seat) -> Result<()> {
 struct Step {
     label: String,
     changes: Vec<Change>,
+}
+
+impl Step {
+    /// Applies all changes, or takes them back.
+    ///
+    /// # Errors
+    /// If one of them cannot be applied; those before it are taken back then.
+    fn apply(&self, stage: &mut Stage, forth: bool) -> Result<()> {
+        let mut inverses = Vec::new();
+        let mut result = Ok(());
+        for at in 0..self.changes.len() {
+            let change = &self.changes[if forth { at } else { self.changes.len() - 1 - at }];
+            let inverse = match change.inverse(stage.world, forth) {
+                Ok(inverse) => inverse,
+                Err(error) => {
+                    result = Err(error);
+                    break;
+                }
+            };
+            result = change.apply(stage, forth);
+            if result.is_err() {
+                inverse.iter().for_each(|inverse| inverse.drop_inverse(stage.world));
+                break;
+            }
+            inverses.extend(inverse);
+        }
+        let result = result.map_err(|error| self.roll_back(stage, &inverses, error));
+        inverses.iter().for_each(|inverse| inverse.drop_inverse(stage.world));
+        result
+    }
+
+    /// Takes back what was applied, the last first; gives the error to show.
+    fn roll_back(&self, stage: &mut Stage, inverses: &[Change], error: anyhow::Error) -> anyhow::Error {
+        for inverse in inverses.iter().rev() {
+            if let Err(second) = inverse.apply(stage, false) {
+                let what = format!("`{}` is half applied, since it could not be rolled back ({second:#})", self.label);
+                return error.context(what);
+            }
+        }
+        error.context(format!("`{}` changes nothing", self.label))
+    }
 }
 
 /// An edit that goes on, such as a drag.
@@ -299,32 +378,28 @@ impl History {
     /// Takes the last step back; says which.
     ///
     /// # Errors
-    /// If it cannot be taken back; it stays then.
+    /// If a change of it cannot be taken back; world and history stay as they are then.
     pub fn undo(&mut self, stage: &mut Stage) -> Result<Option<String>> {
         self.close(stage.world)?;
-        let Some(step) = self.done.pop() else { return Ok(None) };
-        self.version += 1;
-        for change in step.changes.iter().rev() {
-            change.apply(stage, false)?;
-        }
+        let Some(step) = self.done.last() else { return Ok(None) };
+        step.apply(stage, false)?;
         let label = step.label.clone();
-        self.undone.push(step);
+        self.undone.extend(self.done.pop());
+        self.version += 1;
         Ok(Some(label))
     }
 
     /// Does the last step again that was taken back; says which.
     ///
     /// # Errors
-    /// If it cannot be done.
+    /// If a change of it cannot be done; world and history stay as they are then.
     pub fn redo(&mut self, stage: &mut Stage) -> Result<Option<String>> {
         self.close(stage.world)?;
-        let Some(step) = self.undone.pop() else { return Ok(None) };
-        self.version += 1;
-        for change in &step.changes {
-            change.apply(stage, true)?;
-        }
+        let Some(step) = self.undone.last() else { return Ok(None) };
+        step.apply(stage, true)?;
         let label = step.label.clone();
-        self.done.push(step);
+        self.done.extend(self.undone.pop());
+        self.version += 1;
         Ok(Some(label))
     }
 }

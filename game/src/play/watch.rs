@@ -94,14 +94,31 @@ impl SceneWatcher {
     /// All that changed since the last call.
     pub fn changes(&mut self) -> Vec<Change> {
         let mut changes = Vec::new();
-        let events: Vec<_> = self.events.try_iter().flatten().flatten().collect();
-        for path in events.into_iter().flat_map(|event| event.event.paths) {
+        for path in self.touched() {
             let Some(known) = self.seen.get_mut(&path) else { continue };
             let Some(state) = State::of(&path).filter(|state| state != known) else { continue };
             *known = state;
             changes.push(if path == self.scene { Change::Scene } else { Change::Part(path) });
         }
         changes
+    }
+
+    /// Files that may have changed since the last call: all of them where events were lost.
+    fn touched(&mut self) -> Vec<PathBuf> {
+        let (mut paths, mut has_lost) = (Vec::new(), false);
+        for result in self.events.try_iter() {
+            match result {
+                Ok(events) => {
+                    has_lost |= events.iter().any(|event| event.need_rescan());
+                    paths.extend(events.into_iter().flat_map(|event| event.event.paths));
+                }
+                Err(errors) => {
+                    errors.iter().for_each(|error| log::warn!("watching the scene's files: {error}"));
+                    has_lost = true;
+                }
+            }
+        }
+        if has_lost { self.seen.keys().cloned().collect() } else { paths }
     }
 }
 
@@ -148,19 +165,44 @@ mod tests {
     }
 
     #[test]
+    fn lost_events_make_it_look_at_every_file() {
+        use notify_debouncer_full::DebouncedEvent;
+        use notify_debouncer_full::notify::Error;
+        use notify_debouncer_full::notify::event::{Event, EventKind, Flag};
+        let dir = tempfile::tempdir().unwrap();
+        let dir = dir.path().canonicalize().unwrap();
+        let (scene, part) = (dir.join("a.scene.ron"), dir.join("b.prefab.ron"));
+        [&scene, &part].into_iter().for_each(|file| std::fs::write(file, "one").unwrap());
+        let (sender, events) = channel();
+        let (folders, seen) = (HashSet::new(), HashMap::new());
+        let mut watcher = SceneWatcher { debouncer: None, events, scene: scene.clone(), folders, seen };
+        [&scene, &part].into_iter().for_each(|file| watcher.add(file.clone()));
+        sender.send(Err(vec![Error::generic("no more watches")])).unwrap();
+        assert_eq!(watcher.changes(), [], "all is as it was");
+        std::fs::write(&part, "two").unwrap();
+        assert_eq!(watcher.changes(), [], "nothing tells of it");
+        sender.send(Err(vec![Error::generic("no more watches")])).unwrap();
+        assert_eq!(watcher.changes(), [Change::Part(part)]);
+        std::fs::write(&scene, "two").unwrap();
+        let overflow = Event::new(EventKind::Other).set_flag(Flag::Rescan);
+        sender.send(Ok(vec![DebouncedEvent::new(overflow, Instant::now())])).unwrap();
+        assert_eq!(watcher.changes(), [Change::Scene]);
+    }
+
+    #[test]
     fn parts_of_a_scene_are_watched_wherever_they_lie() {
         let dir = tempfile::tempdir().unwrap();
         let dir = dir.path().canonicalize().unwrap();
-        for folder in ["scenes", "parts", "images"] {
+        for folder in ["scenes", "prefabs", "images"] {
             std::fs::create_dir(dir.join(folder)).unwrap();
         }
         let image = dir.join("images/red.png");
         write_png_rgb8(&image, [1, 1], &[255, 0, 0]).unwrap();
-        let prefab = dir.join("parts/box.prefab.ron");
+        let prefab = dir.join("prefabs/box.prefab.ron");
         let text = "Prefab(entities: [(name: \"Box\", mesh: Box(), material: (color_texture: \"../images/red.png\"))])";
         std::fs::write(&prefab, text).unwrap();
         let scene = dir.join("scenes/a.scene.ron");
-        std::fs::write(&scene, "Scene(entities: [(name: \"A\", prefab: \"../parts/box.prefab.ron\")])").unwrap();
+        std::fs::write(&scene, "Scene(entities: [(name: \"A\", prefab: \"../prefabs/box.prefab.ron\")])").unwrap();
         let mut library = AssetLibrary::new();
         load_scene(&scene, &mut library, &LoadOptions::default()).unwrap();
         let parts = library.files();

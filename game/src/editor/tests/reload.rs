@@ -125,6 +125,45 @@ fn a_file_that_cannot_be_read_changes_nothing() {
     assert!(bench.state().world.find("Group/Cube").is_some());
 }
 
+/// A step of many changes, one of which cannot be taken back: the image that it needs is gone.
+#[test]
+fn a_step_that_fails_changes_nothing_and_stays() {
+    let (mut bench, folder) = bench();
+    let sky = folder.path().join("sky.exr");
+    let image = lightwell::measure::Image::filled(2, 1, [1.0; 3]);
+    lightwell::measure::write_image(&sky, &image).unwrap();
+    let plain = file(&bench);
+    write(&bench, "duration: 4", "duration: 4, environment: Image(file: \"sky.exr\")");
+    reload(&mut bench);
+    std::fs::write(&bench.state().path, plain).unwrap();
+    write(&bench, "entities: [", "entities: [(name: \"First\", mesh: Cone()),");
+    reload(&mut bench);
+    let (now, first) = (bench.state().text(), bench.state().id("First"));
+    std::fs::remove_file(&sky).unwrap();
+
+    undo(&mut bench);
+    let desk = bench.state();
+    let (said, is_error, _) = desk.editor.notice.clone().unwrap();
+    assert!(is_error && said.contains("sky.exr") && said.contains("changes nothing"), "{said}");
+    assert_eq!((desk.text(), desk.id("First")), (now.clone(), first));
+    assert_eq!(desk.editor.history.undo_label(), Some("load the file"), "the step is still there");
+    assert_eq!(desk.editor.history.redo_label(), None);
+
+    lightwell::measure::write_image(&sky, &image).unwrap();
+    undo(&mut bench);
+    assert!(bench.state().world.find("First").is_none() && bench.state().text().contains("sky.exr"));
+    undo(&mut bench);
+    let loaded = bench.state().text();
+    std::fs::remove_file(&sky).unwrap();
+    press(&mut bench, Modifiers::COMMAND, Key::Y);
+    assert_eq!(bench.state().text(), loaded, "the same where it is done again");
+    assert_eq!(bench.state().editor.history.redo_label(), Some("load the file"));
+    lightwell::measure::write_image(&sky, &image).unwrap();
+    press(&mut bench, Modifiers::COMMAND, Key::Y);
+    press(&mut bench, Modifiers::COMMAND, Key::Y);
+    assert_eq!(bench.state().text(), now);
+}
+
 /// For each panel that changes the scene: edit, undo, do again, save, load: the same file.
 #[test]
 fn edits_of_every_panel_are_undone_saved_and_loaded() {
