@@ -284,6 +284,30 @@ fn saved_games_that_do_not_fit_are_refused() {
     }
 }
 
+/// A saved game from elsewhere names a scene that does not belong to the game.
+#[test]
+fn saved_games_stay_in_the_project() {
+    let folder = Folder::new();
+    let mut game = folder.game();
+    let file = folder.path("slot.save.ron");
+    game.save(&file).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let scene = elsewhere.path().join("a.scene.ron");
+    std::fs::copy(folder.path("a.scene.ron"), &scene).unwrap();
+    let written = folder.path("a.scene.ron").display().to_string();
+    assert!(text.contains(&written), "{text}");
+    for other in [scene.display().to_string(), written.replace("a.scene.ron", "../a.scene.ron"), "//host/a".into()] {
+        std::fs::write(&file, text.replace(&written, &other)).unwrap();
+        let error = message(game.load(&file));
+        assert!(error.contains("slot.save.ron:") && error.contains("--trust DIR"), "{other}: {error}");
+    }
+    std::fs::write(&file, text.replace(&written, &scene.display().to_string())).unwrap();
+    game.set_trusted(vec![elsewhere.path().to_owned()]);
+    let error = game.load(&file).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(!error.contains("--trust"), "{error}");
+}
+
 #[test]
 fn a_script_plays_the_same_game_again() {
     let actions = r#"Actions(

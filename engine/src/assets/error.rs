@@ -23,6 +23,18 @@ pub enum AssetError {
         /// What is wrong, and what to do where that is known.
         problem: String,
     },
+    /// More than the load as a whole may take, see [`LoadBudget`](super::LoadBudget).
+    #[error("{}: the load would take {total} {limit}, and at most {most} are allowed", path.display())]
+    Budget {
+        /// The file that goes beyond it.
+        path: PathBuf,
+        /// Name of the limit.
+        limit: &'static str,
+        /// What the load would take with it.
+        total: u64,
+        /// What it may take.
+        most: u64,
+    },
     /// Parameters of a procedural shape that make no shape.
     #[error("shape {shape}: {field} {problem}")]
     Shape {

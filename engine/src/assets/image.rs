@@ -1,6 +1,6 @@
 //! Image files decoded to eight bits a channel.
 
-use super::{AssetError, ktx2};
+use super::{AssetError, Meter, ktx2};
 use image::{ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -18,9 +18,9 @@ pub(super) struct Pixels {
 
 /// Decodes PNG, JPEG, WebP or KTX2 by content, whatever the file's name says. Sixteen bits a channel are rounded to eight, grey
 /// becomes RGB, and alpha is 1 where there is none.
-pub(super) fn decode(path: &Path, place: &str, bytes: &[u8]) -> Result<Pixels, AssetError> {
+pub(super) fn decode(path: &Path, place: &str, bytes: &[u8], meter: &Meter) -> Result<Pixels, AssetError> {
     if ktx2::is_ktx2(bytes) {
-        return ktx2::decode(path, place, bytes);
+        return ktx2::decode(path, place, bytes, meter);
     }
     let fail = |e: image::ImageError| AssetError::format(path, place, format!("the image cannot be decoded: {e}"));
     let format = image::guess_format(bytes).map_err(|_| {
@@ -38,6 +38,7 @@ pub(super) fn decode(path: &Path, place: &str, bytes: &[u8]) -> Result<Pixels, A
         let problem = format!("has {width}×{height} texels; both must lie between 1 and {MAX_IMAGE_SIZE}: scale it");
         return Err(AssetError::format(path, place, problem));
     }
+    meter.texels(path, [width, height])?;
     let rgba = image::DynamicImage::from_decoder(decoder).map_err(fail)?.into_rgba8();
     Ok(Pixels { width, height, rgba: rgba.into_raw() })
 }

@@ -2,8 +2,8 @@
 //!
 //! Layout: Khronos KTX File Format 2.0, section 3. The first level alone is used: mipmaps are made as for all images.
 
-use super::AssetError;
 use super::image::{MAX_IMAGE_SIZE, Pixels};
+use super::{AssetError, Meter};
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 use std::path::Path;
 
@@ -22,9 +22,10 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
 }
 
 /// Decodes the first level.
-pub(super) fn decode(path: &Path, place: &str, bytes: &[u8]) -> Result<Pixels, AssetError> {
+pub(super) fn decode(path: &Path, place: &str, bytes: &[u8], meter: &Meter) -> Result<Pixels, AssetError> {
     let fail = |problem: String| AssetError::format(path, place, problem);
     let [width, height] = check(bytes).map_err(fail)?;
+    meter.texels(path, [width, height])?;
     // Sizes are known to be sound by now. What the transcoder does not expect within the data must not end the program.
     let decoded = std::panic::catch_unwind(|| transcode(bytes));
     let rgba = decoded.unwrap_or_else(|_| Err("its data is corrupt".into())).map_err(fail)?;
@@ -105,7 +106,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<Pixels, AssetError> {
-        image::decode(Path::new("model.gltf"), "image 0", bytes)
+        image::decode(Path::new("model.gltf"), "image 0", bytes, &Meter::default())
     }
 
     #[test]

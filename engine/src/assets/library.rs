@@ -1,6 +1,6 @@
 //! The cache of loaded assets.
 
-use super::{AssetError, Gltf, ImportFault, ImportSettings, Mesh, Sampling, Shape, Texture};
+use super::{AssetError, Gltf, ImportFault, ImportSettings, LoadBudget, Mesh, Meter, Sampling, Shape, Texture};
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,12 +16,23 @@ pub struct AssetLibrary {
     models: HashMap<PathBuf, Arc<Gltf>>,
     imported: HashMap<(PathBuf, String), Arc<Gltf>>,
     noted: BTreeSet<PathBuf>,
+    meter: Arc<Meter>,
 }
 
 impl AssetLibrary {
     /// An empty library.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Begins a load, which may take so much.
+    pub(crate) fn begin_load(&mut self, budget: &LoadBudget) {
+        self.meter = Arc::new(Meter::new(budget));
+    }
+
+    /// What the present load has taken.
+    pub(crate) fn meter(&self) -> &Meter {
+        &self.meter
     }
 
     /// The mesh of a procedural shape.
@@ -34,6 +45,7 @@ impl AssetLibrary {
             return Ok(mesh.clone());
         }
         let mesh = Arc::new(shape.mesh()?);
+        self.meter.triangles(Path::new(&key), mesh.triangle_count() as u64)?;
         self.shapes.insert(key, mesh.clone());
         Ok(mesh)
     }
@@ -53,7 +65,7 @@ impl AssetLibrary {
         if let Some(texture) = self.textures.get(&key) {
             return Ok(texture.clone());
         }
-        let texture = Arc::new(load_texture(path, srgb, sampling)?);
+        let texture = Arc::new(load_texture(path, srgb, sampling, &self.meter)?);
         self.textures.insert(key, texture.clone());
         Ok(texture)
     }
@@ -68,7 +80,7 @@ impl AssetLibrary {
         if let Some(model) = self.models.get(&key) {
             return Ok(model.clone());
         }
-        let model = Arc::new(Gltf::load(path)?);
+        let model = Arc::new(Gltf::load_within(path, &self.meter)?);
         for warning in &model.warnings {
             log::warn!("{}: {warning}", path.display());
         }
@@ -115,11 +127,13 @@ impl AssetLibrary {
     /// The first fault met. The library then keeps the last good content of what could not be loaded.
     pub fn reload(&mut self, path: impl AsRef<Path>) -> Result<bool, AssetError> {
         let changed = identity(path.as_ref());
+        self.begin_load(&self.meter.budget().clone());
+        let meter = &self.meter;
         let mut found = false;
         let mut fault = None;
         for (key, texture) in self.textures.iter_mut().filter(|(key, _)| key.0 == changed) {
             found = true;
-            match load_texture(&key.0, key.1, key.2) {
+            match load_texture(&key.0, key.1, key.2, meter) {
                 Ok(new) => *texture = Arc::new(new),
                 Err(e) => fault = fault.or(Some(e)),
             }
@@ -130,7 +144,7 @@ impl AssetLibrary {
             }
             found = true;
             self.imported.retain(|(path, _), _| path != key);
-            match Gltf::load(key) {
+            match Gltf::load_within(key, meter) {
                 Ok(new) => *model = Arc::new(new),
                 Err(e) => fault = fault.or(Some(e)),
             }
@@ -156,8 +170,8 @@ fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
-fn load_texture(path: &Path, srgb: bool, sampling: Sampling) -> Result<Texture, AssetError> {
-    let bytes = super::read_file(path)?;
-    let pixels = super::image::decode(path, "image", &bytes)?;
+fn load_texture(path: &Path, srgb: bool, sampling: Sampling, meter: &Meter) -> Result<Texture, AssetError> {
+    let bytes = super::read_file(path, meter)?;
+    let pixels = super::image::decode(path, "image", &bytes, meter)?;
     Ok(Texture::from_pixels(path.display().to_string(), pixels, srgb, sampling))
 }

@@ -1,5 +1,6 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
+mod budget;
 mod clip;
 mod deform;
 mod error;
@@ -18,6 +19,8 @@ mod sky_map;
 mod sky_reflection;
 mod texture;
 
+pub use self::budget::LoadBudget;
+pub(crate) use self::budget::Meter;
 pub use self::clip::{Between, Clip, Curve, NodeCurves};
 pub(crate) use self::deform::pose_all;
 pub use self::deform::{Deform, Influences, MorphTarget, Pose};
@@ -42,8 +45,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Largest file that is read \[bytes\].
 const MAX_FILE: u64 = 4 << 30;
 
-/// Reads a whole regular file of sensible size.
-fn read_file(path: &Path) -> Result<Vec<u8>, AssetError> {
+/// Reads a whole regular file of sensible size, if the budget allows.
+fn read_file(path: &Path, meter: &Meter) -> Result<Vec<u8>, AssetError> {
     let meta = std::fs::metadata(path).map_err(|e| AssetError::io(path, e))?;
     if !meta.is_file() {
         return Err(AssetError::format(path, "file", "is a folder or device, not a regular file"));
@@ -51,6 +54,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, AssetError> {
     if meta.len() > MAX_FILE {
         return Err(AssetError::format(path, "file", format!("has {} bytes; at most {MAX_FILE} are read", meta.len())));
     }
+    meter.bytes(path, meta.len())?;
     std::fs::read(path).map_err(|e| AssetError::io(path, e))
 }
 

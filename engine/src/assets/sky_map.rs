@@ -56,7 +56,7 @@ impl SkyMap {
     /// # Errors
     /// If the file cannot be read, is no such image, or holds values that are not finite.
     pub fn load(path: &Path, intensity: f32, turn: f32) -> Result<Self, AssetError> {
-        let bytes = super::read_file(path)?;
+        let bytes = super::read_file(path, &super::Meter::default())?;
         let (width, height, values) = decode(path, &bytes)?;
         if values.iter().any(|value| !value.is_finite()) {
             let problem = "holds values that are not finite: save it again without NaN and infinity";

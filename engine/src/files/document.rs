@@ -3,14 +3,26 @@
 use super::error::{FileError, FileErrorKind, Place};
 use super::suggest::suggestion;
 use super::tree::{Node, Step, block_comment};
+use crate::assets::AssetError;
 use ron::error::{Error as Ron, SpannedError};
 use serde::de::DeserializeOwned;
 use std::cell::OnceCell;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// How all our RON files are read and written: `Some(…)` need not be written, nor the brackets of newtypes.
 pub fn ron_options() -> ron::Options {
     crate::world::fields::ron_options()
+}
+
+/// Largest text that is read \[bytes\].
+const MAX_TEXT: u64 = 256 << 20;
+
+/// The file's content, or its start where it is too large. Devices have no end.
+fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(MAX_TEXT + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// A text file with the shape of its values.
@@ -26,7 +38,12 @@ pub struct Document {
 impl Document {
     /// Reads and parses a file.
     pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Self, T), FileError> {
-        let bytes = std::fs::read(path).map_err(|e| io_error(path, "cannot be read", &e))?;
+        let bytes = read_limited(path).map_err(|e| io_error(path, "cannot be read", &e))?;
+        if bytes.len() as u64 > MAX_TEXT {
+            let message = format!("is larger than {MAX_TEXT} bytes, which is too much for such a file");
+            return Err(FileError::new(path, FileErrorKind::Budget, message)
+                .with_help("move parts of it into prefabs, or meshes into a model"));
+        }
         let text = String::from_utf8(bytes).map_err(|e| {
             let valid = e.utf8_error().valid_up_to();
             let text = String::from_utf8_lossy(e.as_bytes()).into_owned();
@@ -61,6 +78,16 @@ impl Document {
         }
         let place = Place::of(&self.text, self.tree().find(at).span.start);
         FileError::new(&self.path, kind, message).at(&self.text, place)
+    }
+
+    /// The error of an asset that the value at the path names.
+    pub(super) fn asset_error(&self, at: &[Step], kind: FileErrorKind, fault: &AssetError) -> FileError {
+        match fault {
+            AssetError::Budget { limit, total, .. } => self
+                .error(at, FileErrorKind::Budget, fault.to_string())
+                .with_help(format!("if you trust this file, pass `--budget {limit}={total}` or more")),
+            _ => self.error(at, kind, fault.to_string()),
+        }
     }
 
     /// An error within the value at the path, which was read by itself.

@@ -14,6 +14,7 @@ use super::source::{Origin, SceneInfo, Source};
 use super::surfaces::renderer;
 use super::tracks;
 use super::tree::Step;
+use super::trust::Roots;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetLibrary, Material};
 use crate::world::{
@@ -208,7 +209,11 @@ pub fn edit_scene(world: &mut GameWorld, context: &mut EditContext, now: &SceneF
     Validator::scene(&now).map_err(|fault| fault_error(context.path, *fault))?;
     // All that can be missing is loaded before anything changes.
     let environment = match now.settings.environment != before.settings.environment {
-        true => Some(environment_image(&Document::in_memory(context.path), &now.settings, context.library)?),
+        true => {
+            let roots = Roots::of(context.path, context.options);
+            let document = Document::in_memory(context.path);
+            Some(environment_image(&document, &now.settings, context.library, &roots)?)
+        }
         false => None,
     };
     let changed = now.materials.iter().filter(|(name, file)| before.materials.get(*name) != Some(*file));

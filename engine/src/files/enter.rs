@@ -9,6 +9,7 @@ use super::load::{Context, Loader, canonical_entities, environment_image, fault_
 use super::save::{Writer, scene_without_entities};
 use super::source::{SceneInfo, Source};
 use super::tree::Step;
+use super::trust::Roots;
 use super::validate::Validator;
 use crate::assets::AssetLibrary;
 use crate::world::{EnvironmentImage, GameWorld, Transform};
@@ -67,7 +68,7 @@ pub fn reenter_scene(
     let (old, identities) = (world.roots(), world.identities());
     let known = world.ecs.get_resource::<SceneInfo>().cloned().unwrap_or_default();
     match is_model(path) {
-        true => super::model::enter_gltf(world, library, path, &old)?,
+        true => super::model::enter_gltf(world, library, options, path, &old)?,
         false => drop(enter_scene(world, library, options, path, &old)?),
     }
     world.take_over(&identities);
@@ -99,7 +100,7 @@ fn enter(
 ) -> Result<SceneFile, FileError> {
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
     canonical_entities(&document, &mut file.entities, &options.types)?;
-    let image = environment_image(&document, &file.settings, library)?;
+    let image = environment_image(&document, &file.settings, library, &Roots::of(&document.path, options))?;
     let (info, path) = (SceneInfo::new(&document, &file), document.path.clone());
     let context = Rc::new(Context { document, materials: file.materials.clone(), is_root: true });
     let before = world.roots();

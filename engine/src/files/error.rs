@@ -48,8 +48,12 @@ pub enum FileErrorKind {
     MissingFile,
     /// A third-party model that is not there: the file says where to get it.
     MissingModel,
+    /// A file outside of the project and of all that the user trusts.
+    Untrusted,
     /// A prefab that contains itself.
     PrefabCycle,
+    /// More than a load may take, see [`LoadBudget`](crate::assets::LoadBudget).
+    Budget,
     /// A mesh, model or image that could not be loaded.
     Asset,
     /// The file system refused.

@@ -8,6 +8,7 @@ use super::own::{Canonical, ComponentTypes};
 use super::source::{Origin, SceneInfo, Source};
 use super::tracks;
 use super::tree::Step;
+use super::trust::Roots;
 use super::validate::{Fault, Validator};
 use crate::assets::{AssetError, AssetLibrary, Material, SkyMap};
 use crate::world::{Environment, EnvironmentImage, GameWorld, SceneSettings};
@@ -16,6 +17,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Loads a scene file into a world of its own.
 pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
@@ -23,7 +25,7 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
     canonical_entities(&document, &mut file.entities, &options.types)?;
     let info = SceneInfo::new(&document, &file);
-    let image = environment_image(&document, &file.settings, library)?;
+    let image = environment_image(&document, &file.settings, library, &Roots::of(path, options))?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
     let mut world = GameWorld::new();
     options.types.register(&mut world.ecs);
@@ -58,14 +60,16 @@ pub(super) fn environment_image(
     document: &Document,
     settings: &SceneSettings,
     library: &mut AssetLibrary,
+    roots: &Roots,
 ) -> Result<Option<EnvironmentImage>, FileError> {
     let Some(environment @ Environment::Image { file, rotation, intensity }) = &settings.environment else {
         return Ok(None);
     };
     let path = document.folder().join(file);
+    let at = [key("settings"), key("environment")];
+    roots.check("image of the sky", file, &path, document, &at)?;
     library.note(&path);
     let map = SkyMap::load(&path, *intensity, rotation.to_radians()).map_err(|fault| {
-        let at = [key("settings"), key("environment")];
         let kind = if matches!(fault, AssetError::Io { .. }) { Kind::MissingFile } else { Kind::BadValue };
         let help = "name an equirectangular .hdr or .exr file, its path relative to this scene's file";
         document.error(&at, kind, fault.to_string()).with_help(help)
@@ -124,6 +128,7 @@ pub(super) struct Resolved {
 pub(super) struct Loader<'a> {
     pub library: &'a mut AssetLibrary,
     pub options: &'a LoadOptions,
+    pub roots: Roots,
     pub world: GameWorld,
     pub info: SceneInfo,
     pub prefabs: HashMap<PathBuf, Rc<Prefab>>,
@@ -135,12 +140,11 @@ pub(super) struct Loader<'a> {
     pub named: HashMap<(PathBuf, String), Arc<Material>>,
     /// The entity that the next one spawned is put on, if it is there already.
     pub target: Option<Entity>,
-    /// Entities spawned so far.
-    count: usize,
+    /// Entities spawned so far: prefabs that instance prefabs multiply.
+    entities: u64,
+    begun: Instant,
 }
 
-/// Prefabs that instance prefabs multiply; beyond this a file is taken for a mistake.
-const MAX_ENTITIES: usize = 200_000;
 const MAX_PREFAB_DEPTH: usize = 32;
 
 /// The path with more steps.
@@ -161,9 +165,11 @@ impl<'a> Loader<'a> {
         info: SceneInfo,
         path: &Path,
     ) -> Self {
+        library.begin_load(&options.budget);
         Self {
             library,
             options,
+            roots: Roots::of(path, options),
             world,
             info,
             prefabs: HashMap::new(),
@@ -171,7 +177,8 @@ impl<'a> Loader<'a> {
             levels: Vec::new(),
             named: HashMap::new(),
             target: None,
-            count: 0,
+            entities: 0,
+            begun: Instant::now(),
         }
     }
 }
@@ -197,6 +204,27 @@ impl Loader<'_> {
         self.holder(file, context, parent, at, None)
     }
 
+    /// Counts entities before they are spawned.
+    ///
+    /// # Errors
+    /// When there are more than the budget allows, or the load takes too long.
+    pub(super) fn count(&mut self, more: u64, document: &Document, at: &[Step]) -> Result<(), FileError> {
+        self.entities = self.entities.saturating_add(more);
+        let (budget, seconds) = (&self.options.budget, self.begun.elapsed().as_secs());
+        let entities = ("entities", self.entities, budget.entities);
+        for (limit, total, most) in [entities, ("seconds", seconds, budget.seconds)] {
+            if total > most {
+                let message = format!("the load would take {total} {limit}, and at most {most} are allowed");
+                let help = format!(
+                    "instance fewer prefabs and models inside each other; or, if you trust this file, pass \
+                     `--budget {limit}=N` with more than {total}"
+                );
+                return Err(document.error(at, Kind::Budget, message).with_help(help));
+            }
+        }
+        Ok(())
+    }
+
     /// Spawns an entity, and below it those of a prefab of which it holds a copy.
     pub(super) fn holder(
         &mut self,
@@ -206,10 +234,9 @@ impl Loader<'_> {
         at: &[Step],
         held: Option<&Prefab>,
     ) -> Result<(), FileError> {
-        self.count += 1;
-        if self.count > MAX_ENTITIES || self.chain.len() > MAX_PREFAB_DEPTH {
-            let message =
-                format!("more than {MAX_ENTITIES} entities, or prefabs nested more than {MAX_PREFAB_DEPTH} deep");
+        self.count(1, &context.document, at)?;
+        if self.chain.len() > MAX_PREFAB_DEPTH {
+            let message = format!("prefabs are nested more than {MAX_PREFAB_DEPTH} deep");
             let error = context.document.error(at, Kind::BadValue, message);
             return Err(error.with_help("instance fewer prefabs inside each other"));
         }

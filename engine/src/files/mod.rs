@@ -25,7 +25,8 @@
 //!
 //! Angles are degrees, lengths metres, colours linear Rec. 709. `Some(…)` need not be written. Paths of prefabs and
 //! images start at the folder of the file that names them; those of models at the folder given by `--models`, or
-//! else at the file's.
+//! else at the file's. No file is read outside of the scene's project ([`project_root`]), the folder of models and
+//! the folders that the user trusts ([`LoadOptions::trusted`]).
 //!
 //! Every error names file, line and column, what is wrong and what to do ([`FileError`]). A load makes a new world,
 //! so that one that fails leaves the running one alone.
@@ -61,6 +62,7 @@ mod surfaces;
 mod track_fields;
 mod tracks;
 mod tree;
+mod trust;
 mod validate;
 mod write;
 
@@ -84,11 +86,12 @@ pub use save::save_scene;
 pub use source::{Origin, SceneInfo, Source};
 pub use suggest::suggestion;
 pub use tree::Step;
+pub(crate) use trust::Roots;
+pub use trust::project_root;
 pub use write::write_atomically;
 
-use crate::assets::AssetLibrary;
+use crate::assets::{AssetLibrary, LoadBudget};
 use crate::world::GameWorld;
-use model::find;
 use std::path::{Path, PathBuf};
 
 /// How scenes are loaded.
@@ -96,6 +99,10 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// Folder of third-party models (`--models`).
     pub models: Option<PathBuf>,
+    /// Folders that files are read from beside that of models and the scene's project, see [`project_root`] (`--trust`).
+    pub trusted: Vec<PathBuf>,
+    /// What a load may take of the machine (`--budget`).
+    pub budget: LoadBudget,
     /// Components of a game that scenes may hold.
     pub types: ComponentTypes,
 }
@@ -107,7 +114,7 @@ pub struct LoadOptions {
 pub fn load_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "gltf" | "glb" => model::load_gltf_scene(path, library),
+        "gltf" | "glb" => model::load_gltf_scene(path, library, options),
         _ => load::load(path, library, options),
     }
 }

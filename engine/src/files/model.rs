@@ -9,6 +9,7 @@ use super::source::{Origin, SceneInfo, Source};
 use super::spawn::Model;
 use super::suggest::suggestion;
 use super::tree::Step;
+use super::trust::Roots;
 use crate::assets::{AssetLibrary, Gltf, ImportFault, Material};
 use crate::scene::Aabb;
 use crate::world::animation::{Track, Wrap};
@@ -21,12 +22,6 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The file in the models' folder, or else in the folder of the file that names it.
-pub fn find(written: &str, folder: &Path, options: &LoadOptions) -> Option<PathBuf> {
-    let models = options.models.as_ref().map(|models| models.join(written));
-    models.into_iter().chain([folder.join(written)]).find(|path| path.is_file())
-}
-
 /// What to take from a model.
 pub(super) struct Take<'a> {
     pub lights: bool,
@@ -36,6 +31,26 @@ pub(super) struct Take<'a> {
 }
 
 impl Loader<'_> {
+    /// A `what` in the models' folder, or else in the folder of the file that names it.
+    ///
+    /// # Errors
+    /// If it lies where files are not read.
+    pub(super) fn find(
+        &self,
+        what: &str,
+        written: &str,
+        document: &Document,
+        at: &[Step],
+    ) -> Result<Option<PathBuf>, FileError> {
+        let models = self.options.models.as_ref().map(|models| models.join(written));
+        if let Some(path) = models.filter(|path| self.roots.allow(written, path) && path.is_file()) {
+            return Ok(Some(path));
+        }
+        let beside = document.folder().join(written);
+        self.roots.check(what, written, &beside, document, at)?;
+        Ok(Some(beside).filter(|path| path.is_file()))
+    }
+
     /// Spawns a model's nodes below the entity.
     pub(super) fn model(
         &mut self,
@@ -47,17 +62,19 @@ impl Loader<'_> {
         at: &[Step],
     ) -> Result<(), FileError> {
         let details = file.details();
-        let Some(path) = find(&details.path, context.document.folder(), self.options) else {
+        let Some(path) = self.find("model", &details.path, &context.document, at)? else {
             return Err(self.missing_model(&details, context, at));
         };
-        let whole = self.library.gltf(&path).map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+        let whole = self.library.gltf(&path).map_err(|e| context.document.asset_error(at, Kind::Asset, &e))?;
         let gltf = match &details.import {
             Some(settings) => self
                 .library
                 .imported(&whole, settings)
                 .map_err(|fault| import_error(&context.document, &extended(at, &[key("import")]), fault))?,
-            None => imported_beside(self.library, &whole, &path)?,
+            None => imported_beside(self.library, &self.roots, &whole, &path)?,
         };
+        let copies = gltf.nodes.iter().map(|node| node.instances.len() as u64).sum::<u64>();
+        self.count(gltf.nodes.len() as u64 + copies, &context.document, at)?;
         let take = Take { lights: details.lights, cameras: details.cameras, material, components };
         let mut model = Model::new(&mut self.world, &gltf, entity, take);
         let Some(name) = &details.node else {
@@ -101,11 +118,19 @@ impl Loader<'_> {
 }
 
 /// The model as the file `NAME.import.ron` beside it wants it, if there is one.
-fn imported_beside(library: &mut AssetLibrary, whole: &Arc<Gltf>, path: &Path) -> Result<Arc<Gltf>, FileError> {
+fn imported_beside(
+    library: &mut AssetLibrary,
+    roots: &Roots,
+    whole: &Arc<Gltf>,
+    path: &Path,
+) -> Result<Arc<Gltf>, FileError> {
     let beside = path.with_extension("import.ron");
     if !beside.is_file() {
         return Ok(whole.clone());
     }
+    // A link may lead elsewhere.
+    let name = beside.file_name().unwrap_or_default().to_string_lossy();
+    roots.check("import settings", &name, &beside, &Document::in_memory(path), &[])?;
     let (document, settings) = Document::read::<ImportSettings>(&beside)?;
     library.imported(whole, &settings).map_err(|fault| import_error(&document, &[], fault))
 }
@@ -145,9 +170,9 @@ impl Names {
 }
 
 /// Opens a glTF file as a scene: all of it, a camera that frames it if it has none, and a light if it has none.
-pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWorld, FileError> {
+pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
     let mut world = GameWorld::new();
-    enter_gltf(&mut world, library, path, &[])?;
+    enter_gltf(&mut world, library, options, path, &[])?;
     Ok(world)
 }
 
@@ -158,14 +183,16 @@ pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary) -> Result<GameWo
 pub(super) fn enter_gltf(
     world: &mut GameWorld,
     library: &mut AssetLibrary,
+    options: &LoadOptions,
     path: &Path,
     old: &[Entity],
 ) -> Result<(), FileError> {
     if !path.is_file() {
         return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
     }
-    let whole = library.gltf(path).map_err(|e| FileError::new(path, Kind::Asset, e.to_string()))?;
-    let gltf = imported_beside(library, &whole, path)?;
+    library.begin_load(&options.budget);
+    let whole = library.gltf(path).map_err(|e| Document::in_memory(path).asset_error(&[], Kind::Asset, &e))?;
+    let gltf = imported_beside(library, &Roots::of(path, options), &whole, path)?;
     super::enter::despawn(world, old);
     let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
     let model = world.spawn(&name.replace('/', "_"), None);

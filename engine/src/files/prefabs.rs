@@ -69,6 +69,7 @@ impl Loader<'_> {
 
     fn prefab(&mut self, written: &str, context: &Context, at: &[Step]) -> Result<(PathBuf, Rc<Prefab>), FileError> {
         let path = context.document.folder().join(written);
+        self.roots.check("prefab", written, &path, &context.document, at)?;
         let identity = canonical(&path);
         if let Some(start) = self.chain.iter().position(|p| *p == identity) {
             return Err(cycle_error(&self.chain[start..], &identity, context, at));
@@ -84,6 +85,8 @@ impl Loader<'_> {
             return Err(error.with_help(help));
         }
         let (document, mut file) = Document::read::<PrefabFile>(&path)?;
+        let spent = self.library.meter().bytes(&path, document.text.len() as u64);
+        spent.map_err(|e| context.document.asset_error(at, Kind::Budget, &e))?;
         Validator::prefab(&file).map_err(|fault| fault_error(&document, *fault))?;
         canonical_entities(&document, &mut file.entities, &self.options.types)?;
         let context = Rc::new(Context { document, materials: file.materials, is_root: false });

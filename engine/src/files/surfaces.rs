@@ -1,7 +1,6 @@
 //! The components of a loaded entity, with the meshes, materials and images that they name.
 
 use super::error::{FileError, FileErrorKind as Kind};
-use super::find;
 use super::format::*;
 use super::load::{Context, Loader, Resolved, extended, key};
 use super::tree::Step;
@@ -27,7 +26,7 @@ impl Loader<'_> {
         }
         if let Some(shape) = &c.mesh {
             let mesh = self.library.shape(shape).map_err(|e| {
-                r.surface.0.document.error(&extended(&r.surface.1, &[key("mesh")]), Kind::BadValue, e.to_string())
+                r.surface.0.document.asset_error(&extended(&r.surface.1, &[key("mesh")]), Kind::BadValue, &e)
             })?;
             self.info.shapes.insert(mesh.id, shape.clone());
             let material = material.get_or_insert_with(|| self.info.default_material.clone()).clone();
@@ -129,14 +128,14 @@ impl Loader<'_> {
         at: &[Step],
     ) -> Result<Arc<Texture>, FileError> {
         let written = file.path();
-        let Some(path) = find(written, context.document.folder(), self.options) else {
+        let Some(path) = self.find("image", written, &context.document, at)? else {
             let error = context.document.error(at, Kind::MissingFile, format!("there is no image `{written}`"));
             return Err(error.with_help("paths start at the folder of this file, or at the one given by --models"));
         };
         let texture = self
             .library
             .texture(&path, srgb, file.sampling())
-            .map_err(|e| context.document.error(at, Kind::Asset, e.to_string()))?;
+            .map_err(|e| context.document.asset_error(at, Kind::Asset, &e))?;
         self.info.textures_by_id.insert(texture.id, file.clone().rebased(context));
         Ok(texture)
     }

@@ -7,8 +7,8 @@ use super::saved::{SavedGame, SavedTypes};
 use super::space::{self, Ghost, Space};
 use super::time::Time;
 use super::{GameError, fault};
-use crate::assets::AssetLibrary;
-use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, SceneData, SceneFile};
+use crate::assets::{AssetLibrary, LoadBudget};
+use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, Roots, SceneData, SceneFile};
 use crate::world::GameWorld;
 use bevy_ecs::error::FallbackErrorHandler;
 use bevy_ecs::message::{Message, MessageRegistry};
@@ -112,6 +112,16 @@ impl Game {
     /// Folder of third-party models.
     pub fn set_models(&mut self, models: Option<PathBuf>) {
         self.options.models = models;
+    }
+
+    /// Folders that scenes may name files in, beside their own project and the models.
+    pub fn set_trusted(&mut self, trusted: Vec<PathBuf>) {
+        self.options.trusted = trusted;
+    }
+
+    /// What a load may take of the machine.
+    pub fn set_budget(&mut self, budget: LoadBudget) {
+        self.options.budget = budget;
     }
 
     /// How scenes are loaded, with the components that they may hold.
@@ -343,7 +353,9 @@ impl Game {
     /// # Errors
     /// When the file cannot be read or does not fit this game; the present state stays then.
     pub fn load(&mut self, path: &Path) -> Result<(), GameError> {
-        let saved = SavedGame::read(path)?;
+        let present = &self.world.ecs.resource::<CurrentScene>().path;
+        let project = if present.as_os_str().is_empty() { path } else { present };
+        let saved = SavedGame::read_within(path, &Roots::of(project, &self.options))?;
         let old = self.world.roots();
         saved.restore(path, &mut self.world, &mut self.library, &self.options, &old)?;
         // Later changes of the scene's file count from here.

@@ -5,7 +5,8 @@ use super::running::CurrentScene;
 use super::time::Time;
 use crate::assets::AssetLibrary;
 use crate::files::{
-    self, Document, DuplicateType, FileError, FileErrorKind, LoadOptions, OwnValue, SceneData, SceneFile, ron_options,
+    self, Document, DuplicateType, FileError, FileErrorKind, LoadOptions, OwnValue, Roots, SceneData, SceneFile, Step,
+    ron_options,
 };
 use crate::world::GameWorld;
 use bevy_ecs::prelude::*;
@@ -112,6 +113,17 @@ impl SavedGame {
     /// When there is none, or it is not of this form.
     pub fn read(path: &Path) -> Result<Self, GameError> {
         Ok(Document::read::<Self>(path)?.1)
+    }
+
+    /// Reads one whose scene lies below some folders.
+    ///
+    /// # Errors
+    /// As [`SavedGame::read`], and when the scene lies elsewhere.
+    pub(super) fn read_within(path: &Path, roots: &Roots) -> Result<Self, GameError> {
+        let (document, saved) = Document::read::<Self>(path)?;
+        let written = saved.scene.display().to_string();
+        roots.check("scene", &written, &saved.scene, &document, &[Step::Key("scene".into())])?;
+        Ok(saved)
     }
 
     /// Makes the world what was saved; the entities `old` go.

@@ -55,7 +55,7 @@ use bevy_ecs::prelude::{Component, IntoScheduleConfigs, Resource};
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
 use clap::{CommandFactory, FromArgMatches};
-use lightwell::files::SceneData;
+use lightwell::files::{ComponentTypes, SceneData};
 use lightwell::game::{Actions, EachFrame, Game, GameError, Ghost, InputScript, LightProbe, Persistent};
 use lightwell::graph::{Graph, Handle, Texture};
 use lightwell::render::Picture;
@@ -228,7 +228,10 @@ impl App {
         if let Some(fault) = self.fault {
             return Err(fault.into());
         }
-        self.game.set_models(common.models.clone());
+        let options = common.load_options(ComponentTypes::default());
+        self.game.set_models(options.models);
+        self.game.set_trusted(options.trusted);
+        self.game.set_budget(options.budget);
         let scene = scene_path::find(scene.unwrap_or(&self.scene))?;
         let (first, sets) = (scene.clone(), sets.to_vec());
         // The first scene, whenever it is entered again.

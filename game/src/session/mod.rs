@@ -92,7 +92,7 @@ impl Session {
         types: ComponentTypes,
     ) -> Result<Self> {
         let path = scene_path::find(scene)?;
-        let options = LoadOptions { models: common.models.clone(), types };
+        let options = common.load_options(types);
         Self::with(gpu.into(), path, options, AssetLibrary::new(), look)
     }
 

@@ -8,7 +8,7 @@ use gltf::json::camera;
 use gltf::json::extensions::scene::khr_lights_punctual::Type;
 use gltf::json::validation::Checked;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
 const SUPPORTED: [&str; 14] = [
@@ -182,7 +182,7 @@ pub(super) fn load_buffers<'a>(
     path: &Path,
     document: &Document,
     bin: Option<&'a [u8]>,
-    files: &mut Vec<PathBuf>,
+    beside: &mut source::Beside,
     warnings: &mut Vec<String>,
 ) -> Result<BufferData<'a>, AssetError> {
     let mut data = BufferData::new();
@@ -195,7 +195,7 @@ pub(super) fn load_buffers<'a>(
             continue;
         }
         let bytes = match (&buffer.uri, bin) {
-            (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, files)?),
+            (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, beside)?),
             (None, Some(bin)) if i == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 return Err(AssetError::format(path, place, "has no URI, and the file has no binary chunk for it"));

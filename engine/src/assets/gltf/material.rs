@@ -7,7 +7,7 @@ use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;
 use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What a material asks of the meshes that it is on.
@@ -56,7 +56,7 @@ pub(super) fn load(
     path: &Path,
     document: &Document,
     image_bytes: &dyn Fn(&gltf::buffer::View) -> Result<Vec<u8>, AssetError>,
-    files: &mut Vec<PathBuf>,
+    beside: &mut source::Beside,
     warnings: &mut Vec<String>,
 ) -> Result<Materials, AssetError> {
     let mut wanted: BTreeSet<TextureUse> = BTreeSet::new();
@@ -71,7 +71,7 @@ pub(super) fn load(
             wanted.extend(specular.specular_color_texture().map(|t| (t.texture().index(), true)));
         }
     }
-    let textures = load_textures(path, document, &wanted, image_bytes, files)?;
+    let textures = load_textures(path, document, &wanted, image_bytes, beside)?;
     let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, warnings)).collect();
     all.push((Arc::new(Material { metallic: 1.0, ..Material::new("default") }), UvSource::default()));
     Ok(Materials { all })
@@ -83,7 +83,7 @@ fn load_textures(
     document: &Document,
     wanted: &BTreeSet<TextureUse>,
     image_bytes: &dyn Fn(&gltf::buffer::View) -> Result<Vec<u8>, AssetError>,
-    files: &mut Vec<PathBuf>,
+    beside: &mut source::Beside,
 ) -> Result<HashMap<TextureUse, Arc<Texture>>, AssetError> {
     let by_index: Vec<_> = document.textures().collect();
     let mut by_image: BTreeMap<usize, Vec<TextureUse>> = BTreeMap::new();
@@ -96,7 +96,7 @@ fn load_textures(
         let label = json.name.as_deref().or(json.uri.as_deref().filter(|u| !u.starts_with("data:")));
         let place = label.map_or(format!("image {index}"), |l| format!("image {index} \"{l}\""));
         let bytes = match (&json.uri, json.buffer_view) {
-            (Some(uri), _) => source::fetch(path, &place, uri, files)?,
+            (Some(uri), _) => source::fetch(path, &place, uri, beside)?,
             (None, Some(view)) => match document.views().nth(view.value()) {
                 Some(view) => image_bytes(&view)?,
                 None => {
@@ -109,7 +109,8 @@ fn load_textures(
         };
         encoded.push((place, label.map_or(format!("image {index}"), str::to_string), bytes, uses));
     }
-    let decoded = parallel::map(&encoded, |(place, _, bytes, _)| image::decode(path, place, bytes));
+    let meter = beside.meter;
+    let decoded = parallel::map(&encoded, |(place, _, bytes, _)| image::decode(path, place, bytes, meter));
     let mut textures = HashMap::new();
     for ((_, name, _, uses), pixels) in encoded.iter().zip(decoded) {
         let mut pixels = Some(pixels?);

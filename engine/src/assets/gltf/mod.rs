@@ -29,7 +29,7 @@ mod thin;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 
-use super::{AssetError, Clip, Material, Mesh, parallel, read_file};
+use super::{AssetError, Clip, Material, Mesh, Meter, parallel, read_file};
 use crate::scene::ViewProjection;
 use crate::world::{Camera, Light, LightKind, Projection, Transform};
 use accessor::Buffers;
@@ -160,9 +160,13 @@ impl Gltf {
     /// A file that is missing, truncated or not glTF 2.0, needs an extension that is not supported, refers to what is
     /// not there (or is outside its folder), or holds positions that are not finite. The message names file and place.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, AssetError> {
-        let path = path.as_ref();
-        let bytes = read_file(path)?;
-        Self::from_bytes(path, &bytes)
+        Self::load_within(path.as_ref(), &Meter::default())
+    }
+
+    /// As [`Gltf::load`], within the budget of a load.
+    pub(crate) fn load_within(path: &Path, meter: &Meter) -> Result<Self, AssetError> {
+        let bytes = read_file(path, meter)?;
+        Self::read(path, &bytes, meter)
     }
 
     /// As [`Gltf::load`], from the content of the file. `path` is used for messages and to find the files beside it.
@@ -170,12 +174,16 @@ impl Gltf {
     /// # Errors
     /// As [`Gltf::load`].
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, AssetError> {
+        Self::read(path, bytes, &Meter::default())
+    }
+
+    fn read(path: &Path, bytes: &[u8], meter: &Meter) -> Result<Self, AssetError> {
         let mut warnings = Vec::new();
-        let mut files = Vec::new();
+        let mut beside = source::Beside { files: Vec::new(), meter };
         let container = source::split(path, bytes)?;
         warnings.extend(container.warning.clone());
         let (document, quantized) = document::parse(path, container.json, &mut warnings)?;
-        let data = document::load_buffers(path, &document, container.bin, &mut files, &mut warnings)?;
+        let data = document::load_buffers(path, &document, container.bin, &mut beside, &mut warnings)?;
         let mut reader =
             Reader { buffers: Buffers { path, data, decoded: HashMap::new(), replaced: HashMap::new() }, quantized };
         reader.buffers.decoded = meshopt::decode(&document, &reader.buffers)?;
@@ -183,8 +191,8 @@ impl Gltf {
         document::check_data(&document, &reader.buffers)?;
         let (mut nodes, roots) = nodes::read(path, &document, &mut warnings)?;
         let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
-        let materials = material::load(path, &document, &image_bytes, &mut files, &mut warnings)?;
-        let meshes = load_meshes(&document, &reader, &materials, &mut warnings)?;
+        let materials = material::load(path, &document, &image_bytes, &mut beside, &mut warnings)?;
+        let meshes = load_meshes(&document, &reader, &materials, meter, &mut warnings)?;
         for (node, json) in nodes.iter_mut().zip(&document.as_json().nodes) {
             let mesh = json.mesh.map(|m| m.value());
             node.primitives = mesh.and_then(|m| meshes.get(m)).cloned().unwrap_or_default();
@@ -199,7 +207,7 @@ impl Gltf {
         skin::check(&reader.buffers, &nodes, &skins, &mut warnings)?;
         let clips = Arc::new(animation::read(&document, &reader.buffers, &nodes, &mut warnings)?);
         let warnings = condense(path, warnings);
-        Ok(Self { path: path.to_path_buf(), nodes, roots, skins, clips, files, warnings })
+        Ok(Self { path: path.to_path_buf(), nodes, roots, skins, clips, files: beside.files, warnings })
     }
 
     /// The first node of that name.
@@ -245,6 +253,7 @@ fn load_meshes(
     document: &gltf::Document,
     reader: &Reader,
     materials: &material::Materials,
+    meter: &Meter,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Vec<GltfPrimitive>>, AssetError> {
     let (mut jobs, mut known, mut uses, mut corners) = (Vec::new(), HashMap::new(), Vec::new(), 0usize);
@@ -265,8 +274,9 @@ fn load_meshes(
                 corners = corners.saturating_add(counts.saturating_mul(1 + primitive.morph_targets().len()));
                 // A corner of a line becomes up to 48 of its solid.
                 let each = if thin::is_thin(primitive.mode()) { 48 } else { 3 };
-                corners =
-                    corners.saturating_add(primitive.indices().map_or(counts, |a| a.count()).saturating_mul(each));
+                let drawn = primitive.indices().map_or(counts, |a| a.count()).saturating_mul(each);
+                meter.triangles(reader.buffers.path, drawn as u64 / 3)?;
+                corners = corners.saturating_add(drawn);
                 let place = format!("mesh {} \"{name}\", primitive {}", mesh.index(), primitive.index());
                 if corners > MAX_CORNERS {
                     let problem = format!("the file's meshes are too large: over {MAX_CORNERS} corners");

@@ -1,6 +1,6 @@
 //! Bytes of a glTF asset: the GLB container, data URIs, and files beside it.
 
-use crate::assets::{AssetError, read_file};
+use crate::assets::{AssetError, Meter, read_file};
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
@@ -120,19 +120,27 @@ pub(super) fn resolve(asset: &Path, place: &str, uri: &str) -> Result<Target<'st
     Ok(Target::File(folder.join(decoded)))
 }
 
-/// Reads what a URI refers to; files are noted in `files`.
-pub(super) fn fetch(asset: &Path, place: &str, uri: &str, files: &mut Vec<PathBuf>) -> Result<Vec<u8>, AssetError> {
+/// The files beside an asset, and what reading them may take.
+pub(super) struct Beside<'a> {
+    /// Those that were read.
+    pub files: Vec<PathBuf>,
+    /// What the load takes.
+    pub meter: &'a Meter,
+}
+
+/// Reads what a URI refers to; files are noted.
+pub(super) fn fetch(asset: &Path, place: &str, uri: &str, beside: &mut Beside) -> Result<Vec<u8>, AssetError> {
     match resolve(asset, place, uri)? {
         Target::Data(bytes) => Ok(bytes.into_owned()),
         Target::File(file) => {
             check_location(asset, place, &file)?;
-            let bytes = read_file(&file).map_err(|e| match e {
+            let bytes = read_file(&file, beside.meter).map_err(|e| match e {
                 AssetError::Io { path, source } => {
                     AssetError::format(asset, place, format!("{}: cannot be read: {source}", path.display()))
                 }
                 other => other,
             })?;
-            files.push(file);
+            beside.files.push(file);
             Ok(bytes)
         }
     }

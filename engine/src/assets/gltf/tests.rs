@@ -378,10 +378,14 @@ fn sixteen_bit_images_become_eight_and_bombs_are_refused() {
     let mut out = std::io::Cursor::new(Vec::new());
     let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(2, 1, image::Luma([0x8080u16]));
     image::DynamicImage::ImageLuma16(deep).write_to(&mut out, image::ImageFormat::Png).unwrap();
-    let pixels = crate::assets::image::decode(Path::new("x.png"), "image", out.get_ref()).unwrap();
+    let pixels =
+        crate::assets::image::decode(Path::new("x.png"), "image", out.get_ref(), &crate::assets::Meter::default())
+            .unwrap();
     assert_eq!(pixels.rgba, [128, 128, 128, 255, 128, 128, 128, 255]);
     let wide = png(16385, 1);
-    let message = crate::assets::image::decode(Path::new("x.png"), "image", &wide).unwrap_err().to_string();
+    let message = crate::assets::image::decode(Path::new("x.png"), "image", &wide, &crate::assets::Meter::default())
+        .unwrap_err()
+        .to_string();
     assert!(message.contains("x.png"), "{message}");
 }
 

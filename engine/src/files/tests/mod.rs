@@ -4,6 +4,7 @@
 mod bad;
 mod clips;
 mod fields;
+mod hostile;
 mod instances;
 mod models;
 mod repeats;

@@ -31,7 +31,7 @@ fn glb(nodes: &str, scene: &str, extra: &str) -> Vec<u8> {
     bytes
 }
 
-fn plain() -> Vec<u8> {
+pub(super) fn plain() -> Vec<u8> {
     glb("", "0", "")
 }
 
