@@ -1,20 +1,10 @@
 //! Image files decoded to eight bits a channel.
 
+use super::pixels::{MAX_IMAGE_SIZE, Pixels};
 use super::{AssetError, Meter, ktx2};
 use image::{ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
-
-/// Largest width and height \[texels\].
-pub const MAX_IMAGE_SIZE: u32 = 16384;
-
-/// A decoded image: four bytes a texel, row 0 on top.
-#[derive(Clone, Debug)]
-pub(super) struct Pixels {
-    pub width: u32,
-    pub height: u32,
-    pub rgba: Vec<u8>,
-}
 
 /// Decodes PNG, JPEG, WebP or KTX2 by content, whatever the file's name says. Sixteen bits a channel are rounded to eight, grey
 /// becomes RGB, and alpha is 1 where there is none.

@@ -2,7 +2,7 @@
 //!
 //! Layout: Khronos KTX File Format 2.0, section 3. The first level alone is used: mipmaps are made as for all images.
 
-use super::image::{MAX_IMAGE_SIZE, Pixels};
+use super::pixels::{MAX_IMAGE_SIZE, Pixels};
 use super::{AssetError, Meter};
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 use std::path::Path;

@@ -11,6 +11,7 @@ mod library;
 mod material;
 mod mesh;
 pub(crate) mod parallel;
+mod pixels;
 mod shape;
 mod shape_mesh;
 #[cfg(test)]
@@ -30,7 +31,7 @@ pub(crate) use self::gltf::rig_tests;
 pub use self::gltf::{
     Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, Normals, Parts, UpAxis,
 };
-pub use self::image::MAX_IMAGE_SIZE;
+pub use self::pixels::MAX_IMAGE_SIZE;
 pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};

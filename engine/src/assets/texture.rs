@@ -79,8 +79,8 @@ pub struct Texture {
 
 impl Texture {
     /// Takes decoded pixels.
-    pub(super) fn from_pixels(name: String, pixels: super::image::Pixels, srgb: bool, sampling: Sampling) -> Self {
-        let super::image::Pixels { width, height, rgba } = pixels;
+    pub(super) fn from_pixels(name: String, pixels: super::pixels::Pixels, srgb: bool, sampling: Sampling) -> Self {
+        let super::pixels::Pixels { width, height, rgba } = pixels;
         Self { id: AssetId::fresh(), name, width, height, rgba, srgb, sampling }
     }
 

@@ -4,11 +4,11 @@
 //! back what differs the way that loading does.
 
 use super::LoadOptions;
+use super::custom_components::Canonical;
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::load::{Context, Loader, Resolved, environment_image};
-use super::own::Canonical;
 use super::save::{Writer, scene_without_entities};
 use super::source::{Origin, SceneInfo, Source};
 use super::surfaces::renderer;

@@ -1,9 +1,9 @@
 //! Prefabs made of what a world holds, and instances made plain entities.
 
+use super::custom_components::ComponentTypes;
 use super::edit::{describe_subtree, fault_error, with_writer};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::own::ComponentTypes;
 use super::source::{Origin, SceneInfo, Source};
 use super::validate::Validator;
 use crate::world::GameWorld;

@@ -2,7 +2,7 @@
 //!
 //! Everything has a default that can have one, so that hand-written files say only what matters.
 
-pub use super::own::OwnComponents;
+pub use super::custom_components::OwnComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;

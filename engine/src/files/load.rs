@@ -1,15 +1,16 @@
 //! From files to a world: prefabs are put in, overrides applied, assets loaded, entities spawned.
 
 use super::LoadOptions;
+use super::custom_components::{Canonical, ComponentTypes};
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::own::{Canonical, ComponentTypes};
 use super::source::{Origin, SceneInfo, Source};
+use super::steps::{extended, fault_error, key};
 use super::tracks;
 use super::tree::Step;
 use super::trust::Roots;
-use super::validate::{Fault, Validator};
+use super::validate::Validator;
 use crate::assets::{AssetError, AssetLibrary, Material, SkyMap};
 use crate::world::{Environment, EnvironmentImage, GameWorld, SceneSettings};
 use bevy_ecs::prelude::Entity;
@@ -77,14 +78,6 @@ pub(super) fn environment_image(
     Ok(Some(EnvironmentImage { environment: environment.clone(), map: Arc::new(map) }))
 }
 
-pub(super) fn fault_error(document: &Document, fault: Fault) -> FileError {
-    let error = document.error(&fault.path, fault.kind, fault.message);
-    match fault.help {
-        Some(help) => error.with_help(help),
-        None => error,
-    }
-}
-
 pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
@@ -146,15 +139,6 @@ pub(super) struct Loader<'a> {
 }
 
 const MAX_PREFAB_DEPTH: usize = 32;
-
-/// The path with more steps.
-pub(super) fn extended(path: &[Step], steps: &[Step]) -> Vec<Step> {
-    path.iter().chain(steps).cloned().collect()
-}
-
-pub(super) fn key(name: &str) -> Step {
-    Step::Key(name.to_owned())
-}
 
 impl<'a> Loader<'a> {
     /// A loader that adds to a world what the scene file at the path says.

@@ -4,9 +4,10 @@ use super::LoadOptions;
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::load::{Context, Loader, extended, key};
+use super::load::{Context, Loader};
 use super::source::{Origin, SceneInfo, Source};
-use super::spawn::Model;
+use super::spawn::{Model, Take, despawn, model_source};
+use super::steps::{extended, key};
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::trust::Roots;
@@ -18,17 +19,8 @@ use crate::world::{
 };
 use bevy_ecs::prelude::Entity;
 use glam::Vec3;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// What to take from a model.
-pub(super) struct Take<'a> {
-    pub lights: bool,
-    pub cameras: bool,
-    pub material: Option<&'a Arc<Material>>,
-    pub components: &'a OverrideFile,
-}
 
 impl Loader<'_> {
     /// A `what` in the models' folder, or else in the folder of the file that names it.
@@ -141,34 +133,6 @@ fn import_error(document: &Document, at: &[Step], fault: ImportFault) -> FileErr
     document.error(&at, Kind::BadValue, fault.message)
 }
 
-pub(super) fn model_source() -> Source {
-    Source {
-        components: OverrideFile::default(),
-        material: None,
-        prefab: None,
-        repeat: None,
-        members: Vec::new(),
-        origin: Origin::Model,
-    }
-}
-
-/// Makes names unique among siblings, and free of `/`.
-#[derive(Default)]
-pub(super) struct Names(HashSet<(Entity, String)>);
-
-impl Names {
-    pub(super) fn unique(&mut self, parent: Entity, name: &str) -> String {
-        let base = name.replace('/', "_");
-        let mut name = base.clone();
-        let mut count = 2;
-        while !self.0.insert((parent, name.clone())) {
-            name = format!("{base} {count}");
-            count += 1;
-        }
-        name
-    }
-}
-
 /// Opens a glTF file as a scene: all of it, a camera that frames it if it has none, and a light if it has none.
 pub fn load_gltf_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
     let mut world = GameWorld::new();
@@ -193,7 +157,7 @@ pub(super) fn enter_gltf(
     library.begin_load(&options.budget);
     let whole = library.gltf(path).map_err(|e| Document::in_memory(path).asset_error(&[], Kind::Asset, &e))?;
     let gltf = imported_beside(library, &Roots::of(path, options), &whole, path)?;
-    super::enter::despawn(world, old);
+    despawn(world, old);
     let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
     let model = world.spawn(&name.replace('/', "_"), None);
     let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string();

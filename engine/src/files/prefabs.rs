@@ -3,7 +3,8 @@
 use super::document::{Document, folder_of, io_error};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, PrefabFile};
-use super::load::{Context, Level, Loader, Prefab, canonical, canonical_entities, extended, fault_error, key};
+use super::load::{Context, Level, Loader, Prefab, canonical, canonical_entities};
+use super::steps::{extended, fault_error, key};
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::validate::Validator;

@@ -1,8 +1,8 @@
 //! From a world to a scene file.
 
+use super::custom_components::ComponentTypes;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::own::ComponentTypes;
 use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;

@@ -1,12 +1,21 @@
 //! From the nodes of a model to entities.
 
-use super::model::{Names, Take, model_source};
+use super::format::OverrideFile;
+use super::source::{Origin, Source};
 use super::surfaces::renderer;
-use crate::assets::{Gltf, GltfNode, Mesh};
+use crate::assets::{Gltf, GltfNode, Material, Mesh};
 use crate::world::{ClipTarget, Clips, GameWorld, MeshRenderer, MorphWeights, Posed};
 use bevy_ecs::prelude::Entity;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
+
+/// What to take from a model.
+pub(super) struct Take<'a> {
+    pub lights: bool,
+    pub cameras: bool,
+    pub material: Option<&'a Arc<Material>>,
+    pub components: &'a OverrideFile,
+}
 
 /// A model that is being spawned below an entity.
 pub(super) struct Model<'a> {
@@ -136,5 +145,40 @@ impl<'a> Model<'a> {
                 self.world.ecs.entity_mut(entity).insert(ClipTarget { player: self.root, node });
             }
         }
+    }
+}
+
+pub(super) fn model_source() -> Source {
+    Source {
+        components: OverrideFile::default(),
+        material: None,
+        prefab: None,
+        repeat: None,
+        members: Vec::new(),
+        origin: Origin::Model,
+    }
+}
+
+/// Makes names unique among siblings, and free of `/`.
+#[derive(Default)]
+pub(super) struct Names(HashSet<(Entity, String)>);
+
+impl Names {
+    pub(super) fn unique(&mut self, parent: Entity, name: &str) -> String {
+        let base = name.replace('/', "_");
+        let mut name = base.clone();
+        let mut count = 2;
+        while !self.0.insert((parent, name.clone())) {
+            name = format!("{base} {count}");
+            count += 1;
+        }
+        name
+    }
+}
+
+pub(super) fn despawn(world: &mut GameWorld, entities: &[Entity]) {
+    for entity in entities {
+        // Gone already if it stood below another one.
+        let _ = world.ecs.try_despawn(*entity);
     }
 }

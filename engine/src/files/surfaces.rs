@@ -2,7 +2,8 @@
 
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
-use super::load::{Context, Loader, Resolved, extended, key};
+use super::load::{Context, Loader, Resolved};
+use super::steps::{extended, key};
 use super::tree::Step;
 use crate::assets::{Material, Mesh, Texture};
 use crate::world::animation::Track;

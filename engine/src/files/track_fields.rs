@@ -1,8 +1,8 @@
 //! Fields that tracks change by their paths: whether they are there, and whether the keys fit them.
 
+use super::custom_components::ComponentTypes;
 use super::error::FileErrorKind as Kind;
 use super::format::{OverrideFile, SceneFile};
-use super::own::ComponentTypes;
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::validate::Validator;

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
-use super::load::{extended, fault_error, key};
+use super::steps::{extended, fault_error, key};
 use super::suggest::{nearest, suggestion};
 use super::track_fields::{FieldTrack, Wrong};
 use super::tree::Step;

@@ -5,6 +5,9 @@
 
 use std::ops::Range;
 
+/// The field of entities that holds components of a game: names within them mean something else.
+pub const OWN: &str = "components";
+
 /// One step from a value to a value inside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
@@ -94,7 +97,7 @@ impl Node {
             if item.key.is_some() {
                 f(&item.key_text, &mut item.node);
             }
-            if item.key_text != super::write::OWN {
+            if item.key_text != OWN {
                 item.node.for_each_field(f);
             }
         }

@@ -1,11 +1,11 @@
 //! The text of a scene file, and how it gets to disk.
 
+use super::custom_components::ComponentTypes;
 use super::document::ron_options;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
-use super::own::ComponentTypes;
 use super::replace::{self, beside, discard};
-use super::tree::Node;
+use super::tree::{Node, OWN};
 use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -70,9 +70,6 @@ impl Defaults {
         }
     }
 }
-
-/// The field of entities that holds components of a game: names within them mean something else.
-pub const OWN: &str = "components";
 
 impl Defaults {
     fn drop_from_own(&self, node: &mut Node) {

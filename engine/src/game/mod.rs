@@ -45,6 +45,7 @@
 //! ```
 
 mod commands;
+mod current_scene;
 mod error;
 mod fault;
 mod input;
@@ -55,10 +56,11 @@ mod space;
 mod time;
 
 pub use commands::GameCommands;
+pub use current_scene::CurrentScene;
 pub use error::GameError;
 pub use input::*;
 pub use light::{LightProbe, ProbePoint};
-pub use running::{CurrentScene, EachFrame, FixedStep, Game, Persistent, Start};
+pub use running::{EachFrame, FixedStep, Game, Persistent, Start};
 pub use saved::SavedGame;
 pub use space::{Contact, Ghost, Hit, Space};
 pub use time::{Time, Timer};

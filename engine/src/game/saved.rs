@@ -1,7 +1,7 @@
 //! Saved games: the world as a scene file would say it, with the resources that were marked for it.
 
 use super::GameError;
-use super::running::CurrentScene;
+use super::current_scene::CurrentScene;
 use super::time::Time;
 use crate::assets::AssetLibrary;
 use crate::files::{

@@ -1,7 +1,7 @@
 //! The system that plays animations: writes what they say at the clock's time, and only where it differs.
 
-use super::below::TrackTarget;
 use super::clips::{self, Called, ClipTarget, Clips, MorphWeights};
+use super::descendants::TrackTarget;
 use super::fields::{SCENE, Wanted, split};
 use super::rest::RestPose;
 use super::sample::{MaterialSample, Sample};

@@ -4,7 +4,7 @@ use super::fields::{self, FieldTypes};
 use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
     Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
-    WorldError, animate, below, deform, hierarchy, transform,
+    WorldError, animate, deform, descendants, hierarchy, transform,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -76,7 +76,7 @@ impl GameWorld {
         frame.add_systems(
             (
                 identify,
-                below::bind,
+                descendants::bind,
                 animate::put_to_rest,
                 animate::animate,
                 fields::drive,

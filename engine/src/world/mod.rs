@@ -5,11 +5,11 @@
 
 mod animate;
 pub mod animation;
-mod below;
 mod clips;
 mod clock;
 mod components;
 mod deform;
+mod descendants;
 mod environment;
 mod error;
 pub mod fields;
@@ -26,11 +26,11 @@ mod stash;
 mod tests;
 mod transform;
 
-pub use below::NotBelow;
 pub use clips::{ClipTarget, Clips, MorphWeights};
 pub use clock::{Clock, FLICKS_PER_SECOND};
 pub use components::*;
 pub use deform::Posed;
+pub use descendants::NotBelow;
 pub use environment::{Environment, EnvironmentImage};
 pub use error::WorldError;
 pub(crate) use game_world::UpdateCount;

@@ -2,7 +2,7 @@
 
 use super::source;
 use crate::assets::{AlphaMode, AssetError, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap};
-use crate::assets::{image, parallel};
+use crate::assets::{image, parallel, pixels};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;
 use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
@@ -123,7 +123,7 @@ fn load_textures(
                 left = left.saturating_sub(1);
                 // The last texture takes the pixels, those before it copy them.
                 let taken = if left == 0 { pixels.take() } else { pixels.clone() };
-                let taken = taken.unwrap_or(image::Pixels { width: 1, height: 1, rgba: vec![255; 4] });
+                let taken = taken.unwrap_or(pixels::Pixels { width: 1, height: 1, rgba: vec![255; 4] });
                 Arc::new(Texture::from_pixels(name.clone(), taken, usage.1, sampling))
             });
             textures.insert(*usage, texture.clone());

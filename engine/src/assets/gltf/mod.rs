@@ -8,6 +8,7 @@ mod accessor;
 mod animation;
 mod document;
 mod draco;
+mod face_normal;
 #[cfg(test)]
 mod fuzz_tests;
 mod import;

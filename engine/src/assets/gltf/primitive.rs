@@ -1,6 +1,7 @@
 //! Mesh primitives: triangles of any topology as indexed lists, with normals and tangents for every vertex.
 
 use super::accessor::{Buffers, place};
+use super::face_normal::face_normal;
 use super::material::UvSource;
 use super::{tangents, thin};
 use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
@@ -258,18 +259,6 @@ fn weave(attributes: Attributes) -> Vec<Vertex> {
         uv: uvs.as_ref().map_or([0.0; 2], |u| u[i]),
     };
     positions.into_iter().enumerate().map(|(i, p)| at(i, p)).collect()
-}
-
-/// Unit normal of a triangle; zero if it has no area. The largest component of the edges is scaled to 1 first, so that
-/// neither tiny nor huge triangles leave the range of floats.
-pub(super) fn face_normal(corners: [[f32; 3]; 3]) -> Vec3 {
-    let [a, b, c] = corners.map(Vec3::from);
-    let (u, v) = (b - a, c - a);
-    let largest = u.abs().max(v.abs()).max_element();
-    if !(largest > 0.0 && largest.is_finite()) {
-        return Vec3::ZERO;
-    }
-    (u / largest).cross(v / largest).normalize_or_zero()
 }
 
 fn flat_normals(vertices: &mut [Vertex]) {

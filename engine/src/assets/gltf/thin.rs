@@ -1,6 +1,6 @@
 //! Points and lines as thin solids, so that all passes see them: drawing, shadows, light and rays.
 
-use super::primitive::face_normal;
+use super::face_normal::face_normal;
 use crate::assets::Vertex;
 use glam::Vec3;
 use gltf::mesh::Mode;

@@ -1,6 +1,6 @@
 //! Normals from the triangles themselves.
 
-use super::super::primitive::face_normal;
+use super::super::face_normal::face_normal;
 use super::split::{Groups, places};
 use crate::assets::Vertex;
 use glam::Vec3;

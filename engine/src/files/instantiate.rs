@@ -5,9 +5,11 @@ use super::document::Document;
 use super::edit::{EditContext, canonical, with_loader};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, SceneFile, TransformFile};
-use super::load::{Context, Loader, canonical_entities, environment_image, fault_error, key};
+use super::load::{Context, Loader, canonical_entities, environment_image};
 use super::save::{Writer, scene_without_entities};
 use super::source::{SceneInfo, Source};
+use super::spawn::despawn;
+use super::steps::{fault_error, key};
 use super::tree::Step;
 use super::trust::Roots;
 use super::validate::Validator;
@@ -142,13 +144,6 @@ fn keep(world: &mut GameWorld, root: Entity) {
         if let Some(mut source) = world.ecs.get_mut::<Source>(entity) {
             source.material = None;
         }
-    }
-}
-
-pub(super) fn despawn(world: &mut GameWorld, entities: &[Entity]) {
-    for entity in entities {
-        // Gone already if it stood below another one.
-        let _ = world.ecs.try_despawn(*entity);
     }
 }
 
