@@ -144,6 +144,19 @@ fn stages_of_a_frame_import_from_those_before() {
 }
 
 #[test]
+fn the_page_that_shows_the_way_names_what_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for page in ["docs/find-your-way.md", "docs/frame.md"] {
+        let text = std::fs::read_to_string(root.join(page)).expect("the page");
+        let quoted = text.split('`').skip(1).step_by(2);
+        let tops = ["engine", "game", "shaders", "scenes", "prefabs", "tests", "docs"];
+        let named = quoted.filter(|name| tops.contains(&name.split('/').next().unwrap_or_default()));
+        let missing: Vec<&str> = named.filter(|name| !root.join(name).exists()).collect();
+        assert!(missing.is_empty(), "{page} names what is not there: {missing:?}");
+    }
+}
+
+#[test]
 fn paths_are_read_as_rust_reads_them() {
     let module = ["render", "indirect", "gloss"].map(str::to_owned);
     let text = "use crate::gpu::{Binding, graph::{Graph as G, Handle}};\nuse super::super::frame::Frame; // super::no\n\
