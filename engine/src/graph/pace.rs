@@ -1,5 +1,6 @@
 //! How a frame shares the device with others while it is made, and how far it is.
 
+use super::report::FrameReport;
 use crate::gpu::Gpu;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -8,13 +9,18 @@ use std::time::Duration;
 /// How often the device is asked whether it is done.
 const GLANCE: Duration = Duration::from_micros(500);
 
+/// Passes that take longer than this on the device make an interface wait for too long \[ms\].
+const LONG_PASS: f64 = 10.0;
+
 /// Shared by the thread that makes frames and those that watch: whether others get their turn in between, how far the
 /// frame is, and whether it is still wanted.
 ///
 /// A device works off what was submitted in its order. A gentle frame submits each pass by itself and waits for it, so
-/// that an interface whose frames come between waits for a pass and not for the frame.
+/// that an interface whose frames come between waits for a pass and not for the frame. Only software drivers are paced:
+/// a graphics card is through with a frame before the waits alone would be.
 #[derive(Debug, Default)]
 pub struct Pace {
+    is_software: bool,
     gentle: AtomicBool,
     unwanted: AtomicBool,
     done: AtomicUsize,
@@ -22,9 +28,26 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Whether work of others gets its turn between the passes. It costs little where passes take long.
+    /// The pace of frames on that adapter. It begins gentle where the driver is software, whose first frame is long.
+    pub fn new(adapter: &wgpu::AdapterInfo) -> Self {
+        let pace = Self { is_software: adapter.device_type == wgpu::DeviceType::Cpu, ..Self::default() };
+        pace.set_gentle(true);
+        pace
+    }
+
+    /// Sets whether work of others gets its turn between the passes. Without a software driver it never does.
     pub fn set_gentle(&self, gentle: bool) {
-        self.gentle.store(gentle, Ordering::Relaxed);
+        self.gentle.store(gentle && self.is_software, Ordering::Relaxed);
+    }
+
+    /// Chooses the pace of the next frame by the longest pass of the last one on the device. The time of the whole frame
+    /// would not do: it holds the compiling of pipelines, and the waits of the gentle pace itself. Where the device
+    /// cannot tell times, the pace stays.
+    pub fn adapt(&self, report: &FrameReport) {
+        let times = report.passes.iter().filter_map(|pass| pass.gpu_ms);
+        if let Some(longest) = times.max_by(f64::total_cmp) {
+            self.set_gentle(longest > LONG_PASS);
+        }
     }
 
     /// Ends the frame that is being made, and all that follow, after the pass that runs.
@@ -51,7 +74,8 @@ impl Pace {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 
-    pub(super) fn is_gentle(&self) -> bool {
+    /// Whether work of others gets its turn between the passes.
+    pub fn is_gentle(&self) -> bool {
         self.gentle.load(Ordering::Relaxed)
     }
 

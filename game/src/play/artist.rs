@@ -11,9 +11,6 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Pictures that take longer let the interface have its turn between their passes.
-const LONG: Duration = Duration::from_millis(40);
-
 /// What a picture is drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -80,9 +77,7 @@ impl Artist {
                 }
             }
         });
-        let pace = Arc::new(Pace::default());
-        // The first picture of a software driver takes its time for sure.
-        pace.set_gentle(gpu.info.device_type == wgpu::DeviceType::Cpu);
+        let pace = Arc::new(Pace::new(&gpu.info));
         let (stand_in, begun, arrived) = (None, None, None);
         Self { work: Some(work), done, thread: Some(thread), pace, stand_in, begun, arrived, is_gone: false }
     }
@@ -153,7 +148,9 @@ impl Artist {
         std::mem::swap(&mut session.painter.renderer, &mut renderer);
         self.stand_in = Some(renderer);
         self.begun = None;
-        self.pace.set_gentle(begun.start.elapsed() > LONG);
+        if let Ok(report) = &result {
+            self.pace.adapt(report);
+        }
         Ok(Some(Finished { begun, result }))
     }
 }

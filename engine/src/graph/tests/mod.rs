@@ -5,6 +5,7 @@ mod caching;
 mod device;
 mod errors;
 mod memory;
+mod pace;
 mod property;
 mod simulation;
 
