@@ -1,7 +1,7 @@
 //! The graphics device, with or without a window.
 
 use super::audit::Audit;
-use super::{PipelineCache, ShaderLibrary};
+use super::{HostCounts, PipelineCache, ShaderLibrary};
 use bytemuck::Pod;
 use encase::ShaderType;
 use encase::internal::WriteInto;
@@ -91,6 +91,7 @@ pub struct Gpu {
     pub shaders: ShaderLibrary,
     /// Pipelines by what they are made of.
     pub pipelines: PipelineCache,
+    pub(super) counts: Mutex<HostCounts>,
     samplers: Mutex<HashMap<String, wgpu::Sampler>>,
     pub(crate) audit: Audit,
     reported: Arc<Mutex<Reported>>,
@@ -117,6 +118,29 @@ impl Gpu {
     pub fn headless(options: &GpuOptions) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(instance_descriptor(wgpu::InstanceDescriptor::new_without_display_handle()));
         Self::open(options, &instance, None)
+    }
+
+    /// Opens a device that does nothing: frames are recorded and submitted, and no shader runs. It tells what frames cost
+    /// the host, on any machine, with the limits and features of a common graphics card. What is read back is memory that
+    /// was never written by a shader: zeros, or what was uploaded.
+    ///
+    /// # Errors
+    /// No shaders.
+    pub fn noop(options: &GpuOptions) -> Result<Self, GpuError> {
+        let noop = wgpu::NoopBackendOptions {
+            limits: Some(noop_limits()),
+            // Without it, formats can do what every device's can: this backend's own table is empty.
+            features: Some(WELCOME_FEATURES - wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES),
+            device_type: Some(wgpu::DeviceType::DiscreteGpu),
+            ..wgpu::NoopBackendOptions::enabled()
+        };
+        let descriptor = wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::NOOP,
+            backend_options: wgpu::BackendOptions { noop, ..Default::default() },
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        };
+        let instance = wgpu::Instance::new(instance_descriptor(descriptor));
+        Self::open(&GpuOptions { adapter: None, ..options.clone() }, &instance, None)
     }
 
     /// Opens a device that can present on the surface.
@@ -169,6 +193,7 @@ impl Gpu {
             draws_indirectly,
             shaders,
             pipelines: PipelineCache::default(),
+            counts: Mutex::default(),
             samplers: Mutex::default(),
             audit: Audit::default(),
             reported,
@@ -230,18 +255,18 @@ impl Gpu {
 
     fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.audit.note(label, &bytes);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = self.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: (bytes.len() as u64).next_multiple_of(16).max(16),
             usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         if bytes.len().is_multiple_of(4) {
-            self.queue.write_buffer(&buffer, 0, bytes);
+            self.write_buffer(&buffer, 0, bytes);
         } else {
             let mut padded = bytes.to_vec();
             padded.resize(bytes.len().next_multiple_of(4), 0);
-            self.queue.write_buffer(&buffer, 0, &padded);
+            self.write_buffer(&buffer, 0, &padded);
         }
         buffer
     }
@@ -252,12 +277,20 @@ impl Gpu {
         let mut samplers = self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
         samplers.entry(key).or_insert_with(|| self.device.create_sampler(descriptor)).clone()
     }
+}
 
-    /// Waits until the device has done all that was submitted.
-    pub fn wait(&self) {
-        if let Err(error) = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None }) {
-            log::error!("waiting for the graphics device: {error}");
-        }
+/// The limits of the device that does nothing: what common graphics cards have beyond the least.
+fn noop_limits() -> wgpu::Limits {
+    wgpu::Limits {
+        max_buffer_size: 1 << 31,
+        max_storage_buffer_binding_size: 1 << 31,
+        max_storage_buffers_per_shader_stage: 16,
+        max_storage_textures_per_shader_stage: 8,
+        max_compute_invocations_per_workgroup: 1024,
+        max_compute_workgroup_storage_size: 32 << 10,
+        max_color_attachment_bytes_per_sample: 128,
+        max_texture_dimension_2d: 16384,
+        ..wgpu::Limits::default()
     }
 }
 
@@ -289,7 +322,8 @@ fn choose_adapter(
     instance: &wgpu::Instance,
     surface: Option<&wgpu::Surface>,
 ) -> Result<wgpu::Adapter, GpuError> {
-    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    // The last is there only where an instance was made for it alone.
+    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12 | wgpu::Backends::NOOP;
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     if adapters.is_empty() {
         return Err(GpuError::NoAdapter);

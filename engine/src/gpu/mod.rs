@@ -3,6 +3,7 @@
 mod audit;
 mod compose;
 mod context;
+mod counters;
 mod pipeline;
 mod pipeline_cache;
 mod readback;
@@ -14,6 +15,7 @@ mod watch;
 
 pub(crate) use audit::Note;
 pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir, instance_descriptor};
+pub use counters::HostCounts;
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;
 pub use readback::{ImageF32, PendingTexture, ReadbackError, begin_read_texture, floats_of};

@@ -143,6 +143,7 @@ impl Pipeline {
         }
         let layout = self.layouts.get(group as usize).ok_or_else(|| error("it has no such group".into()))?;
         let descriptor = wgpu::BindGroupDescriptor { label: Some(self.shader), layout, entries: &entries };
+        gpu.count(|counts| counts.bind_groups += 1);
         // Formats, dimensions, usages and limits are left for the device to compare.
         gpu.checked(|| gpu.device.create_bind_group(&descriptor)).map_err(|refused| error(self.named(group, refused)))
     }

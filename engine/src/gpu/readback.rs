@@ -191,7 +191,7 @@ impl Pending {
         size: u64,
         copy: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::Buffer),
     ) -> Result<Self, ReadbackError> {
-        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        let staging = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readback"),
             size,
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
@@ -200,7 +200,7 @@ impl Pending {
         let submit = || {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             copy(&mut encoder, &staging);
-            gpu.queue.submit([encoder.finish()])
+            gpu.submit(Some(encoder))
         };
         let submission = gpu.checked(submit).map_err(ReadbackError::Device)?;
         let (sender, mapped) = channel();
@@ -214,6 +214,7 @@ impl Pending {
     /// Waits for the copy, not for what was submitted after it, and takes what is wanted of the bytes.
     fn finish<T>(self, gpu: &Gpu, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
         // A lost device knows nothing of submissions; that it is lost comes out when all are waited for.
+        gpu.count(|counts| counts.waits += 1);
         let poll = wgpu::PollType::Wait { submission_index: Some(self.submission), timeout: None };
         let mut mapped = gpu.device.poll(poll).ok().and_then(|_| self.mapped.try_recv().ok());
         if mapped.is_none() {

@@ -22,7 +22,7 @@ impl TimestampQueries {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * capacity + 1,
             });
-            let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            let resolved = gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("timestamps"),
                 size: 16 * u64::from(capacity),
                 usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,

@@ -8,7 +8,7 @@ use super::handle::{Buffer, Handle, Texture, Version};
 use super::pace::{Pace, wait_gently};
 use super::plan::Layout;
 use super::report::Counts;
-use crate::gpu::{Binding, ComputeKey, Gpu, TimestampQueries};
+use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, TimestampQueries};
 use std::sync::Arc;
 
 /// Records the passes of a frame into one encoder, or several where passes submit in between.
@@ -56,7 +56,7 @@ impl<'g> Recorder<'g> {
             queries.resolve(&mut self.encoder);
         }
         let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
-        self.gpu.queue.submit([recorded.finish()]);
+        self.gpu.submit(Some(recorded));
         self.submits += 1;
     }
 
@@ -68,7 +68,7 @@ impl<'g> Recorder<'g> {
 
 /// Submits what was recorded, and waits for it where others are to have their turn.
 fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pace: Option<&Pace>) {
-    gpu.queue.submit([recorded.finish()]);
+    gpu.submit(Some(recorded));
     if pace.is_some_and(Pace::is_gentle) {
         wait_gently(gpu);
     }
@@ -117,6 +117,11 @@ impl<'c> PassContext<'c> {
     /// The encoder that the frame is recorded with, inside the debug group of this pass.
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.encoder
+    }
+
+    /// Begins a render pass.
+    pub fn render_pass(&mut self, descriptor: &wgpu::RenderPassDescriptor) -> wgpu::RenderPass<'_> {
+        self.gpu.render_pass(self.encoder, descriptor)
     }
 
     /// What this pass did, for the report: add to it.
@@ -169,18 +174,61 @@ impl<'c> PassContext<'c> {
         bindings: &[(&str, Binding)],
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        let pipeline = self.gpu.pipelines.compute(self.gpu, key)?;
-        let group = pipeline.bind(self.gpu, 0, bindings)?;
-        let compute = pipeline.compute().ok_or_else(|| {
-            PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader))
-        })?;
-        let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(compute);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        record_dispatch(self.gpu, self.encoder, key, bindings, None, groups)?;
         self.counts.dispatches += 1;
         Ok(())
     }
+
+    /// As [`PassContext::dispatch`], with group 1 bound by `shared`.
+    ///
+    /// # Errors
+    /// As [`PassContext::dispatch`].
+    pub fn dispatch_with(
+        &mut self,
+        key: &ComputeKey,
+        bindings: &[(&str, Binding)],
+        shared: &BindGroup,
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
+        record_dispatch(self.gpu, self.encoder, key, bindings, Some(shared), groups)?;
+        self.counts.dispatches += 1;
+        Ok(())
+    }
+}
+
+/// Makes the bind group of a pipeline.
+type BindGroup<'a> = dyn Fn(&Gpu, &Pipeline) -> Result<wgpu::BindGroup, BindError> + 'a;
+
+/// Records a dispatch outside of any pass: group 0 from the bindings, group 1 by `shared`.
+///
+/// # Errors
+/// If the shader does not compile, or the bindings do not fit it.
+pub(crate) fn record_dispatch(
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    key: &ComputeKey,
+    bindings: &[(&str, Binding)],
+    shared: Option<&BindGroup>,
+    groups: [u32; 3],
+) -> Result<(), PassError> {
+    let pipeline = gpu.pipelines.compute(gpu, key)?;
+    let own = pipeline.bind(gpu, 0, bindings)?;
+    let shared = shared.map(|bind| bind(gpu, &pipeline)).transpose()?;
+    let compute = pipeline
+        .compute()
+        .ok_or_else(|| PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader)))?;
+    gpu.count(|counts| {
+        counts.dispatches += 1;
+        counts.compute_passes += 1;
+    });
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(compute);
+    pass.set_bind_group(0, &own, &[]);
+    if let Some(shared) = &shared {
+        pass.set_bind_group(1, shared, &[]);
+    }
+    pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+    Ok(())
 }
 
 impl Resources<'_> {
@@ -215,7 +263,7 @@ impl Resources<'_> {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
             let descriptor =
                 wgpu::BufferDescriptor { label: Some("stand-in"), size: 16, usage, mapped_at_creation: false };
-            (texture, gpu.device.create_buffer(&descriptor))
+            (texture, gpu.create_buffer(&descriptor))
         })
     }
 }

@@ -124,7 +124,7 @@ impl Plan<'_> {
     }
 
     fn place(&mut self, gpu: &Gpu, cache: &mut TargetCache) -> Vec<Option<Target>> {
-        let mut targets = cache.begin_frame(&self.layout, &mut |desc, label| make(&gpu.device, desc, label));
+        let mut targets = cache.begin_frame(&self.layout, &mut |desc, label| make(gpu, desc, label));
         for (resource, target) in self.layout.resources.iter_mut().zip(&mut targets) {
             if let Place::Imported(imported) = &mut resource.place {
                 *target = imported.take();
@@ -153,10 +153,10 @@ fn check<T>(gpu: &Gpu, place: &str, work: impl FnOnce() -> T) -> Result<T, Graph
     }
 }
 
-fn make(device: &wgpu::Device, desc: &ResourceDesc, label: &str) -> Target {
+fn make(gpu: &Gpu, desc: &ResourceDesc, label: &str) -> Target {
     match desc {
         ResourceDesc::Texture(desc) => {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: desc.extent(),
                 mip_level_count: desc.mips,
@@ -168,7 +168,7 @@ fn make(device: &wgpu::Device, desc: &ResourceDesc, label: &str) -> Target {
             });
             Target::of_texture(texture, desc.view)
         }
-        ResourceDesc::Buffer(desc) => Target::Buffer(device.create_buffer(&wgpu::BufferDescriptor {
+        ResourceDesc::Buffer(desc) => Target::Buffer(gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: desc.size,
             usage: desc.usage,

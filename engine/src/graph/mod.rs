@@ -42,6 +42,7 @@ pub use builder::{Graph, PassBuilder};
 pub use cache::{CacheFigures, Target, TargetCache};
 pub use compile::CompileOptions;
 pub use context::PassContext;
+pub(crate) use context::record_dispatch;
 pub use desc::{BufferDesc, ResourceDesc, TextureDesc};
 pub use error::{GraphError, PassError};
 pub use handle::{Buffer, Handle, Kind, PassId, Texture};

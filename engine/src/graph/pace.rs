@@ -86,6 +86,7 @@ impl Pace {
 
 /// Waits for all that was submitted, without holding the device: others submit meanwhile.
 pub(super) fn wait_gently(gpu: &Gpu) {
+    gpu.count(|counts| counts.waits += 1);
     let done = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&done);
     gpu.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));

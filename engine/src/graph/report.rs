@@ -5,6 +5,7 @@ use std::ops::AddAssign;
 
 use super::cache::CacheFigures;
 use super::desc::ResourceDesc;
+use crate::gpu::HostCounts;
 
 /// What a pass did, in numbers that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -150,6 +151,10 @@ pub struct FrameReport {
     pub cache: CacheFigures,
     /// How often commands were submitted.
     pub submits: u64,
+    /// What the frame asked of the device, with the scene's update before it, and what other threads asked meanwhile.
+    pub host: HostCounts,
+    /// Time that the host took for the frame, with the scene's update and all waits \[ms\].
+    pub host_ms: f64,
 }
 
 impl FrameReport {
@@ -181,10 +186,11 @@ impl FrameReport {
         (!times.is_empty() || self.ran_count() == 0).then(|| times.iter().fold(0.0, |sum, time| sum + time))
     }
 
-    /// The report without times: equal on all machines that do the same work.
+    /// The report without times and without what the host asked of the device, which depends on what earlier frames left:
+    /// equal on all machines that do the same work.
     pub fn without_times(&self) -> Self {
         let passes = self.passes.iter().map(|pass| PassReport { gpu_ms: None, cpu_ms: 0.0, ..pass.clone() });
-        Self { passes: passes.collect(), ..self.clone() }
+        Self { passes: passes.collect(), host: HostCounts::default(), host_ms: 0.0, ..self.clone() }
     }
 }
 
@@ -204,6 +210,7 @@ impl fmt::Display for FrameReport {
         }
         let total = self.gpu_ms().map_or("-".into(), |ms| format!("{ms:.3}"));
         writeln!(f, "{:width$}  {:7}  {total:>9}  {:>9}  {}", "all", self.ran_count(), "", self.total())?;
+        writeln!(f, "host: {:.3} ms, {}", self.host_ms, self.host)?;
         let CacheFigures { retained_bytes, pooled_bytes, retained, pooled, created, evicted } = self.cache;
         let [all, retained_mib, pooled_mib] =
             [self.allocated_bytes, retained_bytes, pooled_bytes].map(|bytes| bytes as f64 / (1024.0 * 1024.0));

@@ -27,6 +27,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Draws scenes. Keeps what may be used again: the scene on the device, and the targets of earlier frames.
 pub struct Renderer {
@@ -142,9 +143,14 @@ impl Renderer {
         view: &SceneView,
         settings: &RenderSettings,
     ) -> Result<FrameReport, RenderError> {
-        let result = self.render_frame(gpu, scene, view, settings);
-        if result.is_err() {
-            self.history.forget();
+        let (start, before) = (Instant::now(), gpu.counts());
+        let mut result = self.render_frame(gpu, scene, view, settings);
+        match &mut result {
+            Ok(report) => {
+                report.host = gpu.counts().since(&before);
+                report.host_ms = start.elapsed().as_secs_f64() * 1e3;
+            }
+            Err(_) => self.history.forget(),
         }
         result
     }

@@ -9,6 +9,7 @@
 mod error;
 mod flicker;
 mod growth;
+mod host;
 mod lab;
 mod machine;
 mod paper;

@@ -15,6 +15,7 @@ Examples:
   lightwell bench cornell -o out/mine --variant 'fine: clpv.cells=(16, 16, 14), clpv.cell_size=Meters(0.15)'
   lightwell bench -o out/all --models ~/models             all scenes whose models are there
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
+  lightwell bench courtyard -o out/host --host             what a frame costs the host alone
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
 A variant is 'NAME: PATH=VALUE, ...' with the paths of --set; beside them there are gi, spp, bounces, and average=on:
@@ -78,6 +79,13 @@ pub struct BenchArgs {
     /// [default: 9; quick: 0]
     #[arg(long, value_name = "N", value_parser = parse_flicker)]
     pub flicker: Option<u32>,
+    /// Measure the host alone: frames are recorded for a device that does nothing, still and with 1, 10 and 100 objects
+    /// that move; nothing else is measured. Writes host.json and host.md [size: 1920x1080]
+    #[arg(long, conflicts_with_all = ["growth", "sweep", "method", "variant"])]
+    pub host: bool,
+    /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
+    #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
+    pub label: String,
     /// Measure the path tracer's paths a second against a tracer on the host
     #[arg(long)]
     pub throughput: bool,

@@ -32,7 +32,7 @@ pub(super) fn draw(cx: &mut PassContext, draw: &Draw) -> Result<(), PassError> {
     let group = pipeline.bind(gpu, 0, draw.bindings)?;
     let raster =
         pipeline.raster().ok_or_else(|| PassError::message(format!("{} makes no raster pipeline", draw.shader)))?;
-    let mut pass = cx.encoder().begin_render_pass(&wgpu::RenderPassDescriptor {
+    let mut pass = cx.render_pass(&wgpu::RenderPassDescriptor {
         label: Some(draw.shader),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: draw.target,

@@ -61,8 +61,7 @@ fn draw(cx: &mut PassContext, frame: &Frame, targets: &[Handle<Texture>; 5], mot
         })
     });
     let mut pass = cx
-        .encoder()
-        .begin_render_pass(&wgpu::RenderPassDescriptor {
+        .render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
             color_attachments: &attachments,
             depth_stencil_attachment: Some(depth_attachment(&depth, motion)),

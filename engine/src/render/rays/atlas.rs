@@ -152,7 +152,7 @@ fn upload(gpu: &Gpu, atlas: &wgpu::Texture, texture: &Texture, [x, y, layer]: Pl
         picked = (0..height).flat_map(|y| (0..width).flat_map(move |x| at(x, y))).collect();
         &picked
     };
-    gpu.queue.write_texture(
+    gpu.write_texture(
         wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: layer }, ..atlas.as_image_copy() },
         texels,
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) },

@@ -57,7 +57,7 @@ impl Words {
         if self.texture.height() != rows {
             *self = Self::new(gpu, label, rows);
         }
-        gpu.queue.write_texture(
+        gpu.write_texture(
             self.texture.as_image_copy(),
             bytemuck::cast_slice(texels),
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW), rows_per_image: Some(rows) },

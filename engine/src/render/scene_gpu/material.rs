@@ -145,7 +145,7 @@ impl MaterialStore {
             });
             // Texels on their way to the device lie in memory of their own until they are sent.
             if pending > MAX_PENDING {
-                gpu.queue.submit([]);
+                gpu.submit(None);
                 gpu.wait();
                 pending = 0;
             }

@@ -97,7 +97,7 @@ impl Page {
 }
 
 fn buffer<T>(gpu: &Gpu, label: &str, count: u32, usage: BufferUsages) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    gpu.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: (u64::from(count) * size_of::<T>() as u64).max(16),
         usage: usage | BufferUsages::COPY_DST,
@@ -106,7 +106,7 @@ fn buffer<T>(gpu: &Gpu, label: &str, count: u32, usage: BufferUsages) -> wgpu::B
 }
 
 fn write<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, first: u32, values: &[T]) {
-    gpu.queue.write_buffer(buffer, u64::from(first) * size_of::<T>() as u64, bytemuck::cast_slice(values));
+    gpu.write_buffer(buffer, u64::from(first) * size_of::<T>() as u64, bytemuck::cast_slice(values));
 }
 
 /// Whether there is anything of it to draw.

@@ -97,6 +97,6 @@ fn upload(gpu: &Gpu, label: &str, width: u32, height: u32, texels: &[[f32; 4]]) 
     });
     let layout =
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: Some(height) };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, size);
+    gpu.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, size);
     texture.create_view(&Default::default())
 }

@@ -130,7 +130,7 @@ impl GpuScene {
         let instances: Vec<Instance> =
             movers().map(|mover| Instance::new(&scene.primitives[mover.primitive])).collect();
         let offset = u64::from(start) * size_of::<Instance>() as u64;
-        gpu.queue.write_buffer(&self.instances, offset, bytemuck::cast_slice(&instances));
+        gpu.write_buffer(&self.instances, offset, bytemuck::cast_slice(&instances));
     }
 
     fn rebuild(&mut self, gpu: &Gpu, scene: &Scene) {
@@ -183,7 +183,7 @@ impl GpuScene {
         }
         let bytes: &[u8] = bytemuck::cast_slice(&instances);
         if self.instances.size() == bytes.len() as u64 {
-            gpu.queue.write_buffer(&self.instances, 0, bytes);
+            gpu.write_buffer(&self.instances, 0, bytes);
         } else {
             self.instances = gpu.storage("instances", &instances, wgpu::BufferUsages::COPY_DST);
         }

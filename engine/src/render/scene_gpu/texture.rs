@@ -36,7 +36,7 @@ impl GpuTexture {
             view_formats: &[],
         });
         for (level, mip_level) in levels.iter().zip(0..) {
-            gpu.queue.write_texture(
+            gpu.write_texture(
                 wgpu::TexelCopyTextureInfo { mip_level, ..raw.as_image_copy() },
                 &level.rgba,
                 wgpu::TexelCopyBufferLayout {

@@ -193,8 +193,7 @@ fn draw_layer(
         })
     };
     let mut pass = cx
-        .encoder()
-        .begin_render_pass(&wgpu::RenderPassDescriptor {
+        .render_pass(&wgpu::RenderPassDescriptor {
             label: Some("rsm"),
             color_attachments: &[attachment(&base_color), attachment(&normal), attachment(&specular)],
             depth_stencil_attachment: Some(depth_attachment(&depth, motion)),

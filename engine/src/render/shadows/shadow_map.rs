@@ -138,8 +138,7 @@ fn draw_face(
     });
     let uniform = view_uniform(cx.gpu, view);
     let mut pass = cx
-        .encoder()
-        .begin_render_pass(&wgpu::RenderPassDescriptor {
+        .render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
             depth_stencil_attachment: Some(depth_attachment(&target, motion)),
             ..Default::default()

@@ -124,8 +124,7 @@ impl Work<'_> {
             Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
         let mut pass = cx
-            .encoder()
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
+            .render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("blend"),
                 color_attachments: &[cleared(&color), cleared(&object)],
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

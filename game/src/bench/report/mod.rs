@@ -4,7 +4,7 @@ mod charts;
 mod facts;
 mod flicker;
 mod growth;
-mod markdown;
+pub(super) mod markdown;
 mod sections;
 mod sweeps;
 mod tables;

@@ -157,8 +157,7 @@ impl<'a> Work<'a> {
         if !gloss::is_wanted(self.frame.scene) {
             key = key.def("MATTE", ShaderDef::Flag(true));
         }
-        cx.counts().dispatches += 1;
-        dispatch_rays(gpu, cx.encoder(), &key, &group, rays, groups)
+        dispatch_rays(cx, &key, &group, rays, groups)
     }
 
     fn uniform(&self, particles: &Particles, count: u32, first_row: u32) -> NearUniform {

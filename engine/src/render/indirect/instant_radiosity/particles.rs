@@ -119,7 +119,7 @@ impl VirtualLights {
         counts.lights += lights.len() as u64;
         counts.bytes += bytes.len() as u64;
         if !bytes.is_empty() {
-            cx.gpu.queue.write_buffer(cx.buffer(buffer), 0, bytes);
+            cx.gpu.write_buffer(cx.buffer(buffer), 0, bytes);
         }
     }
 
@@ -193,7 +193,7 @@ fn declare_shots<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a Virtua
         let shot = simulate(scene, &state.rays.bvh, &state.settings, &setup);
         log::debug!("particles: {} shot, {} candidates, {:?}", shot.shot, shot.candidates.len(), shot.casts);
         cx.counts().paths += shot.shot;
-        cx.gpu.queue.write_buffer(cx.buffer(count), 0, &(shot.candidates.len() as u32).to_le_bytes());
+        cx.gpu.write_buffer(cx.buffer(count), 0, &(shot.candidates.len() as u32).to_le_bytes());
         *state.shot.borrow_mut() = shot;
         Ok(())
     });

@@ -34,7 +34,7 @@ pub(in crate::render) fn declare<'a>(
         let view = frame.view_uniform(gpu);
         let group = pipeline.bind(gpu, 0, &[("view", Binding::Buffer(&view)), ("ends", Binding::Buffer(&buffer))])?;
         let raster = pipeline.raster().ok_or_else(|| PassError::message("paths.wgsl makes no raster pipeline"))?;
-        let mut pass = cx.encoder().begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = cx.render_pass(&wgpu::RenderPassDescriptor {
             label: Some("particle paths"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target,

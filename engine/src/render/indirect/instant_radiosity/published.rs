@@ -81,7 +81,7 @@ impl Work<'_> {
     fn clear(&self, cx: &mut PassContext) {
         let target = cx.view(self.indirect);
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-        cx.encoder().begin_render_pass(&wgpu::RenderPassDescriptor {
+        cx.render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clear"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target,
@@ -125,8 +125,7 @@ impl Work<'_> {
         let light = pipeline.bind(gpu, 3, &[("letter", Binding::Buffer(&letter))])?;
         let rays = self.state.rays.bind(gpu, &pipeline)?;
         let mut pass = cx
-            .encoder()
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
+            .render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("virtual light"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &target,

@@ -165,8 +165,7 @@ impl Work<'_> {
         };
         if self.state.settings.visibility == VirtualVisibility::ShadowRays && !published {
             let key = with(self.state.rays.shader("indirect/instant_radiosity/shade.wgsl", "main"), "MATTE", matte);
-            cx.counts().dispatches += 1;
-            return dispatch_rays(gpu, cx.encoder(), &key, &group, &self.state.rays, groups);
+            return dispatch_rays(cx, &key, &group, &self.state.rays, groups);
         }
         let key =
             ComputeKey::new("indirect/instant_radiosity/shade.wgsl", "main").def("UNSHADOWED", ShaderDef::Flag(true));

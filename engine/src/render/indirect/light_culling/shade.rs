@@ -75,8 +75,7 @@ pub(super) fn declare<'a>(
             let groups = [method.tiles[0], method.tiles[1], count];
             match scene {
                 Some(scene) => {
-                    dispatch_rays(gpu, cx.encoder(), &key, &group, scene, groups)?;
-                    cx.counts().dispatches += 1;
+                    dispatch_rays(cx, &key, &group, scene, groups)?;
                 }
                 None => cx.dispatch(&key, &group, groups)?,
             }

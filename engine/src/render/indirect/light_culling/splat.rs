@@ -125,7 +125,7 @@ fn draw_row(
         let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
         Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
     };
-    let mut pass = cx.encoder().begin_render_pass(&wgpu::RenderPassDescriptor {
+    let mut pass = cx.render_pass(&wgpu::RenderPassDescriptor {
         label: Some("slc splat"),
         color_attachments: &[attachment(&targets[0]), attachment(&targets[1])],
         ..Default::default()

@@ -2,7 +2,7 @@
 
 use super::{Estimate, TraceSettings};
 use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc, record_dispatch};
 use crate::measure::Image;
 use crate::render::error::RenderError;
 use crate::render::rays::{RayError, RayScene};
@@ -158,7 +158,7 @@ impl PathTracer {
         }
         let sums = match old.map(|old| old.sums).filter(|sums| sums.size() == bytes) {
             Some(sums) => sums,
-            None => gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            None => gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("traced sums"),
                 size: bytes.max(64),
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
@@ -194,7 +194,7 @@ impl PathTracer {
         let mut encoder = new_encoder();
         self.trace(gpu, samples, &mut |tracer, piece| {
             tracer.record(gpu, &mut encoder, piece)?;
-            gpu.queue.submit([std::mem::replace(&mut encoder, new_encoder()).finish()]);
+            gpu.submit(Some(std::mem::replace(&mut encoder, new_encoder())));
             Ok(())
         })
     }
@@ -279,7 +279,7 @@ impl PathTracer {
             key = key.def("EVEN_SKY", ShaderDef::Flag(true));
         }
         let groups = [progress.uniform.size.x.div_ceil(8), rows.div_ceil(8), 1];
-        dispatch_rays(gpu, encoder, &key, &group, &self.scene, groups)?;
+        record_dispatch(gpu, encoder, &key, &group, Some(&|gpu, pipeline| self.scene.bind(gpu, pipeline)), groups)?;
         Ok(())
     }
 
@@ -315,24 +315,13 @@ impl PathTracer {
 
 /// Dispatches a shader that casts rays: group 0 as given, group 1 the scene.
 pub(in crate::render) fn dispatch_rays(
-    gpu: &Gpu,
-    encoder: &mut wgpu::CommandEncoder,
+    cx: &mut PassContext,
     key: &ComputeKey,
     group: &[(&str, Binding)],
     scene: &RayScene,
     groups: [u32; 3],
 ) -> Result<(), PassError> {
-    let pipeline = gpu.pipelines.compute(gpu, key)?;
-    let (own, scene) = (pipeline.bind(gpu, 0, group)?, scene.bind(gpu, &pipeline)?);
-    let compute = pipeline
-        .compute()
-        .ok_or_else(|| PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader)))?;
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-    pass.set_pipeline(compute);
-    pass.set_bind_group(0, &own, &[]);
-    pass.set_bind_group(1, &scene, &[]);
-    pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
-    Ok(())
+    cx.dispatch_with(key, group, &|gpu, pipeline| scene.bind(gpu, pipeline), groups)
 }
 
 /// Declares the pass that goes on tracing and shows what there is as a retained image of that name. At most `a_frame` samples a

@@ -73,7 +73,7 @@ impl PathTracer {
         if sums.len() as u64 != progress.sums.size() {
             return Err(format());
         }
-        gpu.queue.write_buffer(&progress.sums, 0, sums);
+        gpu.write_buffer(&progress.sums, 0, sums);
         progress.samples = u32::from_le_bytes(*samples);
         Ok(progress.samples)
     }

@@ -164,8 +164,7 @@ impl Work<'_> {
         } else {
             key = key.def("EVEN_SKY", ShaderDef::Flag(true));
         }
-        dispatch_rays(gpu, cx.encoder(), &key, &group, rays, groups)?;
-        cx.counts().dispatches += 1;
+        dispatch_rays(cx, &key, &group, rays, groups)?;
         Ok(())
     }
 

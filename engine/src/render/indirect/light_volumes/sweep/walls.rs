@@ -64,8 +64,7 @@ fn draw_along(
     let pipeline = cx.gpu.pipelines.raster(cx.gpu, &raster_key(any_class, axis))?;
     let group = pipeline.bind(cx.gpu, 1, &[("closed", Binding::Buffer(walls))])?;
     let mut pass = cx
-        .encoder()
-        .begin_render_pass(&wgpu::RenderPassDescriptor {
+        .render_pass(&wgpu::RenderPassDescriptor {
             label: Some("walls"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: target,
