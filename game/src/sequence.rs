@@ -6,6 +6,7 @@ use crate::session::Session;
 use crate::writer::Writer;
 use anyhow::Result;
 use indicatif::ProgressBar;
+use lightwell::graph::Timing;
 use std::path::PathBuf;
 
 /// Pictures on their way into files.
@@ -20,7 +21,7 @@ impl Sequence {
     /// # Errors
     /// If the system gives no thread to write with.
     pub fn start(session: &mut Session) -> Result<Self> {
-        session.painter.renderer.set_timing(false);
+        session.painter.renderer.set_timing(Timing::Off);
         Ok(Self { writer: Writer::start()?, last: None })
     }
 

@@ -1,8 +1,8 @@
 //! How bright it is somewhere: the light that reaches a point, for games whose rules ask for it.
 //!
 //! Direct light follows from the lights and what stands before them, on the CPU, at every step. Indirect light is
-//! looked up where the renderer keeps it, in the light volumes, for all probes at once, and is there one frame later;
-//! it needs a scene with a `clpv` component, and frames that are drawn.
+//! looked up where the renderer keeps it, in the light volumes, for all probes at once, and is there one frame later, in
+//! windows up to three; it needs a scene with a `clpv` component, and frames that are drawn.
 
 use super::space::Space;
 use crate::files::SceneData;
@@ -108,8 +108,17 @@ impl super::Game {
 
     /// Takes what the renderer found at [`Game::probe_points`](Self::probe_points) of the frame before.
     pub fn set_probe_light(&mut self, light: &[Vec3]) {
-        let entities: Vec<Entity> = probes(&self.world).into_iter().map(|(entity, ..)| entity).collect();
-        for (entity, light) in entities.into_iter().zip(light) {
+        self.set_probe_light_of(&self.probe_entities(), light);
+    }
+
+    /// The probes in the order of [`Game::probe_points`](Self::probe_points).
+    pub fn probe_entities(&self) -> Vec<Entity> {
+        probes(&self.world).into_iter().map(|(entity, ..)| entity).collect()
+    }
+
+    /// Takes the light of those probes, as of some frame before. Probes that are gone since then are passed over.
+    pub fn set_probe_light_of(&mut self, entities: &[Entity], light: &[Vec3]) {
+        for (&entity, light) in entities.iter().zip(light) {
             if let Some(mut probe) = self.world.ecs.get_mut::<LightProbe>(entity)
                 && probe.indirect != *light
             {

@@ -18,7 +18,8 @@ pub use context::{Gpu, GpuError, GpuOptions, default_shader_dir, instance_descri
 pub use counters::HostCounts;
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;
-pub use readback::{ImageF32, PendingTexture, ReadbackError, begin_read_texture, floats_of};
+pub use readback::{ImageF32, PendingBuffer, PendingTexture, ReadbackError, begin_read_buffer};
+pub use readback::{begin_read_texture, floats_of};
 pub use readback::{read_buffer, read_layer_f32, read_texture, read_texture_f32};
 pub use reflect::{BindingInfo, EntryPoint, StructLayout};
 pub use shader_error::ShaderError;

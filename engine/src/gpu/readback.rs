@@ -2,7 +2,7 @@
 
 use super::Gpu;
 use bytemuck::Pod;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use wgpu::TextureFormat;
 
 /// Why nothing came back.
@@ -170,18 +170,89 @@ pub fn floats_of(format: TextureFormat, bytes: &[u8]) -> Result<Vec<[f32; 4]>, R
 /// # Errors
 /// A device that fails.
 pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, ReadbackError> {
+    begin_read_buffer(gpu, buffer)?.finish(gpu)
+}
+
+/// A copy of a buffer on its way back from the device, as [`PendingTexture`] is of a texture.
+pub struct PendingBuffer(Pending);
+
+/// Begins to read a buffer back. The buffer needs usage COPY_SRC.
+///
+/// # Errors
+/// A device that fails.
+pub fn begin_read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<PendingBuffer, ReadbackError> {
     let copy = |encoder: &mut wgpu::CommandEncoder, staging: &wgpu::Buffer| {
         encoder.copy_buffer_to_buffer(buffer, 0, staging, 0, buffer.size());
     };
-    let values = |bytes: &[u8]| bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect();
-    Pending::begin(gpu, buffer.size(), copy)?.finish(gpu, values)
+    Ok(PendingBuffer(Pending::begin(gpu, buffer.size(), copy)?))
+}
+
+impl PendingBuffer {
+    /// Waits until the copy is there, and gives the values; a rest shorter than one value is left out.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub fn finish<T: Pod>(self, gpu: &Gpu) -> Result<Vec<T>, ReadbackError> {
+        self.0.finish(gpu, values)
+    }
+
+    /// The values if the copy is there, without a wait; none if it is not there yet. Not to be asked again after that.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub fn try_take<T: Pod>(&mut self, gpu: &Gpu) -> Option<Result<Vec<T>, ReadbackError>> {
+        let arrived = self.0.mapping.arrived(gpu, false)?;
+        Some(arrived.and_then(|()| take_mapped(&self.0.staging, values)))
+    }
+}
+
+fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+}
+
+/// A buffer that is being mapped for reading.
+pub(super) struct Mapping(Receiver<Result<(), wgpu::BufferAsyncError>>);
+
+impl Mapping {
+    /// Asks for the whole buffer, after all that was submitted.
+    pub fn begin(staging: &wgpu::Buffer) -> Self {
+        let (sender, mapped) = channel();
+        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // If the receiver is gone, nobody wants the answer.
+            let _ = sender.send(result);
+        });
+        Self(mapped)
+    }
+
+    /// Whether the buffer is mapped; none if it is not yet, and is not waited for.
+    pub fn arrived(&mut self, gpu: &Gpu, wait: bool) -> Option<Result<(), ReadbackError>> {
+        if wait {
+            gpu.wait();
+        } else if let Err(error) = gpu.device.poll(wgpu::PollType::Poll) {
+            return Some(Err(ReadbackError::Device(error.to_string())));
+        }
+        match self.0.try_recv() {
+            Ok(result) => Some(result.map_err(|error| ReadbackError::Device(error.to_string()))),
+            Err(TryRecvError::Empty) if !wait => None,
+            Err(_) => Some(Err(ReadbackError::Device("it did not finish".into()))),
+        }
+    }
+}
+
+/// Takes what is wanted of a mapped buffer, and unmaps it.
+pub(super) fn take_mapped<T>(staging: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
+    let view = staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
+    let taken = take(&view);
+    drop(view);
+    staging.unmap();
+    Ok(taken)
 }
 
 /// Bytes on their way into memory of the host.
 struct Pending {
     staging: wgpu::Buffer,
     submission: wgpu::SubmissionIndex,
-    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    mapping: Mapping,
 }
 
 impl Pending {
@@ -203,32 +274,22 @@ impl Pending {
             gpu.submit(Some(encoder))
         };
         let submission = gpu.checked(submit).map_err(ReadbackError::Device)?;
-        let (sender, mapped) = channel();
-        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // If the receiver is gone, nobody wants the answer.
-            let _ = sender.send(result);
-        });
-        Ok(Self { staging, submission, mapped })
+        let mapping = Mapping::begin(&staging);
+        Ok(Self { staging, submission, mapping })
     }
 
     /// Waits for the copy, not for what was submitted after it, and takes what is wanted of the bytes.
-    fn finish<T>(self, gpu: &Gpu, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
-        // A lost device knows nothing of submissions; that it is lost comes out when all are waited for.
+    fn finish<T>(mut self, gpu: &Gpu, take: impl FnOnce(&[u8]) -> T) -> Result<T, ReadbackError> {
         gpu.count(|counts| counts.waits += 1);
         let poll = wgpu::PollType::Wait { submission_index: Some(self.submission), timeout: None };
-        let mut mapped = gpu.device.poll(poll).ok().and_then(|_| self.mapped.try_recv().ok());
-        if mapped.is_none() {
-            gpu.wait();
-            mapped = self.mapped.try_recv().ok();
-        }
-        match mapped {
-            Some(Ok(())) => {}
-            Some(Err(error)) => return Err(ReadbackError::Device(error.to_string())),
+        // A lost device knows nothing of submissions; that it is lost comes out when all are waited for.
+        let waited = gpu.device.poll(poll).is_ok();
+        let arrived = if waited { self.mapping.arrived(gpu, false) } else { None };
+        match arrived.or_else(|| self.mapping.arrived(gpu, true)) {
+            Some(arrived) => arrived?,
             None => return Err(ReadbackError::Device("it did not finish".into())),
         }
-        let view =
-            self.staging.slice(..).get_mapped_range().map_err(|error| ReadbackError::Device(error.to_string()))?;
-        Ok(take(&view))
+        take_mapped(&self.staging, take)
     }
 }
 

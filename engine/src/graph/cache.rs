@@ -7,11 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::audit::Audited;
+use super::cost::Costs;
 use super::desc::ResourceDesc;
 use super::key::{Key, Recipe};
 use super::pace::Pace;
 use super::plan::{Layout, Place, PlannedResource};
-use crate::gpu::TimestampQueries;
+use super::timer::{PassTimer, Timing};
 
 /// A piece of memory on the device.
 #[derive(Clone, Debug)]
@@ -74,10 +75,10 @@ pub struct TargetCache<P = Target> {
     stamp: u64,
     created: usize,
     evicted: usize,
-    pub(super) timing: bool,
     pub(super) audit: Option<Audited>,
     pub(super) pace: Option<Arc<Pace>>,
-    pub(super) queries: Option<TimestampQueries>,
+    pub(super) timer: PassTimer,
+    pub(super) costs: Costs,
 }
 
 /// Frames for which unused memory is kept.
@@ -113,9 +114,9 @@ impl TargetCache {
         }
     }
 
-    /// Whether frames measure GPU time (they do by default). To read it they wait for the device.
-    pub fn set_timing(&mut self, timing: bool) {
-        self.timing = timing;
+    /// Sets when reports tell the times of passes on the device; [`Timing::Exact`] by default.
+    pub fn set_timing(&mut self, timing: Timing) {
+        self.timer.timing = timing;
     }
 
     /// Sets whether frames are audited: every pass runs, whatever the cache holds, and one that binds something else
@@ -153,10 +154,10 @@ impl<P: Clone> TargetCache<P> {
             stamp: next_stamp(),
             created: 0,
             evicted: 0,
-            timing: true,
             audit: None,
             pace: None,
-            queries: None,
+            timer: PassTimer::default(),
+            costs: Costs::default(),
         }
     }
 
@@ -168,9 +169,9 @@ impl<P: Clone> TargetCache<P> {
 
     /// Lets go of everything, as after the loss of the device.
     pub fn clear(&mut self) {
-        let timing = self.timing;
+        let timing = self.timer.timing;
         *self = Self::with_keep_frames(self.keep_frames);
-        self.timing = timing;
+        self.timer.timing = timing;
     }
 
     /// What it holds.

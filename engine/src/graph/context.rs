@@ -3,6 +3,7 @@
 use std::cell::{OnceCell, RefCell};
 
 use super::cache::Target;
+use super::cost::Costs;
 use super::error::PassError;
 use super::handle::{Buffer, Handle, Texture, Version};
 use super::pace::{Pace, wait_gently};
@@ -17,16 +18,24 @@ pub(super) struct Recorder<'g> {
     encoder: wgpu::CommandEncoder,
     pub queries: Option<TimestampQueries>,
     pub submits: u64,
+    pub costs: Costs,
+    /// Time that what is recorded since the last submit is going to take, as far as it is known \[ms\].
+    spent: f64,
     pace: Option<Arc<Pace>>,
 }
 
 impl<'g> Recorder<'g> {
     pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>, pace: Option<Arc<Pace>>) -> Self {
-        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, pace }
+        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, costs: Costs::default(), spent: 0.0, pace }
     }
 
-    /// Begins a pass; true if it is timed.
+    /// Begins a pass, in a submit of its own if that is full; true if it is timed.
     pub fn begin(&mut self, name: &str) -> bool {
+        let cost = self.costs.ms(name);
+        if !is_software(self.gpu) && Costs::is_full(self.spent, cost) {
+            self.submit();
+        }
+        self.spent += cost;
         self.encoder.push_debug_group(name);
         let encoder = &mut self.encoder;
         self.queries.as_mut().is_some_and(|queries| queries.begin(encoder, name))
@@ -43,11 +52,17 @@ impl<'g> Recorder<'g> {
     pub fn pause(&mut self) {
         let Some(pace) = self.pace.clone() else { return };
         if pace.is_gentle() {
-            let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
-            submit(self.gpu, recorded, Some(&pace));
-            self.submits += 1;
+            self.submit();
         }
         pace.step();
+    }
+
+    /// Submits what was recorded so far.
+    fn submit(&mut self) {
+        let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
+        submit(self.gpu, recorded, self.pace.as_deref());
+        self.submits += 1;
+        self.spent = 0.0;
     }
 
     /// Submits what is left, between passes.
@@ -59,11 +74,6 @@ impl<'g> Recorder<'g> {
         self.gpu.submit(Some(recorded));
         self.submits += 1;
     }
-
-    /// Waits for the device if passes were timed.
-    pub fn times(&self) -> Vec<(String, Option<f64>)> {
-        self.queries.as_ref().filter(|_| self.submits > 0).map_or(Vec::new(), |queries| queries.read(self.gpu))
-    }
 }
 
 /// Submits what was recorded, and waits for it where others are to have their turn.
@@ -72,6 +82,11 @@ fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pace: Option<&Pace>) {
     if pace.is_some_and(Pace::is_gentle) {
         wait_gently(gpu);
     }
+}
+
+/// Whether work is cut into the pieces that software drivers need, and not by measured times.
+fn is_software(gpu: &Gpu) -> bool {
+    gpu.info.device_type == wgpu::DeviceType::Cpu
 }
 
 fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
@@ -84,9 +99,14 @@ pub struct PassContext<'c> {
     pub gpu: &'c Gpu,
     encoder: &'c mut wgpu::CommandEncoder,
     submits: &'c mut u64,
+    costs: &'c mut Costs,
+    /// Time of what is recorded before this pass and not submitted yet \[ms\].
+    spent: &'c mut f64,
     pace: Option<&'c Pace>,
     name: &'c str,
     counts: Counts,
+    /// Work of this pass since the last submit, and all of it.
+    work: [u64; 2],
     resources: Resources<'c>,
 }
 
@@ -105,12 +125,16 @@ pub(super) struct Resources<'c> {
 
 impl<'c> PassContext<'c> {
     pub(super) fn new(recorder: &'c mut Recorder<'_>, name: &'c str, resources: Resources<'c>) -> Self {
-        let Recorder { gpu, encoder, submits, pace, .. } = recorder;
-        Self { gpu, encoder, submits, pace: pace.as_deref(), name, counts: Counts::default(), resources }
+        let Recorder { gpu, encoder, submits, costs, spent, pace, .. } = recorder;
+        let (pace, counts, work) = (pace.as_deref(), Counts::default(), [0; 2]);
+        Self { gpu, encoder, submits, costs, spent, pace, name, counts, work, resources }
     }
 
     /// Its counts, and the first resource that it used without having declared it.
     pub(super) fn finish(self) -> (Counts, Option<String>) {
+        if self.work[1] > 0 {
+            self.costs.record(self.name, self.work[1]);
+        }
         (self.counts, self.resources.misused.into_inner())
     }
 
@@ -129,13 +153,31 @@ impl<'c> PassContext<'c> {
         &mut self.counts
     }
 
-    /// Submits what is recorded so far and goes on with a fresh encoder. Long work calls it every
-    /// now and then: a submit of more than about a second may cost the device.
+    /// How much work one submit of this pass may hold, in units of its own such as rays: on software drivers
+    /// `on_software`, elsewhere what takes 50 ms by the times of earlier frames. Only work whose result does not depend
+    /// on the pieces may be cut by it.
+    pub fn work_a_submit(&self, on_software: u64) -> u64 {
+        self.costs.units_a_submit(self.name, is_software(self.gpu), on_software)
+    }
+
+    /// Tells how much work is recorded next; what is recorded before it is submitted if one submit cannot hold both.
+    /// `on_software` as for [`PassContext::work_a_submit`]. Long work calls it every now and then: a submit of more than
+    /// about a second may cost the device.
+    pub fn work(&mut self, units: u64, on_software: u64) {
+        let [since, all] = self.work;
+        if since > 0 && since.saturating_add(units) > self.work_a_submit(on_software) {
+            self.submit();
+        }
+        self.work = [self.work[0].saturating_add(units), all.saturating_add(units)];
+    }
+
+    /// Submits what is recorded so far and goes on with a fresh encoder.
     pub fn submit(&mut self) {
         self.encoder.pop_debug_group();
         let recorded = std::mem::replace(self.encoder, new_encoder(self.gpu));
         submit(self.gpu, recorded, self.pace);
         *self.submits += 1;
+        (*self.spent, self.work[0]) = (0.0, 0);
         self.encoder.push_debug_group(self.name);
     }
 

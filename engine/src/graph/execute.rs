@@ -9,8 +9,8 @@ use super::desc::ResourceDesc;
 use super::error::{GraphError, PassError};
 use super::handle::Version;
 use super::plan::{Layout, Place, Plan, Step};
-use super::report::FrameReport;
-use crate::gpu::{Gpu, TimestampQueries};
+use super::report::{FrameReport, PassState};
+use crate::gpu::Gpu;
 
 impl Plan<'_> {
     /// Runs the passes and submits their work.
@@ -25,19 +25,24 @@ impl Plan<'_> {
         }
         let written = self.written_slots();
         let pace = cache.pace.clone();
-        let mut recorder = Recorder::new(gpu, take_queries(gpu, cache, self.steps.len()), pace);
+        let mut recorder = Recorder::new(gpu, cache.timer.begin(gpu, self.steps.len()), pace);
+        recorder.costs = std::mem::take(&mut cache.costs);
         gpu.audit.set(cache.audit.is_some());
         let result = check(gpu, "a frame", || self.run(gpu, cache, &mut recorder)).and_then(|result| result);
         gpu.audit.set(false);
         cache.end_frame();
-        let times = recorder.times();
-        cache.queries = recorder.queries.take();
+        let times = cache.timer.end(gpu, recorder.queries.take());
+        cache.costs = std::mem::take(&mut recorder.costs);
+        for (name, ms) in &times {
+            ms.iter().for_each(|ms| cache.costs.measure(name, *ms));
+        }
         if matches!(result, Err(GraphError::Device { .. })) {
             cache.drop_frame(&written);
         }
         let mut report = result?;
         for (name, ms) in times {
-            if let Some(pass) = report.passes.iter_mut().find(|pass| pass.name == name) {
+            if let Some(pass) = report.passes.iter_mut().find(|pass| pass.name == name && pass.state == PassState::Ran)
+            {
                 pass.gpu_ms = ms;
             }
         }
@@ -175,15 +180,4 @@ fn make(gpu: &Gpu, desc: &ResourceDesc, label: &str) -> Target {
             mapped_at_creation: false,
         })),
     }
-}
-
-/// The cache's queries, with room for all passes; none if times are not wanted.
-fn take_queries(gpu: &Gpu, cache: &mut TargetCache, passes: usize) -> Option<TimestampQueries> {
-    if !cache.timing || passes == 0 {
-        return None;
-    }
-    let kept = cache.queries.take();
-    let mut queries = kept.unwrap_or_else(|| TimestampQueries::new(gpu, 1024));
-    queries.reset();
-    Some(queries)
 }

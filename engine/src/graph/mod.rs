@@ -25,6 +25,7 @@ mod builder;
 mod cache;
 mod compile;
 mod context;
+mod cost;
 mod desc;
 mod error;
 mod execute;
@@ -37,6 +38,7 @@ mod reason;
 mod report;
 #[cfg(test)]
 mod tests;
+mod timer;
 
 pub use builder::{Graph, PassBuilder};
 pub use cache::{CacheFigures, Target, TargetCache};
@@ -49,3 +51,4 @@ pub use handle::{Buffer, Handle, Kind, PassId, Texture};
 pub use pace::Pace;
 pub use plan::Plan;
 pub use report::{Counts, FrameReport, PassReport, PassState, ResourceReport};
+pub use timer::Timing;

@@ -20,6 +20,7 @@ pub mod indirect;
 #[cfg(test)]
 mod layout_tests;
 mod post;
+mod probe_light;
 mod rays;
 mod renderer;
 pub mod scene_gpu;
@@ -39,6 +40,7 @@ pub use indirect::light_culling as slc;
 pub use indirect::light_volumes as lpv;
 pub use indirect::path_tracer as reference;
 pub use indirect::{IndirectLight, IndirectMethod, Methods, PointLayout, RayUse, Subject};
+pub use probe_light::PendingProbes;
 pub use rays::{RayError, RayScene};
 pub use renderer::Renderer;
 pub use settings::{

@@ -13,6 +13,7 @@ use super::indirect::sky_reflection;
 use super::indirect::{IndirectMethod, Methods, RayUse, Subject};
 use super::post::compose::RADIANCE;
 use super::post::tone_map::DISPLAY;
+use super::probe_light::PendingProbes;
 use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
 use super::scene_gpu::surfels::GpuSurfels;
@@ -20,8 +21,8 @@ use super::settings::{Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend;
 use super::views::Views;
-use crate::gpu::{Gpu, ReadbackError, read_buffer};
-use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, TargetCache, Texture};
+use crate::gpu::{Gpu, ReadbackError, begin_read_buffer};
+use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, TargetCache, Texture, Timing};
 use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -99,9 +100,8 @@ impl Renderer {
         self.targets.set_audit(audit);
     }
 
-    /// Sets whether frames measure the time that passes take on the device (they do by default). To read it they wait
-    /// for the device at their end.
-    pub fn set_timing(&mut self, timing: bool) {
+    /// Sets when reports tell the times of passes on the device: by default with each frame, which waits for the device.
+    pub fn set_timing(&mut self, timing: Timing) {
         self.targets.set_timing(timing);
     }
 
@@ -117,11 +117,17 @@ impl Renderer {
     /// # Errors
     /// If the device fails.
     pub fn probe_light(&self, gpu: &Gpu) -> Result<Vec<Vec3>, ReadbackError> {
+        self.begin_probe_light(gpu)?.finish(gpu)
+    }
+
+    /// As [`Renderer::probe_light`], without a wait: the light arrives one to three frames later.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn begin_probe_light(&self, gpu: &Gpu) -> Result<PendingProbes, ReadbackError> {
         let buffer = self.buffer(sweep::PROBE_LIGHT).filter(|_| self.has_probe_light);
-        match buffer {
-            Some(buffer) => Ok(sweep::probe_light(&self.probes, &read_buffer::<[f32; 4]>(gpu, buffer)?)),
-            None => Ok(vec![Vec3::ZERO; self.probes.len()]),
-        }
+        let found = buffer.map(|buffer| begin_read_buffer(gpu, buffer)).transpose()?;
+        Ok(PendingProbes::new(self.probes.clone(), found))
     }
 
     /// Whether further frames of the same view would make its picture better, since frames are averaged; see

@@ -5,22 +5,32 @@ use super::hud::Hud;
 use crate::cli::LookArgs;
 use crate::session::Painter;
 use anyhow::{Result, bail};
+use bevy_ecs::entity::Entity;
 use egui::{FullOutput, RawInput};
 use lightwell::game::{Game, GameError, InputEvent};
 use lightwell::gpu::Gpu;
+use lightwell::render::PendingProbes;
 use lightwell::scene::SceneView;
+use std::collections::VecDeque;
 use std::sync::Arc;
+
+/// Frames whose light may be on its way to the probes at once; the probes of those beyond are not looked up.
+const MOST_PENDING: usize = 4;
 
 /// A game with what draws it.
 pub struct Drawn {
     pub game: Game,
     pub painter: Painter,
+    /// The probes of the last frame.
+    probed: Vec<Entity>,
+    /// Light on its way to probes.
+    pending: VecDeque<(Vec<Entity>, PendingProbes)>,
 }
 
 impl Drawn {
     /// A game that was started.
     pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs, passes: &[OwnPass]) -> Self {
-        let mut drawn = Self { game, painter: Painter::new(gpu, look) };
+        let mut drawn = Self { game, painter: Painter::new(gpu, look), probed: Vec::new(), pending: VecDeque::new() };
         passes.iter().for_each(|add| add(&mut drawn.painter));
         drawn.follow();
         drawn
@@ -57,6 +67,7 @@ impl Drawn {
         let limit = self.painter.gpu.limits.max_texture_dimension_2d;
         let view =
             SceneView { camera: self.painter.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
+        self.probed = self.game.probe_entities();
         self.painter.renderer.set_probes(self.game.probe_points(self.painter.scene.origin));
         let settings = self.painter.display_settings(&self.game.world);
         self.painter.render(&view, &settings)?;
@@ -66,7 +77,26 @@ impl Drawn {
         Ok(())
     }
 
-    /// Gives the game what the last frame found out about light.
+    /// Gives the game what frames before found out about light, as far as it has arrived, and asks what the last frame
+    /// found. Waits for nothing.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn take_late_light(&mut self) -> Result<()> {
+        let gpu = &self.painter.gpu;
+        while let Some((entities, light)) = self.pending.front_mut() {
+            let Some(light) = light.try_take(gpu) else { break };
+            let entities = std::mem::take(entities);
+            self.pending.pop_front();
+            self.game.set_probe_light_of(&entities, &light?);
+        }
+        if !self.probed.is_empty() && self.pending.len() < MOST_PENDING {
+            self.pending.push_back((self.probed.clone(), self.painter.renderer.begin_probe_light(gpu)?));
+        }
+        Ok(())
+    }
+
+    /// Gives the game what the last frame found out about light, and waits for that.
     ///
     /// # Errors
     /// If the device fails.

@@ -13,6 +13,7 @@ use crate::play::ui::UiSurface;
 use crate::session;
 use anyhow::{Context, Result};
 use lightwell::game::{CurrentScene, Game, InputScript, Time};
+use lightwell::graph::Timing;
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
@@ -83,11 +84,13 @@ impl Handler<'_> {
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::with_context(&gpu, &window, screen.format(), context);
         let look = self.args.look().in_window(&gpu);
+        let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
+        drawn.painter.renderer.set_timing(Timing::Late);
         Ok(Open {
             window,
             screen,
             ui,
-            drawn: Drawn::new(game, Arc::new(gpu), look, &self.passes),
+            drawn,
             reloader,
             input: Gathered::default(),
             #[cfg(feature = "gamepad")]
@@ -169,7 +172,11 @@ impl Open {
         self.drawn.painter.gpu.shaders.poll();
         self.reload();
         self.input.size(size);
-        self.drawn.take_light()?;
+        // What is played from a script is to be the same each time, whatever the device takes.
+        match self.script {
+            Some(_) => self.drawn.take_light()?,
+            None => self.drawn.take_late_light()?,
+        }
         if !self.steps(elapsed) {
             return Ok(false);
         }

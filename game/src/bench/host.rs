@@ -9,6 +9,7 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, HostCounts};
+use lightwell::graph::Timing;
 use lightwell::scene::SceneView;
 use lightwell::world::{MeshRenderer, Transform};
 use serde::{Deserialize, Serialize};
@@ -114,6 +115,7 @@ pub(super) fn measure(
     // As in a window on a graphics card.
     let look = LookArgs { average: Some(Switch::On), ..LookArgs::default() };
     let mut session = Session::open(Arc::clone(gpu), scene, &look, common)?;
+    session.painter.renderer.set_timing(Timing::Late);
     let boxes = Boxes::spawn(&mut session, moving)?;
     let view = SceneView { camera: session.camera()?, size, jitter: [0.0; 2] };
     let settings = session.display_settings();

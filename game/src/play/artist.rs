@@ -3,7 +3,7 @@
 use crate::session::Session;
 use anyhow::{Result, bail};
 use lightwell::gpu::Gpu;
-use lightwell::graph::{FrameReport, Pace};
+use lightwell::graph::{FrameReport, Pace, Timing};
 use lightwell::render::{RenderError, RenderSettings, Renderer};
 use lightwell::scene::{Scene, SceneView};
 use std::sync::Arc;
@@ -109,6 +109,9 @@ impl Artist {
         let mut renderer = self.stand_in.take().unwrap_or_else(|| Renderer::new(&session.gpu));
         std::mem::swap(&mut session.painter.renderer, &mut renderer);
         renderer.set_pace(Some(Arc::clone(&self.pace)));
+        if purpose == Purpose::View {
+            renderer.set_timing(Timing::Late);
+        }
         self.pace.restart();
         let order = Work { renderer, scene: session.scene().clone(), view: view.clone(), settings };
         if work.send(order).is_err() {

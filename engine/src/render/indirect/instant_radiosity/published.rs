@@ -22,7 +22,7 @@ pub(crate) struct LetterUniform {
 }
 
 /// Lights of one submit.
-const LIGHTS_A_SUBMIT: u32 = 16;
+const LIGHTS_A_SUBMIT: u64 = 16;
 
 /// Declares the pass; the result is reflected radiance.
 pub(super) fn declare<'a>(
@@ -70,9 +70,7 @@ impl Work<'_> {
         let lights = range(self.state, &self.lights, self.frame.settings.virtual_light)?;
         cx.counts().lights += u64::from(lights.end - lights.start);
         for index in lights {
-            if index % LIGHTS_A_SUBMIT == LIGHTS_A_SUBMIT - 1 {
-                cx.submit();
-            }
+            cx.work(1, LIGHTS_A_SUBMIT);
             self.draw(cx, index)?;
         }
         Ok(())

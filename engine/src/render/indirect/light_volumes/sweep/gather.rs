@@ -113,15 +113,14 @@ impl Work<'_> {
         let pixels = u64::from(width) * u64::from(height);
         cx.counts().texels += pixels;
         cx.counts().paths += pixels * u64::from(self.rays);
-        let rows_a_submit = RAYS_A_SUBMIT / (u64::from(width) * u64::from(self.rays));
+        let rays_a_row = u64::from(width) * u64::from(self.rays);
+        let rows_a_submit = cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_row;
         // Whole workgroups, eight rows high.
         let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
         for first_row in (0..height).step_by(step) {
             let rows = (height - first_row).min(step as u32);
+            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT);
             self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
-            if first_row + rows < height {
-                cx.submit();
-            }
         }
         Ok(())
     }

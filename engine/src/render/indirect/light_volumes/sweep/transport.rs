@@ -301,9 +301,10 @@ fn sweep(
     let all = 3 * work.workgroups_an_axis();
     let a_round = (most / work.chunk).max(1);
     for first in (0..all).step_by(a_round as usize) {
-        work.round(cx, first..all.min(first + a_round))?;
+        let end = all.min(first + a_round);
         // A submit stays short even for the largest grids.
-        cx.submit();
+        cx.work(u64::from(end - first), u64::from(a_round));
+        work.round(cx, first..end)?;
     }
     cx.counts().cells += u64::from(volume.cell_count()) * directions.values.len() as u64;
     Ok(())
