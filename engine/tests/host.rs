@@ -84,3 +84,53 @@ fn late_probe_light_is_that_of_its_frame() {
     assert_eq!(late, renderer.probe_light(&gpu).unwrap());
     assert!(late[0].min_element() > 0.0, "{late:?}");
 }
+
+/// Every pass runs in both frames, and the second finds all that it binds.
+#[test]
+fn a_frame_like_the_one_before_makes_and_uploads_nothing() {
+    let (gpu, stage) = (gpu(), stage());
+    let mut renderer = Renderer::new(&gpu);
+    renderer.set_timing(Timing::Late);
+    for _ in 0..2 {
+        draw(&gpu, &stage, &mut renderer);
+    }
+    let before = image(&gpu, &renderer);
+    let report = draw(&gpu, &stage, &mut renderer);
+    let host = report.host;
+    assert!(host.dispatches > 50, "the frame does something: {host}");
+    assert_eq!((host.bind_groups, host.buffers, host.uploaded, host.waits), (0, 0, 0, 0), "{host}");
+    assert!(host.compute_passes < host.dispatches / 2, "dispatches share passes: {host}");
+    assert!(image(&gpu, &renderer) == before, "the same bits");
+}
+
+/// A value that changes is another buffer, whatever the label; one that comes back is the same.
+#[test]
+fn uniforms_are_kept_by_their_values() {
+    let gpu = gpu();
+    let [one, other] = [1.0_f32, 2.0].map(|value| gpu.uniform("value", &value));
+    assert_ne!(one, other);
+    let uploaded = gpu.counts().uploaded;
+    assert_eq!(gpu.uniform("another name", &1.0_f32), one);
+    assert_eq!(gpu.counts().uploaded, uploaded);
+    let constants = |values: &[u32]| gpu.constants("values", values);
+    assert_eq!(constants(&[1, 2]), constants(&[1, 2]));
+    assert_ne!(constants(&[1, 2]), constants(&[2, 1]));
+}
+
+/// Software drivers get the gather in pieces, a graphics card in one: the image is the same.
+#[test]
+fn pieces_of_work_change_no_bit() {
+    let (software, mut hardware) = (gpu(), gpu());
+    // What follows from the kind of the adapter follows from what it says of itself.
+    hardware.info.device_type = wgpu::DeviceType::DiscreteGpu;
+    let mut stage = stage();
+    stage.view.size = [256, 256];
+    let [mut pieces, mut whole] = [&software, &hardware].map(Renderer::new);
+    let in_pieces = draw(&software, &stage, &mut pieces);
+    let in_one = draw(&hardware, &stage, &mut whole);
+    let dispatches = |report: &FrameReport| report.pass("gather").unwrap().counts.dispatches;
+    assert!(dispatches(&in_pieces) > 1, "{}", in_pieces);
+    assert_eq!(dispatches(&in_one), 1, "{}", in_one);
+    assert!(in_one.submits < in_pieces.submits && in_one.submits <= 4, "{} and {}", in_one.submits, in_pieces.submits);
+    assert!(image(&hardware, &whole) == image(&software, &pieces));
+}

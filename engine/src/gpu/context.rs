@@ -1,13 +1,15 @@
 //! The graphics device, with or without a window.
 
 use super::audit::Audit;
+use super::pipeline_file::PipelineFile;
+use super::reuse::{BindKey, ConstantsKey, Kept};
 use super::{HostCounts, PipelineCache, ShaderLibrary};
 use bytemuck::Pod;
 use encase::ShaderType;
 use encase::internal::WriteInto;
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How to open the device.
 #[derive(Clone, Debug, Default)]
@@ -91,7 +93,10 @@ pub struct Gpu {
     pub shaders: ShaderLibrary,
     /// Pipelines by what they are made of.
     pub pipelines: PipelineCache,
+    pub(super) pipeline_file: OnceLock<PipelineFile>,
     pub(super) counts: Mutex<HostCounts>,
+    pub(super) constants: Mutex<Kept<ConstantsKey, wgpu::Buffer>>,
+    pub(super) bind_groups: Mutex<Kept<BindKey, wgpu::BindGroup>>,
     samplers: Mutex<HashMap<String, wgpu::Sampler>>,
     pub(crate) audit: Audit,
     reported: Arc<Mutex<Reported>>,
@@ -108,7 +113,8 @@ const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_F16)
     .union(wgpu::Features::CLEAR_TEXTURE)
     .union(wgpu::Features::SUBGROUP)
-    .union(wgpu::Features::INDIRECT_FIRST_INSTANCE);
+    .union(wgpu::Features::INDIRECT_FIRST_INSTANCE)
+    .union(wgpu::Features::PIPELINE_CACHE);
 
 impl Gpu {
     /// Opens a device without a window.
@@ -193,7 +199,10 @@ impl Gpu {
             draws_indirectly,
             shaders,
             pipelines: PipelineCache::default(),
+            pipeline_file: OnceLock::new(),
             counts: Mutex::default(),
+            constants: Mutex::default(),
+            bind_groups: Mutex::default(),
             samplers: Mutex::default(),
             audit: Audit::default(),
             reported,
@@ -225,24 +234,31 @@ impl Gpu {
         super::TimestampQueries::new(self, 512)
     }
 
-    /// A uniform buffer with the value in WGSL's layout.
+    /// A uniform buffer with the value in WGSL's layout: the same one as long as frames ask for the same value. It is not
+    /// to be written to.
     pub fn uniform<T: ShaderType + WriteInto>(&self, label: &str, value: &T) -> wgpu::Buffer {
         let mut bytes = encase::UniformBuffer::new(Vec::new());
         if let Err(error) = bytes.write(value) {
             // A vector grows as needed, so that there is nothing to fail; a message is all that is left to do.
             log::error!("uniform buffer `{label}`: {error}");
         }
-        self.filled_buffer(label, &bytes.into_inner(), wgpu::BufferUsages::UNIFORM)
+        self.kept(label, bytes.into_inner())
     }
 
     /// A storage buffer with the values, and at least 16 bytes long.
     pub fn storage<T: Pod>(&self, label: &str, values: &[T], more: wgpu::BufferUsages) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | more;
+        self.audit.note(label, &bytemuck::cast_slice::<T, u8>(values));
         self.filled_buffer(label, bytemuck::cast_slice(values), usage)
     }
 
-    /// A storage buffer with structs in the layout of WGSL, and at least 16 bytes long.
-    pub fn storage_of<T>(&self, label: &str, values: &[T]) -> wgpu::Buffer
+    /// A storage buffer with values that shaders only read: the same one as long as frames ask for the same values.
+    pub fn constants<T: Pod>(&self, label: &str, values: &[T]) -> wgpu::Buffer {
+        self.kept(label, bytemuck::cast_slice(values).to_vec())
+    }
+
+    /// As [`Gpu::constants`], of structs in the layout of WGSL.
+    pub fn constants_of<T>(&self, label: &str, values: &[T]) -> wgpu::Buffer
     where
         for<'a> &'a [T]: ShaderType + WriteInto,
     {
@@ -250,11 +266,10 @@ impl Gpu {
         if let Err(error) = bytes.write(&values) {
             log::error!("storage buffer `{label}`: {error}");
         }
-        self.filled_buffer(label, &bytes.into_inner(), wgpu::BufferUsages::STORAGE)
+        self.kept(label, bytes.into_inner())
     }
 
-    fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        self.audit.note(label, &bytes);
+    pub(super) fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: (bytes.len() as u64).next_multiple_of(16).max(16),

@@ -2,6 +2,7 @@
 //! the names that they have there.
 
 use super::reflect::BindingInfo;
+use super::reuse::{BindKey, BoundResource};
 use super::{Gpu, ShaderDef};
 
 /// What a compute pipeline is made of.
@@ -120,7 +121,7 @@ impl Pipeline {
         self.bindings.iter().any(|b| b.group == group && b.name == name)
     }
 
-    /// Makes the bind group from resources by their WGSL names. A resource that the shader declares but does not use
+    /// The bind group of resources by their WGSL names: the same one as long as frames bind the same resources. A resource that the shader declares but does not use
     /// (any more) is left out, so that an edit of the shader needs none of the program.
     ///
     /// # Errors
@@ -143,9 +144,12 @@ impl Pipeline {
         }
         let layout = self.layouts.get(group as usize).ok_or_else(|| error("it has no such group".into()))?;
         let descriptor = wgpu::BindGroupDescriptor { label: Some(self.shader), layout, entries: &entries };
-        gpu.count(|counts| counts.bind_groups += 1);
+        let bound = |entry: &wgpu::BindGroupEntry| Some((entry.binding, BoundResource::of(&entry.resource)?));
+        let resources = entries.iter().map(bound).collect::<Option<_>>();
+        let resources = resources.ok_or_else(|| error("it binds an array of resources".into()))?;
         // Formats, dimensions, usages and limits are left for the device to compare.
-        gpu.checked(|| gpu.device.create_bind_group(&descriptor)).map_err(|refused| error(self.named(group, refused)))
+        gpu.kept_bind_group(BindKey { layout: layout.clone(), resources }, &descriptor)
+            .map_err(|refused| error(self.named(group, refused)))
     }
 
     fn knows(&self, group: u32, name: &str) -> bool {

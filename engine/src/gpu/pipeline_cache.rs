@@ -23,6 +23,8 @@ struct Entry {
     last_good: Option<Arc<Pipeline>>,
     /// Why the device refused what was tried last.
     error: Option<ShaderError>,
+    /// That of all shaders when it was last looked at.
+    revision: u64,
 }
 
 impl PipelineCache {
@@ -32,8 +34,8 @@ impl PipelineCache {
     /// A shader that has never compiled, or that the device has never taken.
     pub fn compute(&self, gpu: &Gpu, key: &ComputeKey) -> Result<Arc<Pipeline>, ShaderError> {
         gpu.audit.note(key.shader, key);
-        let name = format!("{} {:?}", key.entry, key.defs);
-        cached(&self.compute, gpu, key, (key.shader, &key.defs, &name), |compiled| build_compute(gpu, key, compiled))
+        let name = || format!("{} {:?}", key.entry, key.defs);
+        cached(&self.compute, gpu, key, (key.shader, &key.defs), name, |compiled| build_compute(gpu, key, compiled))
     }
 
     /// The pipeline, made if need be.
@@ -42,8 +44,8 @@ impl PipelineCache {
     /// A shader that has never compiled, or that the device has never taken.
     pub fn raster(&self, gpu: &Gpu, key: &RasterKey) -> Result<Arc<Pipeline>, ShaderError> {
         gpu.audit.note(key.shader, key);
-        let name = format!("{} {:?} {:?}", key.vertex, key.fragment, key.defs);
-        cached(&self.raster, gpu, key, (key.shader, &key.defs, &name), |compiled| build_raster(gpu, key, compiled))
+        let name = || format!("{} {:?} {:?}", key.vertex, key.fragment, key.defs);
+        cached(&self.raster, gpu, key, (key.shader, &key.defs), name, |compiled| build_raster(gpu, key, compiled))
     }
 
     /// Number of pipelines held.
@@ -58,18 +60,30 @@ impl PipelineCache {
     }
 }
 
+/// The pipeline, if it was found right at that revision of the shaders.
+fn current<K: Eq + std::hash::Hash>(cache: &Mutex<HashMap<K, Entry>>, key: &K, revision: u64) -> Option<Arc<Pipeline>> {
+    let cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
+    cache.get(key).filter(|entry| entry.revision == revision)?.last_good.clone()
+}
+
 fn cached<K: Clone + Eq + std::hash::Hash>(
     cache: &Mutex<HashMap<K, Entry>>,
     gpu: &Gpu,
     key: &K,
-    (shader, defs, name): (&str, &Defs, &str),
+    (shader, defs): (&str, &Defs),
+    name: impl FnOnce() -> String,
     build: impl FnOnce(&Arc<CompiledShader>) -> Result<Pipeline, ShaderError>,
 ) -> Result<Arc<Pipeline>, ShaderError> {
+    // As long as no shader was reloaded, what was found last is still right.
+    let revision = gpu.shaders.revision();
+    if let Some(pipeline) = current(cache, key, revision) {
+        return Ok(pipeline);
+    }
     let compiled = gpu.shaders.compile(shader, defs)?;
     let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
     if !cache.get(key).is_some_and(|entry| Arc::ptr_eq(&entry.compiled, &compiled)) {
         let built = build(&compiled);
-        gpu.shaders.set_pipeline_error(shader, name, built.as_ref().err());
+        gpu.shaders.set_pipeline_error(shader, &name(), built.as_ref().err());
         let before = cache.remove(key).and_then(|entry| entry.last_good);
         let (last_good, error) = match built {
             Ok(pipeline) => (Some(Arc::new(pipeline)), None),
@@ -78,7 +92,10 @@ fn cached<K: Clone + Eq + std::hash::Hash>(
                 (before, Some(error))
             }
         };
-        cache.insert(key.clone(), Entry { compiled, last_good, error });
+        cache.insert(key.clone(), Entry { compiled, last_good, error, revision });
+    }
+    if let Some(entry) = cache.get_mut(key) {
+        entry.revision = revision;
     }
     match cache.get(key) {
         Some(Entry { last_good: Some(pipeline), .. }) => Ok(Arc::clone(pipeline)),
@@ -156,6 +173,13 @@ fn guarded<T>(gpu: &Gpu, shader: &str, make: impl FnOnce() -> T) -> Result<T, Sh
     gpu.checked(make).map_err(|refused| ShaderError::of_file(shader, format!("the device refused it: {refused}")))
 }
 
+/// Where the driver looks a pipeline up before it compiles it.
+fn driver_cache(gpu: &Gpu) -> Option<&wgpu::PipelineCache> {
+    let file = gpu.pipeline_file.get()?;
+    file.grow();
+    Some(&file.cache)
+}
+
 fn build_compute(gpu: &Gpu, key: &ComputeKey, compiled: &CompiledShader) -> Result<Pipeline, ShaderError> {
     let parts = Parts::new(key.shader, compiled)?;
     let entry = parts.entry(key.entry, wgpu::ShaderStages::COMPUTE)?;
@@ -169,7 +193,7 @@ fn build_compute(gpu: &Gpu, key: &ComputeKey, compiled: &CompiledShader) -> Resu
             module: &parts.module(gpu),
             entry_point: Some(key.entry),
             compilation_options: Default::default(),
-            cache: None,
+            cache: driver_cache(gpu),
         });
         let workgroup_size = entry.workgroup_size;
         Pipeline { raw: Raw::Compute(raw), shader: key.shader, bindings, unused, layouts, workgroup_size }
@@ -207,7 +231,7 @@ fn build_raster(gpu: &Gpu, key: &RasterKey, compiled: &CompiledShader) -> Result
                 targets: &key.targets,
             }),
             multiview_mask: None,
-            cache: None,
+            cache: driver_cache(gpu),
         });
         Pipeline { raw: Raw::Raster(raw), shader: key.shader, bindings, unused, layouts, workgroup_size: [1; 3] }
     })

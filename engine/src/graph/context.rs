@@ -98,6 +98,8 @@ pub struct PassContext<'c> {
     /// The device.
     pub gpu: &'c Gpu,
     encoder: &'c mut wgpu::CommandEncoder,
+    /// The compute pass that consecutive dispatches share, while it is open.
+    compute: Option<wgpu::ComputePass<'static>>,
     submits: &'c mut u64,
     costs: &'c mut Costs,
     /// Time of what is recorded before this pass and not submitted yet \[ms\].
@@ -127,11 +129,12 @@ impl<'c> PassContext<'c> {
     pub(super) fn new(recorder: &'c mut Recorder<'_>, name: &'c str, resources: Resources<'c>) -> Self {
         let Recorder { gpu, encoder, submits, costs, spent, pace, .. } = recorder;
         let (pace, counts, work) = (pace.as_deref(), Counts::default(), [0; 2]);
-        Self { gpu, encoder, submits, costs, spent, pace, name, counts, work, resources }
+        Self { gpu, encoder, compute: None, submits, costs, spent, pace, name, counts, work, resources }
     }
 
     /// Its counts, and the first resource that it used without having declared it.
-    pub(super) fn finish(self) -> (Counts, Option<String>) {
+    pub(super) fn finish(mut self) -> (Counts, Option<String>) {
+        self.compute = None;
         if self.work[1] > 0 {
             self.costs.record(self.name, self.work[1]);
         }
@@ -140,11 +143,13 @@ impl<'c> PassContext<'c> {
 
     /// The encoder that the frame is recorded with, inside the debug group of this pass.
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.compute = None;
         self.encoder
     }
 
     /// Begins a render pass.
     pub fn render_pass(&mut self, descriptor: &wgpu::RenderPassDescriptor) -> wgpu::RenderPass<'_> {
+        self.compute = None;
         self.gpu.render_pass(self.encoder, descriptor)
     }
 
@@ -173,6 +178,7 @@ impl<'c> PassContext<'c> {
 
     /// Submits what is recorded so far and goes on with a fresh encoder.
     pub fn submit(&mut self) {
+        self.compute = None;
         self.encoder.pop_debug_group();
         let recorded = std::mem::replace(self.encoder, new_encoder(self.gpu));
         submit(self.gpu, recorded, self.pace);
@@ -216,8 +222,7 @@ impl<'c> PassContext<'c> {
         bindings: &[(&str, Binding)],
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        record_dispatch(self.gpu, self.encoder, key, bindings, None, groups)?;
-        self.counts.dispatches += 1;
+        self.record(&Dispatch::new(self.gpu, key, bindings, None)?, groups);
         Ok(())
     }
 
@@ -232,9 +237,17 @@ impl<'c> PassContext<'c> {
         shared: &BindGroup,
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        record_dispatch(self.gpu, self.encoder, key, bindings, Some(shared), groups)?;
-        self.counts.dispatches += 1;
+        self.record(&Dispatch::new(self.gpu, key, bindings, Some(shared))?, groups);
         Ok(())
+    }
+
+    /// Records a dispatch into the compute pass that the one before it has opened: the device is told to wait for what
+    /// the one wrote only where the other touches it.
+    fn record(&mut self, dispatch: &Dispatch, groups: [u32; 3]) {
+        let (gpu, encoder) = (self.gpu, &mut *self.encoder);
+        let pass = self.compute.get_or_insert_with(|| begin_compute_pass(gpu, encoder).forget_lifetime());
+        dispatch.record(gpu, pass, groups);
+        self.counts.dispatches += 1;
     }
 }
 
@@ -253,24 +266,47 @@ pub(crate) fn record_dispatch(
     shared: Option<&BindGroup>,
     groups: [u32; 3],
 ) -> Result<(), PassError> {
-    let pipeline = gpu.pipelines.compute(gpu, key)?;
-    let own = pipeline.bind(gpu, 0, bindings)?;
-    let shared = shared.map(|bind| bind(gpu, &pipeline)).transpose()?;
-    let compute = pipeline
-        .compute()
-        .ok_or_else(|| PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader)))?;
-    gpu.count(|counts| {
-        counts.dispatches += 1;
-        counts.compute_passes += 1;
-    });
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-    pass.set_pipeline(compute);
-    pass.set_bind_group(0, &own, &[]);
-    if let Some(shared) = &shared {
-        pass.set_bind_group(1, shared, &[]);
-    }
-    pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+    let dispatch = Dispatch::new(gpu, key, bindings, shared)?;
+    dispatch.record(gpu, &mut begin_compute_pass(gpu, encoder), groups);
     Ok(())
+}
+
+fn begin_compute_pass<'e>(gpu: &Gpu, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::ComputePass<'e> {
+    gpu.count(|counts| counts.compute_passes += 1);
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default())
+}
+
+/// A compute shader with all that it binds.
+struct Dispatch {
+    pipeline: wgpu::ComputePipeline,
+    own: wgpu::BindGroup,
+    shared: Option<wgpu::BindGroup>,
+}
+
+impl Dispatch {
+    fn new(
+        gpu: &Gpu,
+        key: &ComputeKey,
+        bindings: &[(&str, Binding)],
+        shared: Option<&BindGroup>,
+    ) -> Result<Self, PassError> {
+        let pipeline = gpu.pipelines.compute(gpu, key)?;
+        let own = pipeline.bind(gpu, 0, bindings)?;
+        let shared = shared.map(|bind| bind(gpu, &pipeline)).transpose()?;
+        let compute = pipeline.compute().cloned();
+        let no_compute = || PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader));
+        Ok(Self { pipeline: compute.ok_or_else(no_compute)?, own, shared })
+    }
+
+    fn record(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, groups: [u32; 3]) {
+        gpu.count(|counts| counts.dispatches += 1);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.own, &[]);
+        if let Some(shared) = &self.shared {
+            pass.set_bind_group(1, shared, &[]);
+        }
+        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+    }
 }
 
 impl Resources<'_> {

@@ -31,6 +31,7 @@ impl Plan<'_> {
         let result = check(gpu, "a frame", || self.run(gpu, cache, &mut recorder)).and_then(|result| result);
         gpu.audit.set(false);
         cache.end_frame();
+        gpu.end_frame(cache.figures().evicted > 0);
         let times = cache.timer.end(gpu, recorder.queries.take());
         cache.costs = std::mem::take(&mut recorder.costs);
         for (name, ms) in &times {

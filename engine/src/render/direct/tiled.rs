@@ -45,7 +45,7 @@ pub(in crate::render) fn declare<'a>(
         for some in lamps.chunks(MOST) {
             let lights: Vec<LightUniform> = some.iter().map(|lamp| LightUniform::new(lamp.light)).collect();
             let uniform = LightsUniform { count: lights.len() as u32, padding: UVec3::ZERO };
-            let lights = cx.gpu.storage_of("lights without shadows", &lights);
+            let lights = cx.gpu.constants_of("lights without shadows", &lights);
             cx.counts().lights += u64::from(uniform.count);
             cx.counts().texels += u64::from(width) * u64::from(height);
             cx.dispatch(

@@ -62,7 +62,7 @@ pub fn declare(
         let uniform = cx.gpu.uniform("tone map", &uniform);
         let automatic = match automatic {
             Some(automatic) => cx.buffer(automatic).clone(),
-            None => cx.gpu.storage("no exposure", &[1.0f32], wgpu::BufferUsages::empty()),
+            None => cx.gpu.constants("no exposure", &[1.0f32]),
         };
         cx.dispatch(
             &ComputeKey::new("post/tone_map.wgsl", "main"),

@@ -10,7 +10,6 @@ use crate::render::indirect::gloss;
 use crate::render::indirect::path_tracer::dispatch_rays;
 use crate::world::{VirtualPlacement, VirtualShading, VirtualVisibility};
 use encase::ShaderType;
-use wgpu::BufferUsages;
 
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
@@ -133,7 +132,7 @@ impl<'a> Work<'a> {
         let count = (particles.lights.len() as u64).min(most);
         let near = gpu.uniform("near", &self.uniform(&particles, count as u32, first_row));
         let nearest = if particles.nearest.is_empty() { &[0.0][..] } else { &particles.nearest };
-        let nearest = gpu.storage("nearest", nearest, BufferUsages::empty());
+        let nearest = gpu.constants("nearest", nearest);
         let virtual_lights = cx.buffer(self.lights.all).clone();
         let size = count.max(1) * size_of::<VirtualLight>() as u64;
         let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));

@@ -84,5 +84,5 @@ pub(super) fn declare<'a>(
 
 /// Bound where there are no blockers; never read then.
 fn no_blockers(gpu: &Gpu) -> wgpu::Buffer {
-    gpu.storage("no blockers", &[0.0_f32; 8], BufferUsages::empty())
+    gpu.constants("no blockers", &[0.0_f32; 8])
 }

@@ -277,7 +277,7 @@ fn finish(
     uniforms: &Uniforms,
     buffers: &Buffers,
 ) -> Result<(), PassError> {
-    let set = cx.gpu.storage("directions", &directions.values, BufferUsages::empty());
+    let set = cx.gpu.constants("directions", &directions.values);
     let [sums, emission] = [buffers.sums, buffers.emission].map(|h| cx.buffer(h).clone());
     let totals = buffers.totals.map(|handle| cx.buffer(handle).clone());
     let mut key = ComputeKey::new("indirect/light_volumes/sweep/emit.wgsl", "finish");

@@ -294,7 +294,7 @@ fn sweep(
         directions,
         buffers,
         uniform: cx.gpu.uniform("volume", &volume.uniform()),
-        ordinates: cx.gpu.storage("ordinates", &ordinates.collect::<Vec<_>>(), BufferUsages::empty()),
+        ordinates: cx.gpu.constants("ordinates", &ordinates.collect::<Vec<_>>()),
         brightest: border.iter().flat_map(|light| &light[..3]).fold(0.0, |most: f32, &light| most.max(light)),
         chunk: directions_a_workgroup(cx.gpu, directions.quarter, most),
     };
