@@ -10,7 +10,7 @@ use lightwell::gpu::{Gpu, read_texture};
 use lightwell::graph::{FrameReport, Timing};
 use lightwell::render::{GiMethod, RenderSettings, Renderer};
 use lightwell::scene::{LightShape, ProbePoint};
-use lightwell::world::{CellSize, Clpv, Quality};
+use lightwell::world::{CellSize, Clpv, GatherRays, Quality};
 use std::time::{Duration, Instant};
 use support::{Stage, gpu};
 
@@ -27,7 +27,7 @@ fn stage() -> Stage {
 }
 
 fn draw(gpu: &Gpu, stage: &Stage, renderer: &mut Renderer) -> FrameReport {
-    let settings = RenderSettings { gi: GiMethod::Clpv, display: true, no_cache: true, ..RenderSettings::default() };
+    let settings = RenderSettings { gi: GiMethod::CLPV, display: true, no_cache: true, ..RenderSettings::default() };
     renderer.render(gpu, &stage.scene, &stage.view, &settings).unwrap()
 }
 
@@ -125,6 +125,8 @@ fn pieces_of_work_change_no_bit() {
     hardware.info.device_type = wgpu::DeviceType::DiscreteGpu;
     let mut stage = stage();
     stage.view.size = [256, 256];
+    // Rays gather the light then.
+    stage.scene.clpv.as_mut().unwrap().settings.gather_rays = GatherRays::Count(5);
     let [mut pieces, mut whole] = [&software, &hardware].map(Renderer::new);
     let in_pieces = draw(&software, &stage, &mut pieces);
     let in_one = draw(&hardware, &stage, &mut whole);
@@ -133,4 +135,32 @@ fn pieces_of_work_change_no_bit() {
     assert_eq!(dispatches(&in_one), 1, "{}", in_one);
     assert!(in_one.submits < in_pieces.submits && in_one.submits <= 4, "{} and {}", in_one.submits, in_pieces.submits);
     assert!(image(&hardware, &whole) == image(&software, &pieces));
+}
+
+/// The file is written when the device is let go, taken up by the next, and passed over if it is not whole.
+#[test]
+fn pipelines_are_kept_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = || {
+        let gpu = gpu();
+        gpu.keep_pipelines(folder.path());
+        let mut renderer = Renderer::new(&gpu);
+        draw(&gpu, &stage(), &mut renderer);
+        let can = gpu.features.contains(wgpu::Features::PIPELINE_CACHE);
+        (image(&gpu, &renderer), can && gpu.info.backend == wgpu::Backend::Vulkan)
+    };
+    let files = || -> Vec<_> { std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path()).collect() };
+    let (first, can) = run();
+    assert_eq!(files().len(), usize::from(can));
+    assert!(run().0 == first);
+    for path in files() {
+        let whole = std::fs::read(&path).unwrap();
+        assert!(whole.starts_with(b"lwpipe"));
+        for broken in [&whole[..whole.len() / 2], b"something else", b""] {
+            std::fs::write(&path, broken).unwrap();
+            assert!(run().0 == first);
+            let anew = std::fs::read(&path).unwrap();
+            assert!(anew.starts_with(b"lwpipe") && anew != broken, "it is written anew");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::audit::Audit;
 use super::pipeline_file::PipelineFile;
-use super::reuse::{BindKey, ConstantsKey, Kept};
+use super::reuse::{BindKey, ConstantsKey, Kept, ViewKey};
 use super::{HostCounts, PipelineCache, ShaderLibrary};
 use bytemuck::Pod;
 use encase::ShaderType;
@@ -95,7 +95,10 @@ pub struct Gpu {
     pub pipelines: PipelineCache,
     pub(super) pipeline_file: OnceLock<PipelineFile>,
     pub(super) counts: Mutex<HostCounts>,
+    pub(super) uniforms: Mutex<Kept<ConstantsKey, wgpu::Buffer>>,
     pub(super) constants: Mutex<Kept<ConstantsKey, wgpu::Buffer>>,
+    pub(super) stand_ins: Mutex<HashMap<(&'static str, u32), wgpu::TextureView>>,
+    pub(super) views: Mutex<Kept<ViewKey, wgpu::TextureView>>,
     pub(super) bind_groups: Mutex<Kept<BindKey, wgpu::BindGroup>>,
     samplers: Mutex<HashMap<String, wgpu::Sampler>>,
     pub(crate) audit: Audit,
@@ -137,7 +140,6 @@ impl Gpu {
             limits: Some(noop_limits()),
             // Without it, formats can do what every device's can: this backend's own table is empty.
             features: Some(WELCOME_FEATURES - wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES),
-            device_type: Some(wgpu::DeviceType::DiscreteGpu),
             ..wgpu::NoopBackendOptions::enabled()
         };
         let descriptor = wgpu::InstanceDescriptor {
@@ -146,7 +148,10 @@ impl Gpu {
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         };
         let instance = wgpu::Instance::new(instance_descriptor(descriptor));
-        Self::open(&GpuOptions { adapter: None, ..options.clone() }, &instance, None)
+        let mut gpu = Self::open(&GpuOptions { adapter: None, ..options.clone() }, &instance, None)?;
+        // The backend calls itself software, whose work is cut into small pieces.
+        gpu.info.device_type = wgpu::DeviceType::DiscreteGpu;
+        Ok(gpu)
     }
 
     /// Opens a device that can present on the surface.
@@ -201,7 +206,10 @@ impl Gpu {
             pipelines: PipelineCache::default(),
             pipeline_file: OnceLock::new(),
             counts: Mutex::default(),
+            uniforms: Mutex::default(),
             constants: Mutex::default(),
+            stand_ins: Mutex::default(),
+            views: Mutex::default(),
             bind_groups: Mutex::default(),
             samplers: Mutex::default(),
             audit: Audit::default(),
@@ -242,7 +250,7 @@ impl Gpu {
             // A vector grows as needed, so that there is nothing to fail; a message is all that is left to do.
             log::error!("uniform buffer `{label}`: {error}");
         }
-        self.kept(label, bytes.into_inner())
+        self.kept(label, bytes.into_inner(), wgpu::BufferUsages::UNIFORM)
     }
 
     /// A storage buffer with the values, and at least 16 bytes long.
@@ -254,7 +262,7 @@ impl Gpu {
 
     /// A storage buffer with values that shaders only read: the same one as long as frames ask for the same values.
     pub fn constants<T: Pod>(&self, label: &str, values: &[T]) -> wgpu::Buffer {
-        self.kept(label, bytemuck::cast_slice(values).to_vec())
+        self.kept(label, bytemuck::cast_slice(values).to_vec(), wgpu::BufferUsages::STORAGE)
     }
 
     /// As [`Gpu::constants`], of structs in the layout of WGSL.
@@ -266,7 +274,7 @@ impl Gpu {
         if let Err(error) = bytes.write(&values) {
             log::error!("storage buffer `{label}`: {error}");
         }
-        self.kept(label, bytes.into_inner())
+        self.kept(label, bytes.into_inner(), wgpu::BufferUsages::STORAGE)
     }
 
     pub(super) fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {

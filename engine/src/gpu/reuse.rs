@@ -6,8 +6,11 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::PoisonError;
 
-/// Frames for which a buffer or a bind group is kept that no frame uses.
-const KEEP_FRAMES: u64 = 32;
+/// Frames for which a buffer is kept that no frame uses.
+const KEEP_CONSTANTS: u64 = 32;
+
+/// Frames for which a view or a bind group is kept that no frame uses: they keep memory of the device alive.
+const KEEP_BOUND: u64 = 8;
 
 /// Things by what they are made of, and the frame in which each was used last.
 pub(super) struct Kept<K, V> {
@@ -71,17 +74,54 @@ impl BoundResource {
     }
 }
 
+/// A texture, and which of its layers a view shows as what.
+pub(super) type ViewKey = (wgpu::Texture, wgpu::TextureViewDimension, std::ops::Range<u32>);
+
 impl Gpu {
+    /// A view of all mip levels of some layers: the same one as long as frames ask for it.
+    pub fn view_of_layers(
+        &self,
+        texture: &wgpu::Texture,
+        dimension: wgpu::TextureViewDimension,
+        layers: std::ops::Range<u32>,
+    ) -> wgpu::TextureView {
+        let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (texture.clone(), dimension, layers);
+        if let Some(view) = views.get(&key) {
+            return view;
+        }
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(dimension),
+            base_array_layer: key.2.start,
+            array_layer_count: Some(key.2.end - key.2.start),
+            ..Default::default()
+        });
+        views.insert(key, view.clone());
+        view
+    }
+
+    /// The texture view of that name and number of layers, made once: for what is bound where there is nothing to bind.
+    pub(crate) fn stand_in(
+        &self,
+        name: &'static str,
+        layers: u32,
+        make: impl FnOnce() -> wgpu::TextureView,
+    ) -> wgpu::TextureView {
+        let mut stand_ins = self.stand_ins.lock().unwrap_or_else(PoisonError::into_inner);
+        stand_ins.entry((name, layers)).or_insert_with(make).clone()
+    }
+
     /// The buffer with that content, which is made and uploaded if no frame lately had it.
-    pub(super) fn kept(&self, label: &str, bytes: Vec<u8>) -> wgpu::Buffer {
+    pub(super) fn kept(&self, label: &str, bytes: Vec<u8>, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.audit.note(label, &bytes);
-        let mut constants = self.constants.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(buffer) = constants.get(bytes.as_slice()) {
+        let is_uniform = usage.contains(wgpu::BufferUsages::UNIFORM);
+        let kept = if is_uniform { &self.uniforms } else { &self.constants };
+        let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(buffer) = kept.get(bytes.as_slice()) {
             return buffer;
         }
-        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
         let buffer = self.filled_buffer(label, &bytes, usage);
-        constants.insert(bytes, buffer.clone());
+        kept.insert(bytes, buffer.clone());
         buffer
     }
 
@@ -101,11 +141,15 @@ impl Gpu {
         Ok(group)
     }
 
-    /// A frame is over. Where it let go of targets, bind groups that it did not use may hold them: those go too.
+    /// A frame is over. Where it let go of targets, views and bind groups that it did not use may hold them: those go
+    /// too.
     pub(crate) fn end_frame(&self, has_evicted: bool) {
-        let keep = if has_evicted { 1 } else { KEEP_FRAMES };
+        let keep = if has_evicted { 1 } else { KEEP_BOUND };
         self.bind_groups.lock().unwrap_or_else(PoisonError::into_inner).end_frame(keep);
-        self.constants.lock().unwrap_or_else(PoisonError::into_inner).end_frame(KEEP_FRAMES);
+        self.views.lock().unwrap_or_else(PoisonError::into_inner).end_frame(keep);
+        for kept in [&self.uniforms, &self.constants] {
+            kept.lock().unwrap_or_else(PoisonError::into_inner).end_frame(KEEP_CONSTANTS);
+        }
     }
 }
 

@@ -80,6 +80,7 @@ impl Player {
     ) -> Result<Self> {
         let window = Arc::new(window);
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
+        session::keep_pipelines(&gpu);
         let ui = UiSurface::new(&gpu, &window, screen.format());
         let look = args.look.in_window(&gpu);
         let session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;

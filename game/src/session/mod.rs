@@ -35,6 +35,13 @@ pub fn gpu_options(common: &Common) -> Result<GpuOptions> {
     Ok(GpuOptions { adapter: common.adapter.clone(), shader_dir: gpu::default_shader_dir()? })
 }
 
+/// Keeps what the driver makes of shaders in the user's cache folder, for windows: they are to open quickly.
+pub fn keep_pipelines(gpu: &Gpu) {
+    if let Some(folders) = directories::ProjectDirs::from("", "", "lightwell") {
+        gpu.keep_pipelines(folders.cache_dir());
+    }
+}
+
 /// Opens the device without a window.
 ///
 /// # Errors

@@ -103,7 +103,8 @@ fn declare_light<'a>(
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;
-        let shadow_map = lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(cx.texture(s.map)));
+        let shadow_map =
+            lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(gpu, cx.texture(s.map)));
         let shadow = lamp.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
         let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
         let size = lamp.region.size;
@@ -132,25 +133,26 @@ fn declare_light<'a>(
     radiance
 }
 
-pub(in crate::render) fn layered_view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    })
+pub(in crate::render) fn layered_view(gpu: &Gpu, texture: &wgpu::Texture) -> wgpu::TextureView {
+    gpu.view_of_layers(texture, wgpu::TextureViewDimension::D2Array, 0..texture.depth_or_array_layers())
 }
 
 /// Stands in where a light has no map; it is never read.
 pub(in crate::render) fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
-    layered_view(&gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("no shadow"),
-        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: super::geometry::gbuffer::DEPTH_FORMAT,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    }))
+    gpu.stand_in("no shadow", 1, || {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("no shadow"),
+            size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: super::geometry::gbuffer::DEPTH_FORMAT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
+    })
 }
 
 /// Lit where the receiver's reversed depth is not below the stored one.

@@ -182,7 +182,7 @@ fn draw_layer(
     if static_layers::is_done(frame, &filter) {
         return Ok(());
     }
-    let [base_color, normal, specular, depth] = targets.map(|handle| layer_view(cx.texture(handle), layer));
+    let [base_color, normal, specular, depth] = targets.map(|handle| layer_view(cx.gpu, cx.texture(handle), layer));
     let uniform = view_uniform(cx.gpu, view);
     let attachment = |view| {
         Some(wgpu::RenderPassColorAttachment {
@@ -210,13 +210,8 @@ fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
 }
 
 /// A view of one layer, to be drawn into.
-pub(in crate::render) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
+pub(in crate::render) fn layer_view(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
+    gpu.view_of_layers(texture, wgpu::TextureViewDimension::D2, layer..layer + 1)
 }
 
 fn raster_key(class: MaterialClass) -> RasterKey {

@@ -130,12 +130,7 @@ fn draw_face(
     if static_layers::is_done(frame, &filter) {
         return Ok(());
     }
-    let target = cx.texture(map).create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    });
+    let target = cx.gpu.view_of_layers(cx.texture(map), wgpu::TextureViewDimension::D2, layer..layer + 1);
     let uniform = view_uniform(cx.gpu, view);
     let mut pass = cx
         .render_pass(&wgpu::RenderPassDescriptor {

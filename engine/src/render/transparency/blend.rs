@@ -135,8 +135,11 @@ impl Work<'_> {
                 ..Default::default()
             })
             .forget_lifetime();
-        let maps: Vec<Option<wgpu::TextureView>> =
-            self.lamps.iter().map(|lamp| lamp.shadow.as_ref().map(|s| layered_view(cx.texture(s.map)))).collect();
+        let maps: Vec<Option<wgpu::TextureView>> = self
+            .lamps
+            .iter()
+            .map(|lamp| lamp.shadow.as_ref().map(|s| layered_view(cx.gpu, cx.texture(s.map))))
+            .collect();
         let indirect = self.indirect_bindings(cx);
         let view = self.frame.view_uniform(gpu);
         let camera = self.frame.view.camera.world_from_view;

@@ -14,6 +14,7 @@
 #import lightwell::view::View
 
 @group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> reach: Reach;
 @group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
 @group(0) @binding(4) var depth: texture_depth_2d;
@@ -24,11 +25,10 @@
 @group(0) @binding(8) var specular_out: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
 
-#ifdef RADIUS
-const RADIUS: i32 = #{RADIUS};
-#else
-const RADIUS: i32 = 1;
-#endif
+struct Reach {
+    // Pixels, the one in the middle among them.
+    radius: i32,
+}
 
 // d/R at which a neighbour's weight has fallen to 1/e, towards near surfaces and along them; but within LEAST pixels all
 // count, or corners would be noise.
@@ -63,10 +63,10 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
     let toward_near = (basis(n) * vec3f(nearness.xy, 0.0)) / TOLERANCE;
     let roughness = f32(texel.z) / 65535.0;
     // Of the specular lobe: about its width over that of the diffuse one.
-    let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(RADIUS));
+    let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(reach.radius));
     var sum = Filtered(textureLoad(diffuse, pixel, 0).rgb, textureLoad(specular, pixel, 0).rgb);
     var weights = vec2f(1.0);
-    for (var d = 1 - RADIUS; d < RADIUS; d++) {
+    for (var d = 1 - reach.radius; d < reach.radius; d++) {
         let at = vec2i(pixel) + d * along;
         if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(view.size)) {
             continue;
@@ -82,7 +82,7 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
         let across = dot(off, toward_near);
         let any_way = length(off) * (nearness.z / TOLERANCE_ALONG);
         let near = exp(-min(across * across + any_way * any_way, f32(d * d) / (LEAST * LEAST)));
-        let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(RADIUS), lobe)) * like;
+        let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
         sum.diffuse += weight.x * textureLoad(diffuse, other, 0).rgb;
         sum.specular += weight.y * textureLoad(specular, other, 0).rgb;
         weights += weight;

@@ -49,7 +49,7 @@ pub(in crate::render) fn declare<'a>(
         let (frame, target) = (frame.clone(), radiance);
         pass.execute(move |cx| {
             let gpu = cx.gpu;
-            let map = shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(cx.texture(s.map)));
+            let map = shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(gpu, cx.texture(s.map)));
             let lookup = shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
             let uniform = MainLightUniform {
                 weight: 1.0 / settings.particles as f32,

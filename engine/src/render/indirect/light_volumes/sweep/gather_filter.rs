@@ -1,6 +1,6 @@
 //! The cross bilateral filter over what was gathered, and the reflected radiance. See `indirect/light_volumes/sweep/gather_filter.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -99,13 +99,11 @@ fn run(
 ) -> Result<(), PassError> {
     let [width, height] = frame.view.size;
     let view = frame.view_uniform(cx.gpu);
-    let mut group = vec![("view", Binding::Buffer(&view))];
+    // Not a constant of the pipeline: the radius shrinks while a view comes to rest.
+    let reach = cx.gpu.uniform("reach", &(radius.max(1) as i32));
+    let mut group = vec![("view", Binding::Buffer(&view)), ("reach", Binding::Buffer(&reach))];
     group.extend_from_slice(bindings);
     cx.counts().texels += u64::from(width) * u64::from(height);
     let key = ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry);
-    cx.dispatch(
-        &key.def("RADIUS", ShaderDef::Int(radius.max(1) as i32)),
-        &group,
-        [width.div_ceil(8), height.div_ceil(8), 1],
-    )
+    cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
 }
