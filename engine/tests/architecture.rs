@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
-const RENDER: [&str; 21] = [
+const RENDER: [&str; 22] = [
     "debug_settings",
     "settings",
     "scene_gpu",
@@ -22,6 +22,7 @@ const RENDER: [&str; 21] = [
     "transparency",
     "post",
     "debug",
+    "probe_light",
     "custom_passes",
     "frame_graph",
     "renderer",
