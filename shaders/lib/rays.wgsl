@@ -106,6 +106,11 @@ fn load_triangle(index: u32) -> Triangle {
     return Triangle(bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz), a.w & MATERIAL_MASK, a.w, b.w);
 }
 
+// The primitive of the scene that a triangle is of.
+fn primitive_of(index: u32) -> u32 {
+    return textureLoad(triangles, triangle_texel(index) + vec2u(0u, 2u)).w;
+}
+
 // As ray_scene/lights.rs writes it.
 fn load_light(index: u32) -> RayLight {
     let at = box_texel(4u * index);

@@ -14,7 +14,7 @@ pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, SceneLight};
 pub use probe::ProbePoint;
-pub use surfels::{MAX_SURFELS, Surfel, SurfelCloud};
+pub use surfels::{MAX_SURFELS, NO_PATCH, Patches, Surfel, SurfelCloud, cells_from_world};
 pub(crate) use surfels::{texel, wall_extent};
 pub use view::{SceneCamera, SceneView, ViewProjection, orthographic, perspective};
 

@@ -4,8 +4,11 @@
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
 mod follow;
+mod patches;
 mod still;
 mod surroundings;
+
+pub use patches::{NO_PATCH, Patches, cells_from_world};
 
 use super::{Primitive, Scene};
 use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
@@ -83,7 +86,11 @@ pub struct SurfelCloud {
     pub surfels: Vec<Surfel>,
     /// World from object space, one for each group of primitives that stand at the same place.
     pub places: Vec<Affine3A>,
-    /// Changes with every change of `surfels`.
+    /// The same surfels by patches.
+    pub patches: Patches,
+    /// Index in [`Self::places`] by that of the primitive in the scene; `u32::MAX` for those without surfels.
+    pub place_of_primitive: Vec<u32>,
+    /// Changes with every change of `surfels`, `patches` and `place_of_primitive`.
     pub revision: u64,
     /// Sum of area·reflectance over the sum of areas: the mean share of light that a surface returns.
     pub mean_albedo: Vec3,
@@ -146,7 +153,7 @@ impl SurfelCloud {
         if self.follow(scene, cell) {
             return;
         }
-        let groups = groups(scene);
+        let (groups, place_of_primitive) = groups(scene);
         let area: f64 = groups.iter().map(Group::area).sum();
         self.followed.remember(scene, cell, &groups, area);
         let fineness = Fineness::new(cell, area);
@@ -160,13 +167,15 @@ impl SurfelCloud {
         self.places = groups.iter().map(|group| group.place).collect();
         let all = keys.iter().map(|key| self.built[key].clone()).collect();
         let exposed = self.exposed.update(scene, cell, &groups, &keys, all);
-        let placed = exposed.iter().zip(0..).flat_map(|(surfels, place)| {
-            surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
+        let arranged = self.patches.update(fineness.density, &self.places, &exposed);
+        let placed = arranged.iter().zip(0..).flat_map(|(object, place)| {
+            object.surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
         });
         let surfels: Vec<Surfel> = placed.collect();
-        if surfels != self.surfels {
+        if surfels != self.surfels || place_of_primitive != self.place_of_primitive {
             self.summarise(&surfels);
             self.surfels = surfels;
+            self.place_of_primitive = place_of_primitive;
             self.revision += 1;
         }
     }
@@ -200,10 +209,13 @@ fn limited(density: f32, area: f64) -> f32 {
     (f64::from(density) * (-0.5 * steps).exp2()) as f32
 }
 
-fn groups(scene: &Scene) -> Vec<Group<'_>> {
+/// The groups, and of which one each primitive of the scene is.
+fn groups(scene: &Scene) -> (Vec<Group<'_>>, Vec<u32>) {
     let mut groups: Vec<Group> = Vec::new();
+    let mut group_of = vec![u32::MAX; scene.primitives.len()];
     let mut places: HashMap<[u32; 12], usize> = HashMap::new();
-    for primitive in scene.primitives.iter().filter(|p| p.casts_shadow && p.world_from_object.is_finite()) {
+    let has_surfels = |p: &&Primitive| p.casts_shadow && p.world_from_object.is_finite();
+    for (primitive, group) in scene.primitives.iter().zip(&mut group_of).filter(|(p, _)| has_surfels(p)) {
         let place = primitive.world_from_object;
         let bits = place.to_cols_array().map(f32::to_bits);
         let index = *places.entry(bits).or_insert_with(|| {
@@ -211,8 +223,9 @@ fn groups(scene: &Scene) -> Vec<Group<'_>> {
             groups.len() - 1
         });
         groups[index].members.push(primitive);
+        *group = index as u32;
     }
-    groups
+    (groups, group_of)
 }
 
 impl Group<'_> {

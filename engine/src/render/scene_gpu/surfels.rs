@@ -1,9 +1,64 @@
 //! The scene's surfels on the device.
 
 use crate::gpu::{Binding, Gpu};
-use crate::scene::{Scene, Surfel, SurfelCloud};
+use crate::scene::{NO_PATCH, Scene, Surfel, SurfelCloud, cells_from_world};
 use glam::{Affine3A, Vec3};
 use wgpu::BufferUsages;
+
+/// Rows of a transform.
+fn rows(m: &Affine3A) -> [[f32; 4]; 3] {
+    [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]])
+}
+
+/// The patches of the surfels, and where they are looked for.
+#[derive(Debug)]
+pub(in crate::render) struct GpuPatches {
+    ranges: wgpu::Buffer,
+    table: wgpu::Buffer,
+    place_of_primitive: wgpu::Buffer,
+    grids: wgpu::Buffer,
+}
+
+impl GpuPatches {
+    fn new(gpu: &Gpu) -> Self {
+        let empty = |label: &str| gpu.storage(label, &[[0_u32; 12]], BufferUsages::empty());
+        Self {
+            ranges: empty("patches"),
+            table: gpu.storage("patch table", &[[0_u32, NO_PATCH]; 2], BufferUsages::empty()),
+            place_of_primitive: empty("places of primitives"),
+            grids: empty("patch grids"),
+        }
+    }
+
+    fn upload(&mut self, gpu: &Gpu, cloud: &SurfelCloud) {
+        let or_empty = |places: &[u32]| if places.is_empty() { vec![0] } else { places.to_vec() };
+        let ranges = if cloud.patches.ranges.is_empty() { &[[0_u32; 2]][..] } else { &cloud.patches.ranges };
+        self.ranges = gpu.storage("patches", ranges, BufferUsages::empty());
+        self.table = gpu.storage("patch table", &cloud.patches.table, BufferUsages::empty());
+        let places = or_empty(&cloud.place_of_primitive);
+        self.place_of_primitive = gpu.storage("places of primitives", &places, BufferUsages::empty());
+        self.place(gpu, cloud);
+    }
+
+    fn place(&mut self, gpu: &Gpu, cloud: &SurfelCloud) {
+        let grids = cloud.places.iter().map(|place| rows(&cells_from_world(place, cloud.patches.size)));
+        self.grids = gpu.storage("patch grids", &grids.collect::<Vec<_>>(), BufferUsages::empty());
+    }
+
+    /// First surfel and number of surfels of each patch.
+    pub fn ranges(&self) -> Binding<'_> {
+        Binding::Buffer(&self.ranges)
+    }
+
+    /// What a shader binds that looks patches up.
+    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 3] {
+        [
+            ("patch_table", Binding::Buffer(&self.table)),
+            ("place_of_primitive", Binding::Buffer(&self.place_of_primitive)),
+            ("patch_grids", Binding::Buffer(&self.grids)),
+        ]
+    }
+}
 
 /// Surfels in object space and the places of their objects, as buffers.
 #[derive(Debug)]
@@ -11,6 +66,7 @@ pub struct GpuSurfels {
     cloud: SurfelCloud,
     surfels: wgpu::Buffer,
     places: wgpu::Buffer,
+    patches: GpuPatches,
     uploaded: u64,
     placed: Vec<Affine3A>,
     emitted: Vec3,
@@ -23,6 +79,7 @@ impl GpuSurfels {
             cloud: SurfelCloud::default(),
             surfels: gpu.storage("surfel cloud", &[Surfel::default()], BufferUsages::empty()),
             places: gpu.storage("surfel places", &[[0.0_f32; 12]], BufferUsages::empty()),
+            patches: GpuPatches::new(gpu),
             uploaded: 0,
             placed: Vec::new(),
             emitted: Vec3::ZERO,
@@ -40,14 +97,13 @@ impl GpuSurfels {
             self.surfels = gpu.storage("surfel cloud", surfels, BufferUsages::empty());
             let emitted = |s: &Surfel| std::f32::consts::PI * s.area * Vec3::from(s.emissive);
             self.emitted = self.cloud.surfels.iter().map(emitted).sum();
+            self.patches.upload(gpu, &self.cloud);
         }
         if self.placed != self.cloud.places {
             self.placed.clone_from(&self.cloud.places);
-            let rows = self.placed.iter().map(|m| {
-                let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]];
-                [row(0), row(1), row(2)]
-            });
-            self.places = gpu.storage("surfel places", &rows.collect::<Vec<_>>(), BufferUsages::empty());
+            let places = self.placed.iter().map(rows).collect::<Vec<_>>();
+            self.places = gpu.storage("surfel places", &places, BufferUsages::empty());
+            self.patches.place(gpu, &self.cloud);
         }
     }
 
@@ -79,6 +135,21 @@ impl GpuSurfels {
     /// Changes with the surfels in object space.
     pub(in crate::render) fn revision(&self) -> u64 {
         self.uploaded
+    }
+
+    /// Number of patches.
+    pub fn patch_count(&self) -> u32 {
+        self.cloud.patches.ranges.len() as u32
+    }
+
+    /// Edge of a patch \[m\].
+    pub fn patch_size(&self) -> f32 {
+        self.cloud.patches.size
+    }
+
+    /// The patches, see `lib/patches.wgsl`.
+    pub(in crate::render) fn patches(&self) -> &GpuPatches {
+        &self.patches
     }
 
     /// What the pass that places them binds.

@@ -1,11 +1,11 @@
 // Final gather (Reichert 1992; Jensen 1996, section 4): light that reaches a visible surface along rays, of which each
 // brings what the surface that it meets emits and reflects. That is the light straight from the lights, by a shadow ray,
-// and what was swept to it: errors of the swept light are averaged over all that a pixel sees, and what is smaller than a
-// cell casts its own light and shadow. Emissive surfaces and the sky are sampled from the pixel as well, see
+// and the light of its patch: errors of that are averaged over all that a pixel sees, and what is smaller than a patch
+// casts its own light and shadow. Emissive surfaces and the sky are sampled from the pixel as well, see
 // lib/next_event.wgsl, and so is what lamps light, see lib/lit_points.wgsl.
 //   RAYS      rays of a pixel
 //   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
-//   UNSWEPT   nothing was swept: one bounce
+//   ONE_BOUNCE  patches have no light
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
 #import lightwell::gbuffer::{decode_surface, world_position}
@@ -21,20 +21,19 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::nearness::{encode_nearness, nearness_around}
+#ifndef ONE_BOUNCE
+#import lightwell::patches::{NO_PATCH, patch_at}
+#import lightwell::rays::primitive_of
+#endif
 #import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, next_pair}
 #import lightwell::seen::{Seen, by_lobe, number_of, ray_from, seen_surface}
-#ifndef UNSWEPT
-#import lightwell::sweep_lookup::irradiance
-#endif
 #import lightwell::view::View
-#import lightwell::volume::Volume
 
 // One block of uniforms: where there are several and a branch hangs on one of them alone, Mesa's software driver (22.3)
 // makes the shader anew in every frame, and keeps all.
 struct Gather {
     view: View,
-    swept: Volume,
     sky: vec3f,            // radiance [W/(m² sr)]
     sky_turn: f32,         // of the sky's map [rad]
     root: u32,             // of the hierarchy
@@ -42,7 +41,7 @@ struct Gather {
     emitter_count: u32,
     seed: u32,
     first_row: u32,        // of this dispatch
-    nearest: f32,          // distance below which swept light is not known [m]
+    nearest: f32,          // distance below which the light of patches is not known [m]
     points_low: vec3f,     // box that the lit points lie in [m]
     point_count: u32,
     points_high: vec3f,
@@ -57,6 +56,10 @@ struct Gather {
 @group(0) @binding(8) var diffuse: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(9) var specular: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(10) var sky: texture_2d<f32>;
+#ifndef ONE_BOUNCE
+// Irradiance of patches [W/m²].
+@group(0) @binding(11) var<storage, read> patch_light: array<vec4f>;
+#endif
 #ifdef POINTS
 // See lib/lit_points.wgsl.
 @group(0) @binding(13) var<storage, read> lit_points: array<vec4u>;
@@ -230,17 +233,21 @@ fn sky_light(ray: GatherRay) -> vec3f {
 #endif
 }
 
-// Swept light that a surface reflects. Glossy surfaces reflect as if they were diffuse, as in the sweep.
-fn swept_light(surface: Surface, direction: vec3f) -> vec3f {
-#ifdef UNSWEPT
+// Light of its patch that a surface reflects. Glossy surfaces reflect as if they were diffuse.
+fn patch_radiance(surface: Surface, hit: Hit) -> vec3f {
+#ifdef ONE_BOUNCE
     return vec3f(0.0);
 #else
-    return surface.albedo * irradiance(gather.swept, surface.position, surface.normal, -direction) * INVERSE_PI;
+    let found = patch_at(primitive_of(hit.triangle), surface.position, surface.geometric_normal);
+    if found == NO_PATCH {
+        return vec3f(0.0);
+    }
+    return surface.albedo * patch_light[found].rgb * INVERSE_PI;
 #endif
 }
 
-// Adds what a ray has found, but for the light from a lamp. Swept light is not known where surfaces are nearer to each
-// other than cells: from what is met there `vertex` goes on with a ray more (Jensen 1996, section 4).
+// Adds what a ray has found, but for the light from a lamp. The light of patches is not known where surfaces are nearer to
+// each other than those are large: from what is met there `vertex` goes on with a ray more (Jensen 1996, section 4).
 fn arrive(
     sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, ray: GatherRay, hit: Hit,
     random: ptr<function, Sampler>,
@@ -263,12 +270,12 @@ fn arrive(
     }
     var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
     if hit.t < gather.nearest && depth < MOST_NEAR {
-        // Diffuse, as in the sweep.
+        // Diffuse, as patches are.
         *vertex = Vertex(Seen(surface, -direction, 0.0), ray.throughput, ray.seen_along, depth + 1u);
         (*vertex).start.surface.normal_reflectance = vec3f(0.0);
         (*vertex).start.surface.grazing_reflectance = 0.0;
     } else {
-        light += swept_light(surface, direction);
+        light += patch_radiance(surface, hit);
     }
     var pick = 0.0;
     if gather.light_count > 1u {

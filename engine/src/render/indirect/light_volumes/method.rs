@@ -38,7 +38,7 @@ impl IndirectMethod for LightVolumesMethod {
     }
 
     fn rays(&self, scene: &Scene) -> RayUse {
-        match settings(scene).is_some_and(gather::is_wanted) {
+        match settings(scene).is_some_and(|clpv| clpv.transport == Transport::Sweep) {
             true => RayUse::Optional,
             false => RayUse::None,
         }

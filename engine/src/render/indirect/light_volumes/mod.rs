@@ -5,6 +5,7 @@
 
 mod diffusion;
 mod method;
+mod radiosity;
 pub mod sweep;
 mod texels;
 mod volume;
@@ -12,6 +13,8 @@ mod volume;
 pub(crate) use diffusion::relight::RelightUniform;
 #[cfg(test)]
 pub(crate) use diffusion::{CameraSamplesUniform, PropagationUniform};
+#[cfg(test)]
+pub(crate) use radiosity::{DirectUniform, LinksUniform};
 pub(in crate::render) use method::LightVolumesMethod;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};

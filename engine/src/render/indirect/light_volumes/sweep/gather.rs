@@ -1,13 +1,11 @@
-//! The final gather: rays from the visible surfaces, into the swept light. See `indirect/light_volumes/sweep/gather.wgsl`.
+//! The final gather: rays from the visible surfaces, to the light of patches. See `indirect/light_volumes/sweep/gather.wgsl`.
 
-use super::Level;
 use super::gather_filter::{self, Gathered};
 use super::lit_points::{self, LitPoints};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::indirect::light_volumes::volume::{Volume, VolumeUniform};
 use crate::render::indirect::path_tracer::dispatch_rays;
 use crate::render::rays::RayScene;
 use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
@@ -22,15 +20,14 @@ const MAX_FILTER: u32 = 32;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
-/// Distance within which swept light is not known [cells]. From there rays go on, which takes a bounce more than was
-/// swept: only where all are counted.
+/// Distance within which light is not known well enough [edges of a patch]. From there rays go on, which takes a bounce more
+/// than was computed: only where all are counted.
 const NEAR: f32 = 1.5;
 
 /// `Gather` of `indirect/light_volumes/sweep/gather.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct GatherUniform {
     view: ViewUniform,
-    swept: VolumeUniform,
     sky: Vec3,
     sky_turn: f32,
     root: u32,
@@ -44,54 +41,40 @@ pub(crate) struct GatherUniform {
     points_high: Vec3,
 }
 
-/// Swept light where rays end.
-#[derive(Clone, Copy)]
-struct Swept {
-    volume: Volume,
-    buffers: [Handle<Buffer>; 3],
-    /// Distance \[m\] from the beginning of a ray within which it is not known.
-    nearest: f32,
-}
-
-/// Declares the gather and its filter; the result is reflected radiance. `level` is what was swept, if anything was that
-/// counts.
+/// Declares the gather and its filter; the result is reflected radiance. `light` is that of the patches, if
+/// more than one bounce counts.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     settings: &Clpv,
-    level: Option<&Level>,
+    light: Option<Handle<Buffer>>,
     lit: Option<LitPoints>,
 ) -> Handle<Texture> {
     let gathered = Gathered {
         diffuse: graph.retained_texture("gathered diffuse", frame.image_desc()),
         specular: graph.retained_texture("gathered specular", frame.image_desc()),
     };
-    let swept = level.map(|level| Swept {
-        volume: level.volume,
-        buffers: [level.light().axes, level.light().facing, level.obstacles.opacity],
-        nearest: if settings.bounces == Bounces::Converged { NEAR * level.volume.cell } else { 0.0 },
-    });
+    let is_known_near = light.is_none() || settings.bounces != Bounces::Converged;
+    let nearest = if is_known_near { 0.0 } else { NEAR * frame.surfels.patch_size() };
     let mut pass = graph.pass("gather");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
-    swept.iter().flat_map(|swept| swept.buffers).for_each(|handle| pass.read(handle));
+    light.into_iter().for_each(|light| pass.read(light));
     lit.iter().for_each(|lit| pass.read(lit.points));
     let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
     let scene = frame.scene;
     let (rays, points) = (rays(settings), points(settings));
-    let is_near = swept.map(|swept| swept.nearest.to_bits());
     pass.key(&(
         rays,
         points,
         lit.is_some(),
         frame.seed(),
         frame.view_key(),
-        swept.map(|swept| swept.volume.key()),
-        is_near,
+        (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
     ));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, swept, lit, gathered, rays, points };
+    let work = Work { frame: frame.clone(), inputs, light, nearest, lit, gathered, rays, points };
     pass.execute(move |cx| work.run(cx));
     gather_filter::declare(graph, frame, gbuffer, gathered, filter_radius(settings, frame.images()))
 }
@@ -99,7 +82,9 @@ pub(super) fn declare<'a>(
 struct Work<'a> {
     frame: Frame<'a>,
     inputs: [Handle<Texture>; 4],
-    swept: Option<Swept>,
+    light: Option<Handle<Buffer>>,
+    /// Distance \[m\] from the beginning of a ray within which that is not known.
+    nearest: f32,
     lit: Option<LitPoints>,
     gathered: Gathered,
     rays: u32,
@@ -136,7 +121,7 @@ impl Work<'_> {
         let uniform = gpu.uniform("gather", &self.uniform(rays, first_row));
         let views = self.inputs.map(|handle| cx.view(handle));
         let targets = [self.gathered.diffuse, self.gathered.specular].map(|handle| cx.view(handle));
-        let swept = self.swept.map(|swept| swept.buffers.map(|handle| cx.buffer(handle).clone()));
+        let light = self.light.map(|handle| cx.buffer(handle).clone());
         let lit = self.lit.map(|lit| cx.buffer(lit.points).clone());
         let mut key =
             rays.shader("indirect/light_volumes/sweep/gather.wgsl", "main").def("RAYS", ShaderDef::Uint(self.rays));
@@ -147,12 +132,12 @@ impl Work<'_> {
         ];
         let names = ["base_color", "normal", "object", "depth"];
         group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        match &swept {
-            Some(buffers) => {
-                let names = ["axes", "facing", "opacity"];
-                group.extend(names.into_iter().zip(buffers).map(|(name, buffer)| (name, Binding::Buffer(buffer))));
+        match &light {
+            Some(light) => {
+                group.push(("patch_light", Binding::Buffer(light)));
+                group.extend(self.frame.surfels.patches().bindings());
             }
-            None => key = key.def("UNSWEPT", ShaderDef::Flag(true)),
+            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
         }
         if let Some(lit) = &lit {
             key = key.def("POINTS", ShaderDef::Uint(self.points));
@@ -169,16 +154,8 @@ impl Work<'_> {
 
     fn uniform(&self, rays: &RayScene, first_row: u32) -> GatherUniform {
         let scene = self.frame.scene;
-        let nowhere = Volume {
-            origin: Vec3::ZERO,
-            cell: 1.0,
-            cells: glam::UVec3::ONE,
-            fade_center: Vec3::ZERO,
-            fade_half: Vec3::ZERO,
-        };
         GatherUniform {
             view: self.frame.view_values(),
-            swept: self.swept.map_or(nowhere, |swept| swept.volume).uniform(),
             sky: scene.sky,
             sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
             root: rays.root(),
@@ -186,7 +163,7 @@ impl Work<'_> {
             emitter_count: rays.emitter_count,
             seed: self.frame.seed(),
             first_row,
-            nearest: self.swept.map_or(0.0, |swept| swept.nearest),
+            nearest: self.nearest,
             points_low: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.min),
             point_count: lit_points::POINTS,
             points_high: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.max),

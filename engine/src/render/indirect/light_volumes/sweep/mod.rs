@@ -41,7 +41,7 @@ pub(crate) use self::{
     transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
-use super::Indirect;
+use super::{Indirect, radiosity};
 use super::volume::Volume;
 use crate::graph::{Buffer, Graph, Handle};
 use crate::render::RenderError;
@@ -125,9 +125,11 @@ pub(super) fn declare<'a>(
     };
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
+    let radiosity = radiosity::declare(graph, frame, settings, surfels);
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
-    let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| bounces.swept > 1);
-    let kept = if bounces.swept == 1 || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
+    let is_swept_at_once = radiosity.is_some() || bounces.swept == 1;
+    let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| !is_swept_at_once);
+    let kept = if is_swept_at_once || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
     for (index, volume) in volumes.iter().enumerate() {
         let name = format!("cascade {index}");
@@ -137,23 +139,27 @@ pub(super) fn declare<'a>(
     let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
     let work = Work { frame, source };
     let [straight, further] = &directions;
-    match coarser {
+    let once = BounceCount { swept: 1, has_tail: false };
+    match (radiosity, coarser) {
+        // What the surfaces send out is known.
+        (Some(radiosity), _) => {
+            let light = Light::Scene(Some(radiosity.surfels));
+            work.sweep(graph, &mut levels, None, Bounce { number: 0, of: once, directions: straight, light });
+        }
         // All bounces but the last are swept in the coarser grid, and tell what the surfaces send out.
-        Some(volume) => {
+        (None, Some(volume)) => {
             let before = BounceCount { swept: bounces.swept - 1, ..bounces };
             let (name, precision) = ("further bounces", settings.precision);
             let level = level(graph, frame, surfels, name, &volume, precision, Kept::Nothing);
             let received = further::declare(graph, &work, level, before, further);
-            let once = BounceCount { swept: 1, has_tail: false };
             let bounce = Bounce { number: 0, of: once, directions: straight, light: Light::Scene(Some(received)) };
             work.sweep(graph, &mut levels, None, bounce);
         }
-        None => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
+        (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
     let radiance = if is_gathered {
-        let swept = levels.last().filter(|_| settings.bounces != Bounces::Count(1));
         let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings));
-        gather::declare(graph, frame, gbuffer, settings, swept, lit)
+        gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)

@@ -1,0 +1,95 @@
+//! Radiosity of patches: light of all bounces, gathered along links that rays find. In come surfels and their patches, the
+//! lights and the scene as rays meet it; out goes the irradiance of each patch, for the final gather and what the sweep sends
+//! out.
+//!
+//! ```text
+//! surfels ─┬─ links (rays, while nothing moves) ──┐
+//!          └─ direct (shadow rays, a light) ── solve, bounce by bounce ── light of patches ── gather
+//!                                                                     └── light of surfels ── sweep
+//! ```
+//! A surfel's links are Monte Carlo form factors: its irradiance is the mean of what the patches at their ends send back. The
+//! weights of the links are at most one together, so that no bounce gains light, without any calibration; and where only
+//! lights change the links stay as they are, so that all bounces are sums over what is known.
+
+mod direct;
+mod links;
+mod solve;
+
+#[cfg(test)]
+pub(crate) use self::{direct::DirectUniform, links::LinksUniform};
+
+use crate::graph::{Buffer, Graph, Handle};
+use crate::render::frame::Frame;
+use crate::world::{Bounces, Clpv, Quality};
+use glam::Vec3;
+
+/// Light of all bounces at the scene's surfaces.
+#[derive(Clone, Copy)]
+pub(super) struct Radiosity {
+    /// Irradiance of the patches [W/m²], a vector each.
+    pub patches: Handle<Buffer>,
+    /// The same of the surfels.
+    pub surfels: Handle<Buffer>,
+}
+
+/// What arrives after more bounces than are computed may be less than this share of the light where a series stands for it.
+const REST: f32 = 0.05;
+/// Most bounces of light that converges; the series takes over from there.
+const MOST_BOUNCES: u32 = 16;
+
+/// How many bounces are computed, and whether a series stands for the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct BounceCount {
+    computed: u32,
+    has_rest: bool,
+}
+
+impl BounceCount {
+    /// Light that visible surfaces reflect has arrived there by one bounce already: what arrives at the surfaces that they
+    /// see has one less.
+    fn new(settings: &Clpv, mean_albedo: Vec3) -> Self {
+        match settings.bounces {
+            Bounces::Count(count) => {
+                Self { computed: count.saturating_sub(1).min(super::sweep::MAX_BOUNCES), has_rest: false }
+            }
+            Bounces::Converged => {
+                let albedo = mean_albedo.max_element().clamp(0.01, 0.99);
+                let bounces = (REST.ln() / albedo.ln()).ceil() as u32;
+                Self { computed: bounces.clamp(3, MOST_BOUNCES), has_rest: true }
+            }
+        }
+    }
+}
+
+/// Rays of a surfel.
+fn rays(settings: &Clpv) -> u32 {
+    match settings.quality {
+        Quality::Low => 8,
+        Quality::Medium => 16,
+        Quality::High => 16,
+        Quality::Ultra => 32,
+    }
+}
+
+/// Declares all passes. None if there is but one bounce, or the scene is not ready for rays: the reason is in the report then.
+/// `surfels` are those in world space.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    settings: &Clpv,
+    surfels: Handle<Buffer>,
+) -> Option<Radiosity> {
+    let bounces = BounceCount::new(settings, frame.surfels.mean_albedo());
+    if let Some(why) = frame.refused_rays {
+        graph.skip("radiosity", why);
+        return None;
+    }
+    if bounces.computed == 0 {
+        graph.skip("radiosity", "one bounce is asked for");
+        return None;
+    }
+    let rays = rays(settings);
+    let links = links::declare(graph, frame, surfels, rays);
+    let lit = direct::declare(graph, frame, surfels);
+    Some(solve::declare(graph, frame, solve::Subject { surfels, links, lit, rays, bounces }))
+}

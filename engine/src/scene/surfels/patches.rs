@@ -1,0 +1,259 @@
+//! Patches: surfels that lie together on one side of an object, as one piece of surface whose light is known.
+//!
+//! Each object has a grid of its own, in its own space, so that its patches move with it: what lies in one cell of the grid
+//! and faces the same of six ways is a patch. A hash table finds the patch of any point of a surface. It also holds the
+//! cells next to patches, since surfels are samples: where a corner of a surface has none, the nearest patch answers.
+
+use super::{SURFELS_A_FACE, Surfel, shape};
+use glam::{Affine3A, IVec3, Mat3A, Vec3};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+
+/// Stands for no patch, as `NO_PATCH` of `lib/patches.wgsl`.
+pub const NO_PATCH: u32 = 0x000f_ffff;
+
+/// How far before its surface a point is taken when its cell is chosen \[cells\], as `PATCH_BEFORE` of `lib/patches.wgsl`: a
+/// surface that lies on the border between cells is then in one of them.
+const BEFORE: f32 = 0.25;
+
+/// Cells from the origin beyond which all are one, as `PATCH_REACH` of `lib/patches.wgsl`.
+const REACH: f32 = 1e9;
+
+/// Most places of the table that are looked at for a patch, as `PATCH_PROBES` of `lib/patches.wgsl`.
+const PROBES: u32 = 32;
+
+/// Patches up to which an object has every cell around them in the table, whichever way it faces: of things smaller than a
+/// cell some sides have no surfels.
+const FEW: usize = 64;
+
+/// The patches of a scene. Those of a patch's surfels follow each other in the cloud.
+#[derive(Debug, Default)]
+pub struct Patches {
+    /// First surfel and number of surfels of each patch.
+    pub ranges: Vec<[u32; 2]>,
+    /// Places of a hash table with open addressing: tag and patch. A power of two of them.
+    pub table: Vec<[u32; 2]>,
+    /// Edge of a cell \[m\].
+    pub size: f32,
+    known: HashMap<usize, Arc<Arranged>>,
+}
+
+/// The surfels of an object, patch after patch.
+#[derive(Debug)]
+pub(super) struct Arranged {
+    /// What they were made of. It is kept, so that its address stands for it.
+    source: Arc<Vec<Surfel>>,
+    size: u32,
+    /// All surfels.
+    pub surfels: Vec<Surfel>,
+    ranges: Vec<[u32; 2]>,
+    cells: Vec<(Cell, u32)>,
+}
+
+/// A cell of an object's grid, and which of the six ways its surface faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+struct Cell {
+    at: [i32; 3],
+    face: u32,
+}
+
+impl Patches {
+    /// Arranges the surfels of each object, which stands at `places`, for patches that hold about [`SURFELS_A_FACE`] of
+    /// them. Costs little for objects that did not change.
+    pub(super) fn update(
+        &mut self,
+        density: f32,
+        places: &[Affine3A],
+        objects: &[Arc<Vec<Surfel>>],
+    ) -> Vec<Arc<Arranged>> {
+        self.size = (SURFELS_A_FACE / density).sqrt();
+        let mut before = std::mem::take(&mut self.known);
+        let size = self.size;
+        let mut arranged = Vec::with_capacity(objects.len());
+        for (source, place) in objects.iter().zip(places) {
+            let address = Arc::as_ptr(source) as usize;
+            let found = match self.known.entry(address) {
+                Entry::Occupied(entry) => entry.get().clone(),
+                Entry::Vacant(entry) => {
+                    let known = before.remove(&address).filter(|known| known.size == size.to_bits());
+                    let known = known.unwrap_or_else(|| Arc::new(Arranged::new(source.clone(), &shape(place), size)));
+                    entry.insert(known).clone()
+                }
+            };
+            arranged.push(found);
+        }
+        self.collect(&arranged);
+        arranged
+    }
+
+    /// Puts the patches of all objects together.
+    fn collect(&mut self, objects: &[Arc<Arranged>]) {
+        self.ranges.clear();
+        let mut surfels = 0;
+        let mut cells = Vec::new();
+        for (object, group) in objects.iter().zip(0..) {
+            let first = self.ranges.len() as u32;
+            self.ranges.extend(object.ranges.iter().map(|[start, count]| [start + surfels, *count]));
+            cells.extend(object.cells.iter().map(|(cell, patch)| (hashes(group, cell), first + patch)));
+            surfels += object.surfels.len() as u32;
+        }
+        let mut places = (2 * cells.len()).next_power_of_two().max(2);
+        self.table = loop {
+            match table(&cells, places) {
+                Some(table) => break table,
+                None => places *= 2,
+            }
+        };
+    }
+
+    /// The patch that a point of a surface belongs to, by the point and the normal in the grid of its object (see
+    /// [`cells_from_world`]), as shaders find it; none where no surfel is near.
+    pub fn at(&self, group: u32, point: Vec3, normal: Vec3) -> Option<u32> {
+        let [start, tag] = hashes(group, &Cell::of(point, normal));
+        let mask = self.table.len() as u32 - 1;
+        let found = (0..PROBES).map(|step| self.table[(start.wrapping_add(step) & mask) as usize]);
+        let found = found.take_while(|[_, patch]| *patch != NO_PATCH).find(|[known, _]| *known == tag);
+        found.map(|[_, patch]| patch)
+    }
+}
+
+/// Writes all cells into a table of so many places; none if some would lie too far from where they are looked for.
+fn table(cells: &[([u32; 2], u32)], places: usize) -> Option<Vec<[u32; 2]>> {
+    let mut table = vec![[0, NO_PATCH]; places];
+    let mask = places as u32 - 1;
+    for ([start, tag], patch) in cells {
+        let step = (0..PROBES).find(|step| table[(start.wrapping_add(*step) & mask) as usize][1] == NO_PATCH)?;
+        table[(start.wrapping_add(step) & mask) as usize] = [*tag, *patch];
+    }
+    Some(table)
+}
+
+impl Arranged {
+    fn new(source: Arc<Vec<Surfel>>, shape: &Mat3A, size: f32) -> Self {
+        let cell = |surfel: &Surfel| {
+            let normal = grid_normal(shape, surfel.normal.into());
+            Cell::of(*shape * Vec3::from(surfel.position) / size, normal)
+        };
+        let mut order: Vec<(Cell, u32)> = source.iter().map(cell).zip(0..).collect();
+        order.sort_unstable();
+        let surfels = order.iter().map(|(_, index)| source[*index as usize]).collect();
+        let (mut ranges, mut own): (Vec<[u32; 2]>, Vec<Cell>) = (Vec::new(), Vec::new());
+        for ((cell, _), index) in order.iter().zip(0..) {
+            match ranges.last_mut() {
+                Some([_, count]) if own.last() == Some(cell) => *count += 1,
+                _ => {
+                    ranges.push([index, 1]);
+                    own.push(*cell);
+                }
+            }
+        }
+        let cells = with_neighbors(&own);
+        Self { source, size: size.to_bits(), surfels, ranges, cells }
+    }
+}
+
+/// All cells whose patch is known: its own, those around it that face the same way, nearer ones first, and those of its own
+/// cell that face other ways, but for the opposite one.
+fn with_neighbors(own: &[Cell]) -> Vec<(Cell, u32)> {
+    let mut found: HashMap<Cell, u32> = own.iter().copied().zip(0..).collect();
+    let mut cells: Vec<(Cell, u32)> = own.iter().copied().zip(0..).collect();
+    let spread = |from: &[(Cell, u32)], cells: &mut Vec<(Cell, u32)>, found: &mut HashMap<Cell, u32>, ways: &[Way]| {
+        for (cell, patch) in from {
+            for way in ways {
+                if let Some(next) = way.from(cell)
+                    && let Entry::Vacant(entry) = found.entry(next)
+                {
+                    entry.insert(*patch);
+                    cells.push((next, *patch));
+                }
+            }
+        }
+    };
+    let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+    let at_distance = |square: i32| -> Vec<Way> {
+        around.clone().filter(|way| way.length_squared() == square).map(Way::Step).collect()
+    };
+    let sides: Vec<Way> = (0..6).map(Way::Face).collect();
+    let first = cells.clone();
+    for square in 1..=3 {
+        spread(&first, &mut cells, &mut found, &at_distance(square));
+    }
+    let all = cells.clone();
+    spread(if own.len() <= FEW { &all } else { &first }, &mut cells, &mut found, &sides);
+    cells
+}
+
+/// From a cell to another one.
+enum Way {
+    Step(IVec3),
+    Face(u32),
+}
+
+impl Way {
+    fn from(&self, cell: &Cell) -> Option<Cell> {
+        match self {
+            Self::Step(step) => {
+                let at = std::array::from_fn(|axis| cell.at[axis].saturating_add(step[axis]));
+                Some(Cell { at, ..*cell })
+            }
+            Self::Face(face) => (face / 2 != cell.face / 2).then_some(Cell { face: *face, ..*cell }),
+        }
+    }
+}
+
+impl Cell {
+    /// The cell of a point, in cells, of a surface with that normal.
+    fn of(point: Vec3, normal: Vec3) -> Self {
+        let at = (point + BEFORE * normal).floor();
+        let at = at.to_array().map(|v| if v.is_finite() { v.clamp(-REACH, REACH) as i32 } else { 0 });
+        Self { at, face: face_of(normal) }
+    }
+}
+
+/// Which of the six ways a normal faces: +x, −x, +y, −y, +z, −z.
+fn face_of(normal: Vec3) -> u32 {
+    let size = normal.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    2 * axis + u32::from(normal[axis as usize] < 0.0)
+}
+
+/// A normal of an object in its grid: by the cofactor matrix, its sign taken out, as `surfels.wgsl` does for the world.
+fn grid_normal(shape: &Mat3A, normal: Vec3) -> Vec3 {
+    let [a, b, c] = [shape.x_axis, shape.y_axis, shape.z_axis].map(Vec3::from);
+    let cofactor = b.cross(c) * normal.x + c.cross(a) * normal.y + a.cross(b) * normal.z;
+    let turned = if a.dot(b.cross(c)) < 0.0 { -1.0 } else { 1.0 };
+    turned * cofactor.normalize_or_zero()
+}
+
+/// Cells of an object's grid from world space, without a change of size but that from metres to cells. Objects that are
+/// scaled evenly have a grid that turns with them; others one along the axes of the world.
+pub fn cells_from_world(place: &Affine3A, size: f32) -> Affine3A {
+    let shape = shape(place);
+    let turn = if shape == place.matrix3 { Mat3A::IDENTITY } else { shape * place.matrix3.inverse() };
+    let turn = if turn.is_finite() { turn } else { Mat3A::IDENTITY };
+    let linear = turn * (1.0 / size);
+    Affine3A { matrix3: linear, translation: -(linear * place.translation) }
+}
+
+/// Where a cell is looked for in the table, and the tag by which it is known, as in `lib/patches.wgsl`.
+fn hashes(group: u32, cell: &Cell) -> [u32; 2] {
+    let [x, y, z] = cell.at.map(|v| v as u32);
+    let side = group.wrapping_mul(8).wrapping_add(cell.face);
+    let start = hash(x ^ hash(y ^ hash(z ^ hash(side))));
+    let tag = hash(z ^ hash(x ^ hash(y ^ hash(side ^ 0x9e37_79b9))));
+    [start, tag]
+}
+
+/// As `hash` of `lib/sampling.wgsl`.
+fn hash(value: u32) -> u32 {
+    let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}

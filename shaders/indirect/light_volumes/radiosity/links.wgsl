@@ -1,0 +1,123 @@
+// What surfels see: from each a few rays go out, distributed as the cosine, and each is kept as a link to the patch that it
+// meets. So the irradiance of a surfel is the mean over its links of what their patches send back (Monte Carlo form factors:
+// Malley 1988; Cohen and Wallace 1993, section 4.4.3), whatever light there is, and the links are as good for the next frame
+// as long as nothing moves. The weights of a surfel's links sum up to no more than one: no bounce can gain light.
+//
+// What rays and shadow rays find of emissive surfaces and the sky depends on no lamp either, and is summed up at once.
+//   RAYS      rays of a surfel
+//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
+
+#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, reflected}
+#ifndef UNLIT
+#import lightwell::next_event::sample_emitter
+#endif
+#ifndef EVEN_SKY
+#import lightwell::next_event::{sample_sky_light, sky_weight}
+#import lightwell::sky::sky_radiance
+#endif
+#import lightwell::patches::{NO_PATCH, patch_at}
+#import lightwell::radiosity::encode_link
+#import lightwell::rays::{Hit, Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, primitive_of, surface_at, trace}
+#import lightwell::sampling::{Sampler, cosine_direction, next_pair}
+#import lightwell::sweep::Surfel
+
+struct Links {
+    sky: vec3f,            // radiance [W/(m² sr)]
+    sky_turn: f32,         // of the sky's map [rad]
+    root: u32,             // of the hierarchy
+    emitter_count: u32,
+    seed: u32,
+    first: u32,            // surfel of this dispatch
+}
+
+@group(0) @binding(0) var<uniform> links: Links;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+// See `lib/radiosity.wgsl`: those of a surfel follow each other.
+@group(0) @binding(2) var<storage, read_write> surfel_links: array<vec2u>;
+// Irradiance from emissive surfaces and the sky [W/m²].
+@group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
+@group(0) @binding(4) var sky: texture_2d<f32>;
+
+#ifdef RAYS
+const RAYS: u32 = #{RAYS}u;
+#else
+const RAYS: u32 = 1u;
+#endif
+
+const PI: f32 = 3.14159265358979;
+
+// A white surface, which reflects irradiance/π.
+fn white_surface(surfel: Surfel) -> Surface {
+    var surface: Surface;
+    surface.position = surfel.position;
+    surface.normal = surfel.normal;
+    surface.geometric_normal = surfel.normal;
+    surface.albedo = vec3f(1.0);
+    surface.alpha = 1.0;
+    // Transforms round more often than a point of a triangle is.
+    let p = abs(surfel.position);
+    surface.error = max(p.x, max(p.y, p.z)) * 0x1p-19f;
+    return surface;
+}
+
+fn unless_blocked(sample: LightSample) -> vec3f {
+    if sample.reach > 0.0 && trace(links.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
+        return bounded(sample.light);
+    }
+    return vec3f(0.0);
+}
+
+// Emissive surfaces and the sky, sampled from the surfel.
+fn sampled_light(surface: Surface, random: ptr<function, Sampler>) -> vec3f {
+    var light = vec3f(0.0);
+#ifndef UNLIT
+    let emitter = next_pair(random);
+    let place = next_pair(random);
+    light += unless_blocked(sample_emitter(surface, surface.normal, 0.0, links.emitter_count, emitter, place));
+#endif
+#ifndef EVEN_SKY
+    let texel = next_pair(random);
+    let within = next_pair(random);
+    light += unless_blocked(sample_sky_light(sky, links.sky_turn, surface, surface.normal, 0.0, texel, within));
+#endif
+    return light;
+}
+
+fn sky_light(direction: vec3f, density: f32) -> vec3f {
+#ifdef EVEN_SKY
+    return links.sky;
+#else
+    return sky_radiance(sky, direction, links.sky_turn) * sky_weight(sky, links.sky_turn, direction, density);
+#endif
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = links.first + thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    let surface = white_surface(surfels[index]);
+    var light = vec3f(0.0);
+    for (var i = 0u; i < RAYS; i++) {
+        var random = Sampler(links.seed, index * RAYS + i, 0u);
+        let direction = cosine_direction(surface.normal, next_pair(&random));
+        light += sampled_light(surface, &random);
+        let density = direction_density(surface, surface.normal, direction, 0.0);
+        let hit = trace(links.root, Ray(leave_surface(surface, direction), direction), select(0.0, 3e38, density > 0.0), LIGHT);
+        var link = vec2u(NO_PATCH, 0u);
+        if density > 0.0 {
+            if hit.triangle == NONE {
+                light += bounded(sky_light(direction, density));
+            } else {
+                let met = surface_at(hit, direction);
+                if met.visible {
+                    light += bounded(met.emissive * emission_weight(met, hit, direction, density));
+                    link = encode_link(patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal), met.albedo);
+                }
+            }
+        }
+        surfel_links[index * RAYS + i] = link;
+    }
+    shone_on[index] = vec4f(light * (PI / f32(RAYS)), 0.0);
+}

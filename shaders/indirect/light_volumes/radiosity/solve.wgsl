@@ -1,0 +1,131 @@
+// Radiosity of patches: how much light arrives at each from all others, bounce by bounce (Goral et al. 1984; gathered along
+// links, which are Monte Carlo form factors).
+//
+//   bounce 1: ε₁ = E₀ + M·D, the next ones εₖ₊₁ = M·εₖ, and E = Σ εₖ
+// with the irradiance D straight from the lights, E₀ from emissive surfaces and the sky, and (M·x)_p the mean over the
+// links of p's surfels of ρ·x at their ends. Sums go over surfels in their order, so that they do not depend on the device.
+//   FIRST    the first bounce
+//   RAYS     links of a surfel
+
+#import lightwell::patches::NO_PATCH
+#import lightwell::radiosity::{link_albedo, link_patch}
+#import lightwell::sweep::Surfel
+
+// First surfel and number of surfels of a patch.
+@group(0) @binding(0) var<storage, read> patches: array<vec2u>;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(2) var<storage, read> surfel_links: array<vec2u>;
+@group(0) @binding(3) var<storage, read> shone_on: array<vec4f>;
+@group(0) @binding(4) var<storage, read> lit: array<vec4f>;
+// Irradiance of the patches in the last bounce and in this one [W/m²]; the fourth number is the area [m²].
+@group(0) @binding(5) var<storage, read> last_bounce: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> this_bounce: array<vec4f>;
+// Irradiance of the patches of all bounces [W/m²].
+@group(0) @binding(7) var<storage, read_write> patch_light: array<vec4f>;
+// Flux that arrives in the last bounce and in this one [W], and what is left of light beyond, over that of this bounce.
+@group(0) @binding(8) var<storage, read_write> rest: array<vec4f>;
+// Irradiance of the surfels [W/m²].
+@group(0) @binding(9) var<storage, read_write> received: array<vec4f>;
+
+#ifdef RAYS
+const RAYS: u32 = #{RAYS}u;
+#else
+const RAYS: u32 = 1u;
+#endif
+
+// Most that the series beyond the last bounce may add, over that bounce: an albedo of 0.98.
+const MOST_REST: f32 = 49.0;
+
+fn linear_index(thread: vec3u, groups: vec3u) -> u32 {
+    return thread.x + thread.y * groups.x * 64u;
+}
+
+// Light straight from the lights: what the first bounce reflects.
+@compute @workgroup_size(64)
+fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = linear_index(thread, groups);
+    if index >= arrayLength(&patches) {
+        return;
+    }
+    let range = patches[index];
+    var flux = vec3f(0.0);
+    var area = 0.0;
+    for (var i = range.x; i < range.x + range.y; i++) {
+        flux += surfels[i].area * lit[i].rgb;
+        area += surfels[i].area;
+    }
+    this_bounce[index] = vec4f(flux / max(area, 1e-30), area);
+    patch_light[index] = vec4f(0.0);
+}
+
+@compute @workgroup_size(64)
+fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = linear_index(thread, groups);
+    if index >= arrayLength(&patches) {
+        return;
+    }
+    let range = patches[index];
+    var flux = vec3f(0.0);
+    for (var i = range.x; i < range.x + range.y; i++) {
+        var sum = vec3f(0.0);
+        for (var k = i * RAYS; k < (i + 1u) * RAYS; k++) {
+            let link = surfel_links[k];
+            let to = link_patch(link);
+            if to != NO_PATCH {
+                sum += link_albedo(link) * last_bounce[to].rgb;
+            }
+        }
+        sum /= f32(RAYS);
+#ifdef FIRST
+        sum += shone_on[i].rgb;
+#endif
+        flux += surfels[i].area * sum;
+    }
+    let area = last_bounce[index].w;
+    let light = flux / max(area, 1e-30);
+    this_bounce[index] = vec4f(light, area);
+    patch_light[index] = vec4f(patch_light[index].rgb + light, area);
+}
+
+const THREADS: u32 = 256u;
+// Of the light in sums over all patches, so that they stay in the range of floats.
+const SCALE: f32 = 0x1p-64f;
+var<workgroup> sums: array<array<vec3f, 2>, THREADS>;
+
+// What is left after the last bounce is taken for a geometric series with the ratio of its last two members, which is what
+// the light of many bounces comes to: the dominant eigenvector.
+@compute @workgroup_size(256)
+fn find_rest(@builtin(local_invocation_index) thread: u32) {
+    var before = vec3f(0.0);
+    var now = vec3f(0.0);
+    for (var i = thread; i < arrayLength(&patches); i += THREADS) {
+        before += last_bounce[i].w * (SCALE * last_bounce[i].rgb);
+        now += this_bounce[i].w * (SCALE * this_bounce[i].rgb);
+    }
+    sums[thread] = array(before, now);
+    for (var stride = THREADS / 2u; stride > 0u; stride /= 2u) {
+        workgroupBarrier();
+        if thread < stride {
+            sums[thread][0] += sums[thread + stride][0];
+            sums[thread][1] += sums[thread + stride][1];
+        }
+    }
+    if thread == 0u {
+        let ratio = clamp(sums[0][1] / max(sums[0][0], vec3f(1e-37)), vec3f(0.0), vec3f(1.0));
+        rest[0] = vec4f(min(ratio / max(1.0 - ratio, vec3f(1e-6)), vec3f(MOST_REST)), 0.0);
+    }
+}
+
+@compute @workgroup_size(64)
+fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = linear_index(thread, groups);
+    if index >= arrayLength(&patches) {
+        return;
+    }
+    let light = patch_light[index].rgb + rest[0].rgb * this_bounce[index].rgb;
+    patch_light[index] = vec4f(light, this_bounce[index].w);
+    let range = patches[index];
+    for (var i = range.x; i < range.x + range.y; i++) {
+        received[i] = vec4f(light, 0.0);
+    }
+}
