@@ -35,7 +35,22 @@ fn face_of(n: vec3f) -> u32 {
     return 2u * axis + select(0u, 1u, n[axis] < 0.0);
 }
 
-// The patch of a point of a primitive, by its position [m] and the geometric normal on its visible side.
+fn patch_in(place: u32, face: u32, cell: vec3u) -> u32 {
+    let side = place * 8u + face;
+    let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(side))));
+    let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(side ^ 0x9e3779b9u))));
+    let mask = arrayLength(&patch_table) - 1u;
+    for (var step = 0u; step < PATCH_PROBES; step++) {
+        let known = patch_table[(start + step) & mask];
+        if known.y == NO_PATCH || known.x == tag {
+            return known.y;
+        }
+    }
+    return NO_PATCH;
+}
+
+// The patch of a point of a primitive, by its position [m] and the geometric normal on its visible side. Where none faces
+// as the point does most, one may face the way that comes next.
 fn patch_at(primitive: u32, position: vec3f, normal: vec3f) -> u32 {
     let place = place_of_primitive[primitive];
     if place == 0xffffffffu {
@@ -48,15 +63,14 @@ fn patch_at(primitive: u32, position: vec3f, normal: vec3f) -> u32 {
     let n = turned * inverseSqrt(max(dot(turned, turned), 1e-30));
     let p = vec3f(dot(a.xyz, position) + a.w, dot(b.xyz, position) + b.w, dot(c.xyz, position) + c.w);
     let cell = bitcast<vec3u>(vec3i(clamp(floor(p + PATCH_BEFORE * n), vec3f(-PATCH_REACH), vec3f(PATCH_REACH))));
-    let side = place * 8u + face_of(n);
-    let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(side))));
-    let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(side ^ 0x9e3779b9u))));
-    let mask = arrayLength(&patch_table) - 1u;
-    for (var step = 0u; step < PATCH_PROBES; step++) {
-        let known = patch_table[(start + step) & mask];
-        if known.y == NO_PATCH || known.x == tag {
-            return known.y;
+    var rest = n;
+    for (var i = 0u; i < 3u; i++) {
+        let face = face_of(rest);
+        let found = patch_in(place, face, cell);
+        if found != NO_PATCH {
+            return found;
         }
+        rest[face / 2u] = 0.0;
     }
     return NO_PATCH;
 }

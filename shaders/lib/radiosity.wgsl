@@ -1,26 +1,57 @@
 #define_import_path lightwell::radiosity
 
-// Links of surfels to the patches that they see, and the light of patches.
+// Links of surfels to what they see.
 
 #import lightwell::patches::NO_PATCH
+#import lightwell::rays::{Hit, NONE, load_triangle}
 
-// A link: the patch, or NO_PATCH, and the diffuse reflectance of what the ray met there, which has 15, 15 and 14 bits.
-fn encode_link(patch_index: u32, albedo: vec3f) -> vec2u {
+struct Link {
+    seen: vec2u,           // the patch, or NO_PATCH, and the diffuse reflectance there, which has 15, 15 and 14 bits
+    triangle: u32,         // or NONE: the sky, or the back of something
+    barycentric: u32,      // of the second and third corner, 16 bits each
+}
+
+fn no_link() -> Link {
+    return Link(vec2u(NO_PATCH, 0u), NONE, 0u);
+}
+
+fn encode_link(patch_index: u32, albedo: vec3f, hit: Hit) -> Link {
     let code = vec3u(round(saturate(albedo) * vec3f(32767.0, 32767.0, 16383.0)));
     let low = code & vec3u(15u);
     let high = code >> vec3u(4u);
-    return vec2u(
+    let seen = vec2u(
         (patch_index & NO_PATCH) | (low.x << 20u) | (low.y << 24u) | (low.z << 28u),
         high.x | (high.y << 11u) | (high.z << 22u),
     );
+    return Link(seen, hit.triangle, pack2x16unorm(hit.barycentric));
 }
 
-fn link_patch(link: vec2u) -> u32 {
-    return link.x & NO_PATCH;
+fn link_patch(seen: vec2u) -> u32 {
+    return seen.x & NO_PATCH;
 }
 
-fn link_albedo(link: vec2u) -> vec3f {
-    let low = vec3u(link.x >> 20u, link.x >> 24u, link.x >> 28u) & vec3u(15u);
-    let high = vec3u(link.y & 0x7ffu, (link.y >> 11u) & 0x7ffu, link.y >> 22u);
+fn link_albedo(seen: vec2u) -> vec3f {
+    let low = vec3u(seen.x >> 20u, seen.x >> 24u, seen.x >> 28u) & vec3u(15u);
+    let high = vec3u(seen.y & 0x7ffu, (seen.y >> 11u) & 0x7ffu, seen.y >> 22u);
     return vec3f(low | (high << vec3u(4u))) / vec3f(32767.0, 32767.0, 16383.0);
+}
+
+// What a link of a surfel at a position [m] meets, and the unit direction from there.
+struct LinkEnd {
+    triangle: u32,         // or NONE
+    hit: Hit,
+    direction: vec3f,
+}
+
+fn link_hit(link: Link, position: vec3f) -> LinkEnd {
+    if link.triangle == NONE {
+        return LinkEnd(NONE, Hit(0.0, NONE, vec2f(0.0)), vec3f(0.0));
+    }
+    let barycentric = unpack2x16unorm(link.barycentric);
+    let triangle = load_triangle(link.triangle);
+    let w = 1.0 - barycentric.x - barycentric.y;
+    let end = w * triangle.corner_a + barycentric.x * triangle.corner_b + barycentric.y * triangle.corner_c;
+    let way = end - position;
+    let distance = length(way);
+    return LinkEnd(link.triangle, Hit(distance, link.triangle, barycentric), way / max(distance, 1e-30));
 }

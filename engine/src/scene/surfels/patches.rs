@@ -4,11 +4,14 @@
 //! and faces the same of six ways is a patch. A hash table finds the patch of any point of a surface. It also holds the
 //! cells next to patches, since surfels are samples: where a corner of a surface has none, the nearest patch answers.
 
-use super::{SURFELS_A_FACE, Surfel, shape};
+use super::{Surfel, shape};
 use glam::{Affine3A, IVec3, Mat3A, Vec3};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
+
+/// Surfels that an even surface has in a patch.
+const SURFELS_A_PATCH: f32 = 8.0;
 
 /// Stands for no patch, as `NO_PATCH` of `lib/patches.wgsl`.
 pub const NO_PATCH: u32 = 0x000f_ffff;
@@ -43,6 +46,7 @@ pub struct Patches {
 #[derive(Debug)]
 pub(super) struct Arranged {
     /// What they were made of. It is kept, so that its address stands for it.
+    #[expect(dead_code)]
     source: Arc<Vec<Surfel>>,
     size: u32,
     /// All surfels.
@@ -59,7 +63,7 @@ struct Cell {
 }
 
 impl Patches {
-    /// Arranges the surfels of each object, which stands at `places`, for patches that hold about [`SURFELS_A_FACE`] of
+    /// Arranges the surfels of each object, which stands at `places`, for patches that hold about [`SURFELS_A_PATCH`] of
     /// them. Costs little for objects that did not change.
     pub(super) fn update(
         &mut self,
@@ -67,7 +71,7 @@ impl Patches {
         places: &[Affine3A],
         objects: &[Arc<Vec<Surfel>>],
     ) -> Vec<Arc<Arranged>> {
-        self.size = (SURFELS_A_FACE / density).sqrt();
+        self.size = (SURFELS_A_PATCH / density).sqrt();
         let mut before = std::mem::take(&mut self.known);
         let size = self.size;
         let mut arranged = Vec::with_capacity(objects.len());

@@ -15,8 +15,8 @@
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #import lightwell::sky::sky_radiance
 #endif
-#import lightwell::patches::{NO_PATCH, patch_at}
-#import lightwell::radiosity::encode_link
+#import lightwell::patches::patch_at
+#import lightwell::radiosity::{Link, encode_link, no_link}
 #import lightwell::rays::{Hit, Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, primitive_of, surface_at, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
@@ -28,13 +28,14 @@ struct Links {
     emitter_count: u32,
     seed: u32,
     first: u32,            // surfel of this dispatch
+    far: f32,              // distance beyond which what is met is not of the surfel's own surroundings [m]
 }
 
 @group(0) @binding(0) var<uniform> links: Links;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
 // See `lib/radiosity.wgsl`: those of a surfel follow each other.
-@group(0) @binding(2) var<storage, read_write> surfel_links: array<vec2u>;
-// Irradiance from emissive surfaces and the sky [W/m²].
+@group(0) @binding(2) var<storage, read_write> surfel_links: array<Link>;
+// Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far.
 @group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
 @group(0) @binding(4) var sky: texture_2d<f32>;
 
@@ -99,13 +100,15 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     }
     let surface = white_surface(surfels[index]);
     var light = vec3f(0.0);
+    var far = 0u;
     for (var i = 0u; i < RAYS; i++) {
         var random = Sampler(links.seed, index * RAYS + i, 0u);
         let direction = cosine_direction(surface.normal, next_pair(&random));
         light += sampled_light(surface, &random);
         let density = direction_density(surface, surface.normal, direction, 0.0);
         let hit = trace(links.root, Ray(leave_surface(surface, direction), direction), select(0.0, 3e38, density > 0.0), LIGHT);
-        var link = vec2u(NO_PATCH, 0u);
+        far += select(0u, 1u, hit.t > links.far);
+        var link = no_link();
         if density > 0.0 {
             if hit.triangle == NONE {
                 light += bounded(sky_light(direction, density));
@@ -113,11 +116,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
                 let met = surface_at(hit, direction);
                 if met.visible {
                     light += bounded(met.emissive * emission_weight(met, hit, direction, density));
-                    link = encode_link(patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal), met.albedo);
+                    let seen = patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal);
+                    link = encode_link(seen, met.albedo, hit);
                 }
             }
         }
         surfel_links[index * RAYS + i] = link;
     }
-    shone_on[index] = vec4f(light * (PI / f32(RAYS)), 0.0);
+    shone_on[index] = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
 }

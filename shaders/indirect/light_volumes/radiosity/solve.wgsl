@@ -1,23 +1,23 @@
 // Radiosity of patches: how much light arrives at each from all others, bounce by bounce (Goral et al. 1984; gathered along
 // links, which are Monte Carlo form factors).
 //
-//   bounce 1: ε₁ = E₀ + M·D, the next ones εₖ₊₁ = M·εₖ, and E = Σ εₖ
-// with the irradiance D straight from the lights, E₀ from emissive surfaces and the sky, and (M·x)_p the mean over the
+//   ε₁ = E₀ + E₁, εₖ₊₁ = M·εₖ, E = Σ εₖ
+// with the irradiance E₀ from emissive surfaces and the sky, E₁ of the lights' first bounce, and (M·x)_p the mean over the
 // links of p's surfels of ρ·x at their ends. Sums go over surfels in their order, so that they do not depend on the device.
-//   FIRST    the first bounce
 //   RAYS     links of a surfel
 
 #import lightwell::patches::NO_PATCH
-#import lightwell::radiosity::{link_albedo, link_patch}
+#import lightwell::radiosity::{Link, link_albedo, link_patch}
 #import lightwell::sweep::Surfel
 
 // First surfel and number of surfels of a patch.
 @group(0) @binding(0) var<storage, read> patches: array<vec2u>;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(2) var<storage, read> surfel_links: array<vec2u>;
+@group(0) @binding(2) var<storage, read> surfel_links: array<Link>;
 @group(0) @binding(3) var<storage, read> shone_on: array<vec4f>;
-@group(0) @binding(4) var<storage, read> lit: array<vec4f>;
-// Irradiance of the patches in the last bounce and in this one [W/m²]; the fourth number is the area [m²].
+@group(0) @binding(4) var<storage, read> reflected_light: array<vec4f>;
+// Irradiance of the patches in the last bounce and in this one [W/m²]; the fourth number is the area that is seen
+// from afar [m²].
 @group(0) @binding(5) var<storage, read> last_bounce: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> this_bounce: array<vec4f>;
 // Irradiance of the patches of all bounces [W/m²].
@@ -36,11 +36,17 @@ const RAYS: u32 = 1u;
 // Most that the series beyond the last bounce may add, over that bounce: an albedo of 0.98.
 const MOST_REST: f32 = 49.0;
 
+// How much a surfel counts in its patch: as much as it is seen from afar, which is as much as it sees. What lies in cracks
+// has less light than the rest, and hardly any ray ends there.
+fn weight_of(surfel: u32) -> f32 {
+    return surfels[surfel].area * max(shone_on[surfel].w, 0.01);
+}
+
 fn linear_index(thread: vec3u, groups: vec3u) -> u32 {
     return thread.x + thread.y * groups.x * 64u;
 }
 
-// Light straight from the lights: what the first bounce reflects.
+// The first bounce.
 @compute @workgroup_size(64)
 fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = linear_index(thread, groups);
@@ -48,14 +54,15 @@ fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) 
         return;
     }
     let range = patches[index];
-    var flux = vec3f(0.0);
-    var area = 0.0;
+    var light = vec3f(0.0);
+    var weights = 0.0;
     for (var i = range.x; i < range.x + range.y; i++) {
-        flux += surfels[i].area * lit[i].rgb;
-        area += surfels[i].area;
+        let weight = weight_of(i);
+        light += weight * (shone_on[i].rgb + reflected_light[i].rgb);
+        weights += weight;
     }
-    this_bounce[index] = vec4f(flux / max(area, 1e-30), area);
-    patch_light[index] = vec4f(0.0);
+    this_bounce[index] = vec4f(light / max(weights, 1e-30), weights);
+    patch_light[index] = this_bounce[index];
 }
 
 @compute @workgroup_size(64)
@@ -65,26 +72,22 @@ fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         return;
     }
     let range = patches[index];
-    var flux = vec3f(0.0);
+    var all = vec3f(0.0);
     for (var i = range.x; i < range.x + range.y; i++) {
         var sum = vec3f(0.0);
         for (var k = i * RAYS; k < (i + 1u) * RAYS; k++) {
-            let link = surfel_links[k];
+            let link = surfel_links[k].seen;
             let to = link_patch(link);
             if to != NO_PATCH {
                 sum += link_albedo(link) * last_bounce[to].rgb;
             }
         }
-        sum /= f32(RAYS);
-#ifdef FIRST
-        sum += shone_on[i].rgb;
-#endif
-        flux += surfels[i].area * sum;
+        all += (weight_of(i) / f32(RAYS)) * sum;
     }
-    let area = last_bounce[index].w;
-    let light = flux / max(area, 1e-30);
-    this_bounce[index] = vec4f(light, area);
-    patch_light[index] = vec4f(patch_light[index].rgb + light, area);
+    let weights = last_bounce[index].w;
+    let light = all / max(weights, 1e-30);
+    this_bounce[index] = vec4f(light, weights);
+    patch_light[index] = vec4f(patch_light[index].rgb + light, weights);
 }
 
 const THREADS: u32 = 256u;

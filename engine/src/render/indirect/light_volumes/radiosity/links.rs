@@ -10,7 +10,7 @@ use glam::Vec3;
 use wgpu::BufferUsages;
 
 /// Bytes of a link.
-const LINK_BYTES: u64 = 8;
+pub(super) const LINK_BYTES: u64 = 16;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -23,6 +23,7 @@ pub(crate) struct LinksUniform {
     emitter_count: u32,
     seed: u32,
     first: u32,
+    far: f32,
 }
 
 /// The links of all surfels, and what shines on them.
@@ -76,6 +77,7 @@ fn dispatch(
         emitter_count: rays.emitter_count,
         seed: 0x7f4a_7c15,
         first,
+        far: frame.surfels.patch_size(),
     };
     let uniform = cx.gpu.uniform("links", &uniform);
     let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());

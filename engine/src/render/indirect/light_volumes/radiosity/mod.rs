@@ -4,19 +4,19 @@
 //!
 //! ```text
 //! surfels ─┬─ links (rays, while nothing moves) ──┐
-//!          └─ direct (shadow rays, a light) ── solve, bounce by bounce ── light of patches ── gather
+//!                    first bounce (shadow rays) ── solve, bounce by bounce ── light of patches ── gather
 //!                                                                     └── light of surfels ── sweep
 //! ```
 //! A surfel's links are Monte Carlo form factors: its irradiance is the mean of what the patches at their ends send back. The
 //! weights of the links are at most one together, so that no bounce gains light, without any calibration; and where only
 //! lights change the links stay as they are, so that all bounces are sums over what is known.
 
-mod direct;
+mod first_bounce;
 mod links;
 mod solve;
 
 #[cfg(test)]
-pub(crate) use self::{direct::DirectUniform, links::LinksUniform};
+pub(crate) use self::{first_bounce::FirstBounceUniform, links::LinksUniform};
 
 use crate::graph::{Buffer, Graph, Handle};
 use crate::render::frame::Frame;
@@ -36,6 +36,9 @@ pub(super) struct Radiosity {
 const REST: f32 = 0.05;
 /// Most bounces of light that converges; the series takes over from there.
 const MOST_BOUNCES: u32 = 16;
+
+/// Bytes of a storage binding that every device has.
+const LARGEST_BINDING: u64 = 128 << 20;
 
 /// How many bounces are computed, and whether a series stands for the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,14 +64,16 @@ impl BounceCount {
     }
 }
 
-/// Rays of a surfel.
-fn rays(settings: &Clpv) -> u32 {
-    match settings.quality {
+/// Rays of a surfel: as many as the quality asks for, and as fit a storage binding.
+fn rays(settings: &Clpv, surfels: u32) -> u32 {
+    let wanted: u32 = match settings.quality {
         Quality::Low => 8,
-        Quality::Medium => 16,
-        Quality::High => 16,
+        Quality::Medium | Quality::High => 16,
         Quality::Ultra => 32,
-    }
+    };
+    let possible = (LARGEST_BINDING / links::LINK_BYTES / u64::from(surfels.max(1))).clamp(1, u64::from(wanted)) as u32;
+    // A power of two, of which the points of the sequence are evenly spread.
+    1 << possible.ilog2()
 }
 
 /// Declares all passes. None if there is but one bounce, or the scene is not ready for rays: the reason is in the report then.
@@ -88,8 +93,8 @@ pub(super) fn declare<'a>(
         graph.skip("radiosity", "one bounce is asked for");
         return None;
     }
-    let rays = rays(settings);
+    let rays = rays(settings, frame.surfels.count());
     let links = links::declare(graph, frame, surfels, rays);
-    let lit = direct::declare(graph, frame, surfels);
-    Some(solve::declare(graph, frame, solve::Subject { surfels, links, lit, rays, bounces }))
+    let reflected = first_bounce::declare(graph, frame, surfels, links, rays);
+    Some(solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces }))
 }

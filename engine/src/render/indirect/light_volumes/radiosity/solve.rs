@@ -16,8 +16,8 @@ pub(super) struct Subject {
     /// In world space.
     pub surfels: Handle<Buffer>,
     pub links: Links,
-    /// Irradiance of the surfels straight from the lights.
-    pub lit: Handle<Buffer>,
+    /// Irradiance of the surfels of the lights' first bounce.
+    pub reflected: Handle<Buffer>,
     /// Links of a surfel.
     pub rays: u32,
     pub bounces: BounceCount,
@@ -43,7 +43,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
     let surfels = graph.retained_buffer("light of surfels", vectors(cloud.count()));
     let mut pass = graph.pass("radiosity");
     let Links { links, shone_on } = subject.links;
-    [subject.surfels, links, shone_on, subject.lit].into_iter().for_each(|handle| pass.read(handle));
+    [subject.surfels, links, shone_on, subject.reflected].into_iter().for_each(|handle| pass.read(handle));
     let work = Work {
         bounces: bounces.map(|handle| pass.write(handle)),
         rest: pass.write(rest),
@@ -54,11 +54,10 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
         let rest = cx.buffer(work.rest).clone();
         cx.encoder().clear_buffer(&rest, 0, None);
         run(cx, cloud, &subject, &work, "start", 0)?;
-        for bounce in 0..subject.bounces.computed {
+        for bounce in 1..subject.bounces.computed {
             run(cx, cloud, &subject, &work, "bounce", bounce)?;
         }
-        let last = subject.bounces.computed.saturating_sub(1);
-        // The first bounce is light of lamps, and no member of the series.
+        let last = subject.bounces.computed - 1;
         if subject.bounces.has_rest && last > 0 {
             run(cx, cloud, &subject, &work, "find_rest", last)?;
         }
@@ -67,7 +66,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
     work.result
 }
 
-/// Runs an entry point; even bounces are read from the first buffer, and odd ones from the second.
+/// Runs an entry point; even bounces are written to the first buffer, and odd ones to the second.
 fn run(
     cx: &mut PassContext,
     cloud: &GpuSurfels,
@@ -76,20 +75,17 @@ fn run(
     entry: &'static str,
     bounce: u32,
 ) -> Result<(), PassError> {
-    let [mut from, mut to] = work.bounces;
-    if (bounce % 2 == 1) != (entry == "start") {
+    let [mut to, mut from] = work.bounces;
+    if bounce % 2 == 1 {
         (from, to) = (to, from);
     }
-    let handles = [subject.surfels, subject.links.links, subject.links.shone_on, subject.lit, from, to, work.rest]
+    let handles = [subject.surfels, subject.links.links, subject.links.shone_on, subject.reflected, from, to, work.rest]
         .map(|handle| cx.buffer(handle).clone());
     let results = [work.result.patches, work.result.surfels].map(|handle| cx.buffer(handle).clone());
-    let names = ["surfels", "surfel_links", "shone_on", "lit", "last_bounce", "this_bounce", "rest"];
+    let names = ["surfels", "surfel_links", "shone_on", "reflected_light", "last_bounce", "this_bounce", "rest"];
     let mut key = ComputeKey::new(SHADER, entry);
     if entry == "bounce" {
         key = key.def("RAYS", ShaderDef::Uint(subject.rays));
-        if bounce == 0 {
-            key = key.def("FIRST", ShaderDef::Flag(true));
-        }
     }
     let mut group = vec![("patches", cloud.patches().ranges())];
     group.extend(names.into_iter().zip(handles.iter().map(Binding::Buffer)));

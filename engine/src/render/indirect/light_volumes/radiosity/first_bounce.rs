@@ -1,0 +1,68 @@
+//! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
+
+use super::links::Links;
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
+use crate::render::frame::{Frame, linear_groups};
+use crate::render::indirect::path_tracer::dispatch_rays;
+use encase::ShaderType;
+use wgpu::BufferUsages;
+
+/// Most links of a surfel whose ends are looked at.
+const MOST_SAMPLES: u32 = 8;
+/// Rays of one submit: a submit of a second may cost the device on desktop drivers.
+const RAYS_A_SUBMIT: u64 = 1 << 18;
+
+/// `FirstBounce` of `indirect/light_volumes/radiosity/first_bounce.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct FirstBounceUniform {
+    root: u32,
+    light_count: u32,
+    seed: u32,
+    first: u32,
+}
+
+/// Declares the irradiance of the surfels of the lights' first bounce [W/m²]; `rays` is the number of links of a surfel.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    surfels: Handle<Buffer>,
+    links: Links,
+    rays: u32,
+) -> Handle<Buffer> {
+    let count = frame.surfels.count();
+    let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE);
+    let reflected = graph.retained_buffer("first bounce at surfels", desc);
+    let mut pass = graph.pass("first bounce");
+    [surfels, links.links].into_iter().for_each(|handle| pass.read(handle));
+    let reflected = pass.write(reflected);
+    pass.key(&(frame.geometry_key(), frame.scene.revisions.lights, rays));
+    let frame = frame.clone();
+    pass.execute(move |cx| {
+        let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let samples = rays.min(MOST_SAMPLES);
+        let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
+        cx.counts().paths += u64::from(count) * u64::from(samples);
+        let key = scene
+            .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
+            .def("RAYS", ShaderDef::Uint(rays))
+            .def("SAMPLES", ShaderDef::Uint(samples));
+        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
+        for first in (0..count).step_by(surfels_a_submit as usize) {
+            let surfels_now = (count - first).min(surfels_a_submit as u32);
+            cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT);
+            let (root, light_count) = (scene.root(), scene.light_count);
+            let uniform = FirstBounceUniform { root, light_count, seed: 0x1656_67b1, first };
+            let uniform = cx.gpu.uniform("first_bounce", &uniform);
+            let group = [
+                ("first_bounce", Binding::Buffer(&uniform)),
+                ("surfels", Binding::Buffer(&surfels)),
+                ("surfel_links", Binding::Buffer(&links)),
+                ("reflected_light", Binding::Buffer(&reflected)),
+            ];
+            dispatch_rays(cx, &key, &group, scene, linear_groups(surfels_now))?;
+        }
+        Ok(())
+    });
+    reflected
+}

@@ -1,0 +1,66 @@
+// Light that surfels see at the ends of their links, straight from the lights: the first bounce, by shadow rays from where the
+// links end. Points of a patch differ in this light, which has borders, and not in that of further bounces.
+//   RAYS     links of a surfel
+//   SAMPLES  how many of them are looked at, the first ones
+
+#import lightwell::next_event::{bounded, sample_light}
+#import lightwell::radiosity::{Link, link_hit}
+#import lightwell::rays::{NONE, SHADOW, surface_at, trace}
+#import lightwell::sampling::{Sampler, next_pair}
+#import lightwell::sweep::Surfel
+
+struct FirstBounce {
+    root: u32,             // of the hierarchy
+    light_count: u32,
+    seed: u32,
+    first: u32,            // surfel of this dispatch
+}
+
+@group(0) @binding(0) var<uniform> first_bounce: FirstBounce;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(2) var<storage, read> surfel_links: array<Link>;
+// Irradiance [W/m²].
+@group(0) @binding(3) var<storage, read_write> reflected_light: array<vec4f>;
+
+#ifdef RAYS
+const RAYS: u32 = #{RAYS}u;
+#else
+const RAYS: u32 = 1u;
+#endif
+#ifdef SAMPLES
+const SAMPLES: u32 = #{SAMPLES}u;
+#else
+const SAMPLES: u32 = 1u;
+#endif
+
+const PI: f32 = 3.14159265358979;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = first_bounce.first + thread.x + thread.y * groups.x * 64u;
+    if index >= arrayLength(&surfels) {
+        return;
+    }
+    let position = surfels[index].position;
+    var light = vec3f(0.0);
+    for (var i = 0u; i < SAMPLES; i++) {
+        let hit = link_hit(surfel_links[index * RAYS + i], position);
+        if hit.triangle == NONE {
+            continue;
+        }
+        let direction = hit.direction;
+        let surface = surface_at(hit.hit, direction);
+        var pick = 0.0;
+        if first_bounce.light_count > 1u {
+            var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
+            pick = next_pair(&random).x;
+        }
+        let sample = sample_light(surface, -direction, first_bounce.light_count, false, pick);
+        var is_lit = true;
+        if sample.reach > 0.0 {
+            is_lit = trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle == NONE;
+        }
+        light += select(vec3f(0.0), bounded(sample.light), is_lit);
+    }
+    reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);
+}
