@@ -9,8 +9,15 @@ struct PatchGrid {
     rows: array<vec4f, 3>,
 }
 
-// Places of a hash table with open addressing: tag and patch. A power of two of them.
-@group(0) @binding(20) var<storage, read> patch_table: array<vec2u>;
+// A cell of an object's grid: the patches that face each of the six ways.
+struct PatchCell {
+    patches: array<u32, 6>,
+    tag: u32,
+    unused: u32,
+}
+
+// Places of a hash table with open addressing, a power of two of them.
+@group(0) @binding(20) var<storage, read> patch_table: array<PatchCell>;
 // Index of the object by that of the primitive; all bits set: it has no surfels.
 @group(0) @binding(21) var<storage, read> place_of_primitive: array<u32>;
 @group(0) @binding(22) var<storage, read> patch_grids: array<PatchGrid>;
@@ -35,22 +42,7 @@ fn face_of(n: vec3f) -> u32 {
     return 2u * axis + select(0u, 1u, n[axis] < 0.0);
 }
 
-fn patch_in(place: u32, face: u32, cell: vec3u) -> u32 {
-    let side = place * 8u + face;
-    let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(side))));
-    let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(side ^ 0x9e3779b9u))));
-    let mask = arrayLength(&patch_table) - 1u;
-    for (var step = 0u; step < PATCH_PROBES; step++) {
-        let known = patch_table[(start + step) & mask];
-        if known.y == NO_PATCH || known.x == tag {
-            return known.y;
-        }
-    }
-    return NO_PATCH;
-}
-
-// The patch of a point of a primitive, by its position [m] and the geometric normal on its visible side. Where none faces
-// as the point does most, one may face the way that comes next.
+// The patch of a point of a primitive, by its position [m] and the geometric normal on its visible side.
 fn patch_at(primitive: u32, position: vec3f, normal: vec3f) -> u32 {
     let place = place_of_primitive[primitive];
     if place == 0xffffffffu {
@@ -63,14 +55,17 @@ fn patch_at(primitive: u32, position: vec3f, normal: vec3f) -> u32 {
     let n = turned * inverseSqrt(max(dot(turned, turned), 1e-30));
     let p = vec3f(dot(a.xyz, position) + a.w, dot(b.xyz, position) + b.w, dot(c.xyz, position) + c.w);
     let cell = bitcast<vec3u>(vec3i(clamp(floor(p + PATCH_BEFORE * n), vec3f(-PATCH_REACH), vec3f(PATCH_REACH))));
-    var rest = n;
-    for (var i = 0u; i < 3u; i++) {
-        let face = face_of(rest);
-        let found = patch_in(place, face, cell);
-        if found != NO_PATCH {
-            return found;
+    let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(place))));
+    let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(place ^ 0x9e3779b9u))));
+    let mask = arrayLength(&patch_table) - 1u;
+    for (var step = 0u; step < PATCH_PROBES; step++) {
+        let at = (start + step) & mask;
+        if patch_table[at].tag == tag {
+            return patch_table[at].patches[face_of(n)];
         }
-        rest[face / 2u] = 0.0;
+        if patch_table[at].patches[0] == NO_PATCH {
+            break;
+        }
     }
     return NO_PATCH;
 }

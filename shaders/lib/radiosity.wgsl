@@ -4,6 +4,13 @@
 
 #import lightwell::patches::NO_PATCH
 #import lightwell::rays::{Hit, NONE, load_triangle}
+#import lightwell::sweep::Surfel
+
+// Where the links of a surfel start: a little before it [m], since objects stand on each other and surfaces nearly coincide.
+// What lies just below another surface then sees what that one does.
+fn link_start(surfel: Surfel, before: f32) -> vec3f {
+    return surfel.position + before * surfel.normal;
+}
 
 struct Link {
     seen: vec2u,           // the patch, or NO_PATCH, and the diffuse reflectance there, which has 15, 15 and 14 bits
@@ -36,7 +43,7 @@ fn link_albedo(seen: vec2u) -> vec3f {
     return vec3f(low | (high << vec3u(4u))) / vec3f(32767.0, 32767.0, 16383.0);
 }
 
-// What a link of a surfel at a position [m] meets, and the unit direction from there.
+// What a link from a point [m] meets, and the unit direction from there.
 struct LinkEnd {
     triangle: u32,         // or NONE
     hit: Hit,

@@ -40,6 +40,9 @@ const INNER: u32 = 1 << 31;
 /// `lib/sweep.wgsl`.
 const CLOSED_SHIFT: u32 = 23;
 
+/// What these bits are for a surfel that lies in a crack or cavity.
+const HIDDEN: u8 = 255;
+
 /// A piece of surface, as `Surfel` of `lib/sweep.wgsl`. Position and normal are in object space, lengths and areas
 /// are as in the world.
 #[repr(C)]
@@ -71,6 +74,11 @@ impl Surfel {
     /// Index in [`SurfelCloud::places`].
     pub fn group(&self) -> usize {
         (self.place & ((1 << CLOSED_SHIFT) - 1)) as usize
+    }
+
+    /// Whether it lies in a crack or cavity, where light hardly gets.
+    pub fn is_hidden(&self) -> bool {
+        (self.place >> CLOSED_SHIFT) as u8 == HIDDEN
     }
 
     /// Share of the light about it that gets past what stands near it.
@@ -178,6 +186,11 @@ impl SurfelCloud {
             self.place_of_primitive = place_of_primitive;
             self.revision += 1;
         }
+    }
+
+    /// How far before a surfel rays start that look for what is around it \[m\].
+    pub fn before(&self) -> f32 {
+        self.exposed.before()
     }
 
     /// Area of all surfels \[m²\].

@@ -24,7 +24,7 @@ impl GpuPatches {
         let empty = |label: &str| gpu.storage(label, &[[0_u32; 12]], BufferUsages::empty());
         Self {
             ranges: empty("patches"),
-            table: gpu.storage("patch table", &[[0_u32, NO_PATCH]; 2], BufferUsages::empty()),
+            table: gpu.storage("patch table", &[[NO_PATCH; 8]; 2], BufferUsages::empty()),
             place_of_primitive: empty("places of primitives"),
             grids: empty("patch grids"),
         }
@@ -145,6 +145,11 @@ impl GpuSurfels {
     /// Edge of a patch \[m\].
     pub fn patch_size(&self) -> f32 {
         self.cloud.patches.size
+    }
+
+    /// How far before a surfel rays start \[m\]: where surfaces nearly coincide, each would be behind the other.
+    pub fn before(&self) -> f32 {
+        self.cloud.before()
     }
 
     /// The patches, see `lib/patches.wgsl`.

@@ -2,7 +2,8 @@
 //!
 //! Each object has a grid of its own, in its own space, so that its patches move with it: what lies in one cell of the grid
 //! and faces the same of six ways is a patch. A hash table finds the patch of any point of a surface. It also holds the
-//! cells next to patches, since surfels are samples: where a corner of a surface has none, the nearest patch answers.
+//! cells next to patches, and for each cell a patch for every way that a surface may face there, since surfels are samples:
+//! where a corner of a surface has none, the nearest patch answers.
 
 use super::{Surfel, shape};
 use glam::{Affine3A, IVec3, Mat3A, Vec3};
@@ -11,7 +12,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 /// Surfels that an even surface has in a patch.
-const SURFELS_A_PATCH: f32 = 8.0;
+const SURFELS_A_PATCH: f32 = 4.0;
 
 /// Stands for no patch, as `NO_PATCH` of `lib/patches.wgsl`.
 pub const NO_PATCH: u32 = 0x000f_ffff;
@@ -26,17 +27,14 @@ const REACH: f32 = 1e9;
 /// Most places of the table that are looked at for a patch, as `PATCH_PROBES` of `lib/patches.wgsl`.
 const PROBES: u32 = 32;
 
-/// Patches up to which an object has every cell around them in the table, whichever way it faces: of things smaller than a
-/// cell some sides have no surfels.
-const FEW: usize = 64;
-
 /// The patches of a scene. Those of a patch's surfels follow each other in the cloud.
 #[derive(Debug, Default)]
 pub struct Patches {
     /// First surfel and number of surfels of each patch.
     pub ranges: Vec<[u32; 2]>,
-    /// Places of a hash table with open addressing: tag and patch. A power of two of them.
-    pub table: Vec<[u32; 2]>,
+    /// Places of a hash table with open addressing, a power of two of them: the patches of a cell that face each of the six
+    /// ways, its tag, and an unused word.
+    pub table: Vec<[u32; 8]>,
     /// Edge of a cell \[m\].
     pub size: f32,
     known: HashMap<usize, Arc<Arranged>>,
@@ -52,7 +50,7 @@ pub(super) struct Arranged {
     /// All surfels.
     pub surfels: Vec<Surfel>,
     ranges: Vec<[u32; 2]>,
-    cells: Vec<(Cell, u32)>,
+    cells: Vec<([i32; 3], Faces)>,
 }
 
 /// A cell of an object's grid, and which of the six ways its surface faces.
@@ -99,7 +97,8 @@ impl Patches {
         for (object, group) in objects.iter().zip(0..) {
             let first = self.ranges.len() as u32;
             self.ranges.extend(object.ranges.iter().map(|[start, count]| [start + surfels, *count]));
-            cells.extend(object.cells.iter().map(|(cell, patch)| (hashes(group, cell), first + patch)));
+            let in_scene = |patches: &Faces| patches.map(|patch| first + patch);
+            cells.extend(object.cells.iter().map(|(at, patches)| (hashes(group, *at), in_scene(patches))));
             surfels += object.surfels.len() as u32;
         }
         let mut places = (2 * cells.len()).next_power_of_two().max(2);
@@ -114,21 +113,22 @@ impl Patches {
     /// The patch that a point of a surface belongs to, by the point and the normal in the grid of its object (see
     /// [`cells_from_world`]), as shaders find it; none where no surfel is near.
     pub fn at(&self, group: u32, point: Vec3, normal: Vec3) -> Option<u32> {
-        let [start, tag] = hashes(group, &Cell::of(point, normal));
+        let cell = Cell::of(point, normal);
+        let [start, tag] = hashes(group, cell.at);
         let mask = self.table.len() as u32 - 1;
-        let found = (0..PROBES).map(|step| self.table[(start.wrapping_add(step) & mask) as usize]);
-        let found = found.take_while(|[_, patch]| *patch != NO_PATCH).find(|[known, _]| *known == tag);
-        found.map(|[_, patch]| patch)
+        let found = (0..PROBES).map(|step| &self.table[(start.wrapping_add(step) & mask) as usize]);
+        let found = found.take_while(|place| place[0] != NO_PATCH).find(|place| place[6] == tag);
+        found.map(|place| place[cell.face as usize])
     }
 }
 
 /// Writes all cells into a table of so many places; none if some would lie too far from where they are looked for.
-fn table(cells: &[([u32; 2], u32)], places: usize) -> Option<Vec<[u32; 2]>> {
-    let mut table = vec![[0, NO_PATCH]; places];
+fn table(cells: &[([u32; 2], Faces)], places: usize) -> Option<Vec<[u32; 8]>> {
+    let mut table = vec![[NO_PATCH; 8]; places];
     let mask = places as u32 - 1;
-    for ([start, tag], patch) in cells {
-        let step = (0..PROBES).find(|step| table[(start.wrapping_add(*step) & mask) as usize][1] == NO_PATCH)?;
-        table[(start.wrapping_add(step) & mask) as usize] = [*tag, *patch];
+    for ([start, tag], [a, b, c, d, e, f]) in cells {
+        let step = (0..PROBES).find(|step| table[(start.wrapping_add(*step) & mask) as usize][0] == NO_PATCH)?;
+        table[(start.wrapping_add(step) & mask) as usize] = [*a, *b, *c, *d, *e, *f, *tag, 0];
     }
     Some(table)
 }
@@ -141,7 +141,7 @@ impl Arranged {
         };
         let mut order: Vec<(Cell, u32)> = source.iter().map(cell).zip(0..).collect();
         order.sort_unstable();
-        let surfels = order.iter().map(|(_, index)| source[*index as usize]).collect();
+        let surfels: Vec<Surfel> = order.iter().map(|(_, index)| source[*index as usize]).collect();
         let (mut ranges, mut own): (Vec<[u32; 2]>, Vec<Cell>) = (Vec::new(), Vec::new());
         for ((cell, _), index) in order.iter().zip(0..) {
             match ranges.last_mut() {
@@ -152,58 +152,77 @@ impl Arranged {
                 }
             }
         }
-        let cells = with_neighbors(&own);
+        let hidden = |range: &[u32; 2]| {
+            let [first, count] = range.map(|v| v as usize);
+            surfels[first..first + count].iter().all(Surfel::is_hidden)
+        };
+        let is_hidden: Vec<bool> = ranges.iter().map(hidden).collect();
+        let cells = with_neighbors(&own, &is_hidden);
         Self { source, size: size.to_bits(), surfels, ranges, cells }
     }
 }
 
-/// All cells whose patch is known: its own, those around it that face the same way, nearer ones first, and those of its own
-/// cell that face other ways, but for the opposite one.
-fn with_neighbors(own: &[Cell]) -> Vec<(Cell, u32)> {
-    let mut found: HashMap<Cell, u32> = own.iter().copied().zip(0..).collect();
-    let mut cells: Vec<(Cell, u32)> = own.iter().copied().zip(0..).collect();
-    let spread = |from: &[(Cell, u32)], cells: &mut Vec<(Cell, u32)>, found: &mut HashMap<Cell, u32>, ways: &[Way]| {
-        for (cell, patch) in from {
-            for way in ways {
-                if let Some(next) = way.from(cell)
-                    && let Entry::Vacant(entry) = found.entry(next)
-                {
-                    entry.insert(*patch);
-                    cells.push((next, *patch));
+/// Patches of a cell that face each of the six ways.
+type Faces = [u32; 6];
+
+/// The cells of patches and those around them. Each face has the nearest patch that faces so.
+#[derive(Default)]
+struct Cells {
+    places: HashMap<[i32; 3], usize>,
+    cells: Vec<([i32; 3], Faces)>,
+}
+
+impl Cells {
+    /// Adds patches where nothing is known yet, nearer ones first.
+    fn add(&mut self, patches: &[(Cell, u32)]) {
+        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        for distance in 0..4 {
+            let steps: Vec<IVec3> = around.clone().filter(|step| step.length_squared() == distance).collect();
+            for (cell, patch) in patches {
+                for step in &steps {
+                    let at = std::array::from_fn(|axis| cell.at[axis].saturating_add(step[axis]));
+                    let known = &mut self.faces(at)[cell.face as usize];
+                    if *known == NO_PATCH {
+                        *known = *patch;
+                    }
                 }
             }
         }
-    };
-    let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-    let at_distance = |square: i32| -> Vec<Way> {
-        around.clone().filter(|way| way.length_squared() == square).map(Way::Step).collect()
-    };
-    let sides: Vec<Way> = (0..6).map(Way::Face).collect();
-    let first = cells.clone();
-    for square in 1..=3 {
-        spread(&first, &mut cells, &mut found, &at_distance(square));
     }
-    let all = cells.clone();
-    spread(if own.len() <= FEW { &all } else { &first }, &mut cells, &mut found, &sides);
-    cells
-}
 
-/// From a cell to another one.
-enum Way {
-    Step(IVec3),
-    Face(u32),
-}
+    fn faces(&mut self, at: [i32; 3]) -> &mut Faces {
+        let place = *self.places.entry(at).or_insert_with(|| {
+            self.cells.push((at, [NO_PATCH; 6]));
+            self.cells.len() - 1
+        });
+        &mut self.cells[place].1
+    }
 
-impl Way {
-    fn from(&self, cell: &Cell) -> Option<Cell> {
-        match self {
-            Self::Step(step) => {
-                let at = std::array::from_fn(|axis| cell.at[axis].saturating_add(step[axis]));
-                Some(Cell { at, ..*cell })
+    /// Where a cell knows no patch that faces some way, another one of it answers, at last the one that faces away.
+    fn fill(&mut self, has_opposite: bool) {
+        for (_, faces) in &mut self.cells {
+            let known = *faces;
+            for (face, patch) in faces.iter_mut().enumerate().filter(|(_, patch)| **patch == NO_PATCH) {
+                let beside = (0..6).filter(|other| *other != face ^ 1).chain(has_opposite.then_some(face ^ 1));
+                *patch = beside.map(|other| known[other]).find(|other| *other != NO_PATCH).unwrap_or(NO_PATCH);
             }
-            Self::Face(face) => (face / 2 != cell.face / 2).then_some(Cell { face: *face, ..*cell }),
         }
     }
+}
+
+/// The cells of all patches and those around them, with a patch for each of the six ways. What lies in cracks answers only
+/// where nothing else does: it is dark, and what is seen of a surface is not.
+fn with_neighbors(own: &[Cell], is_hidden: &[bool]) -> Vec<([i32; 3], Faces)> {
+    let patches = |hidden: bool| -> Vec<(Cell, u32)> {
+        let all = own.iter().copied().zip(0..).zip(is_hidden);
+        all.filter(|(_, is_hidden)| **is_hidden == hidden).map(|(patch, _)| patch).collect()
+    };
+    let mut cells = Cells::default();
+    cells.add(&patches(false));
+    cells.fill(false);
+    cells.add(&patches(true));
+    cells.fill(true);
+    cells.cells
 }
 
 impl Cell {
@@ -246,12 +265,11 @@ pub fn cells_from_world(place: &Affine3A, size: f32) -> Affine3A {
     Affine3A { matrix3: linear, translation: -(linear * place.translation) }
 }
 
-/// Where a cell is looked for in the table, and the tag by which it is known, as in `lib/patches.wgsl`.
-fn hashes(group: u32, cell: &Cell) -> [u32; 2] {
-    let [x, y, z] = cell.at.map(|v| v as u32);
-    let side = group.wrapping_mul(8).wrapping_add(cell.face);
-    let start = hash(x ^ hash(y ^ hash(z ^ hash(side))));
-    let tag = hash(z ^ hash(x ^ hash(y ^ hash(side ^ 0x9e37_79b9))));
+/// Where a cell of an object is looked for in the table, and the tag by which it is known, as in `lib/patches.wgsl`.
+fn hashes(group: u32, cell: [i32; 3]) -> [u32; 2] {
+    let [x, y, z] = cell.map(|v| v as u32);
+    let start = hash(x ^ hash(y ^ hash(z ^ hash(group))));
+    let tag = hash(z ^ hash(x ^ hash(y ^ hash(group ^ 0x9e37_79b9))));
     [start, tag]
 }
 

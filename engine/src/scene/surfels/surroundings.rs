@@ -6,7 +6,7 @@
 //! model"): what they meet within the reach of a cell gives back a part of the light.
 
 use super::still::Still;
-use super::{CLOSED_SHIFT, Group, GroupKey, Surfel};
+use super::{CLOSED_SHIFT, Group, GroupKey, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
 use crate::bvh::{Ray, world_normal};
 use crate::scene::{Aabb, Primitive, Scene};
@@ -26,6 +26,8 @@ const REACH: f32 = 2.0;
 /// Share of the light that comes from what is in the way: its reflectance, of which nothing is known here, so that another
 /// colour of one surface changes nothing around it.
 const NEAR: f32 = 0.5;
+/// Distance that some ray of a surfel must get to, or it lies in a crack or cavity that light hardly finds \[cells\].
+const LEAST_REACH: f32 = 1.0;
 /// Rays of a surfel.
 const RAYS: u8 = 8;
 /// Objects that come or go at once from which on all surfels are looked at anew, and not those alone that see them.
@@ -76,11 +78,16 @@ impl Spread {
 enum Around {
     /// Nothing but the inside of solids: no light ever comes here.
     Solid,
-    /// How much is closed, of 255.
+    /// How much is closed, of 255; that is [`HIDDEN`].
     Closed(u8),
 }
 
 impl Exposed {
+    /// How far before a surfel its rays start \[m\].
+    pub fn before(&self) -> f32 {
+        BEFORE * self.cell
+    }
+
     /// What is left of `all` surfels of each group, for cells of a size \[m\].
     pub fn update(
         &mut self,
@@ -161,18 +168,21 @@ impl Exposed {
         if looks.iter().all(|look| look.is_back) {
             return Around::Solid;
         }
+        if looks.iter().all(|look| look.distance < LEAST_REACH * self.cell) {
+            return Around::Closed(HIDDEN);
+        }
         let open = looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS);
-        Around::Closed((255.0 * (1.0 - open)).round() as u8)
+        Around::Closed(((255.0 * (1.0 - open)).round() as u8).min(HIDDEN - 1))
     }
 
     fn along(&self, ray: &Ray) -> Look {
-        let Some(met) = self.still.closest(ray) else { return Look { is_back: false, light: 1.0 } };
+        let Some(met) = self.still.closest(ray) else { return Look { distance: f32::INFINITY, is_back: false, light: 1.0 } };
         let light = match met.is_back {
             _ if met.t >= REACH * self.cell => 1.0,
             true => 0.0,
             false => NEAR,
         };
-        Look { is_back: met.is_back, light }
+        Look { distance: met.t, is_back: met.is_back, light }
     }
 }
 
@@ -223,6 +233,8 @@ fn rays(surfel: &Surfel, index: usize, place: &Affine3A, cell: f32) -> Option<[R
 
 /// What a ray found.
 struct Look {
+    /// \[m\].
+    distance: f32,
     /// The back of a surface of which only the front can be seen.
     is_back: bool,
     /// Share of the light that comes from there.

@@ -4,7 +4,7 @@
 //   SAMPLES  how many of them are looked at, the first ones
 
 #import lightwell::next_event::{bounded, sample_light}
-#import lightwell::radiosity::{Link, link_hit}
+#import lightwell::radiosity::{Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
 #import lightwell::sweep::Surfel
@@ -14,6 +14,7 @@ struct FirstBounce {
     light_count: u32,
     seed: u32,
     first: u32,            // surfel of this dispatch
+    before: f32,           // where links start before their surfel [m]
 }
 
 @group(0) @binding(0) var<uniform> first_bounce: FirstBounce;
@@ -41,7 +42,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     if index >= arrayLength(&surfels) {
         return;
     }
-    let position = surfels[index].position;
+    let position = link_start(surfels[index], first_bounce.before);
     var light = vec3f(0.0);
     for (var i = 0u; i < SAMPLES; i++) {
         let hit = link_hit(surfel_links[index * RAYS + i], position);

@@ -16,7 +16,7 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::patches::patch_at
-#import lightwell::radiosity::{Link, encode_link, no_link}
+#import lightwell::radiosity::{Link, encode_link, link_start, no_link}
 #import lightwell::rays::{Hit, Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, primitive_of, surface_at, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
@@ -28,6 +28,7 @@ struct Links {
     emitter_count: u32,
     seed: u32,
     first: u32,            // surfel of this dispatch
+    before: f32,           // where links start before their surfel [m]
     far: f32,              // distance beyond which what is met is not of the surfel's own surroundings [m]
 }
 
@@ -50,7 +51,7 @@ const PI: f32 = 3.14159265358979;
 // A white surface, which reflects irradiance/π.
 fn white_surface(surfel: Surfel) -> Surface {
     var surface: Surface;
-    surface.position = surfel.position;
+    surface.position = link_start(surfel, links.before);
     surface.normal = surfel.normal;
     surface.geometric_normal = surfel.normal;
     surface.albedo = vec3f(1.0);

@@ -20,6 +20,7 @@ pub(crate) struct FirstBounceUniform {
     light_count: u32,
     seed: u32,
     first: u32,
+    before: f32,
 }
 
 /// Declares the irradiance of the surfels of the lights' first bounce [W/m²]; `rays` is the number of links of a surfel.
@@ -36,7 +37,7 @@ pub(super) fn declare<'a>(
     let mut pass = graph.pass("first bounce");
     [surfels, links.links].into_iter().for_each(|handle| pass.read(handle));
     let reflected = pass.write(reflected);
-    pass.key(&(frame.geometry_key(), frame.scene.revisions.lights, rays));
+    pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
@@ -51,8 +52,13 @@ pub(super) fn declare<'a>(
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
             cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT);
-            let (root, light_count) = (scene.root(), scene.light_count);
-            let uniform = FirstBounceUniform { root, light_count, seed: 0x1656_67b1, first };
+            let uniform = FirstBounceUniform {
+                root: scene.root(),
+                light_count: scene.light_count,
+                seed: 0x1656_67b1,
+                first,
+                before: frame.surfels.before(),
+            };
             let uniform = cx.gpu.uniform("first_bounce", &uniform);
             let group = [
                 ("first_bounce", Binding::Buffer(&uniform)),

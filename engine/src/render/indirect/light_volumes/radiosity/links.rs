@@ -23,6 +23,7 @@ pub(crate) struct LinksUniform {
     emitter_count: u32,
     seed: u32,
     first: u32,
+    before: f32,
     far: f32,
 }
 
@@ -77,6 +78,7 @@ fn dispatch(
         emitter_count: rays.emitter_count,
         seed: 0x7f4a_7c15,
         first,
+        before: frame.surfels.before(),
         far: frame.surfels.patch_size(),
     };
     let uniform = cx.gpu.uniform("links", &uniform);

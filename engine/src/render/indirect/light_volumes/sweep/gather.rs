@@ -22,7 +22,7 @@ const RAYS_A_SUBMIT: u64 = 1 << 18;
 
 /// Distance within which light is not known well enough [edges of a patch]. From there rays go on, which takes a bounce more
 /// than was computed: only where all are counted.
-const NEAR: f32 = 1.5;
+const NEAR: f32 = 2.1;
 
 /// `Gather` of `indirect/light_volumes/sweep/gather.wgsl`.
 #[derive(ShaderType)]
