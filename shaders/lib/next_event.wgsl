@@ -6,6 +6,9 @@
 // sky is alike in all directions.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
+#ifndef DIFFUSE
+#import lightwell::environment::lobe_reflectance
+#endif
 #import lightwell::lights::{Incidence, light_incidence}
 #import lightwell::rays::{Ray, Hit, Surface, NONE, DOUBLE_SIDED, leave_surface, load_triangle, emitted_at, coverage, emitters, load_light}
 #import lightwell::sampling::{INVERSE_PI, cosine_direction, visible_ggx_normal}
@@ -80,6 +83,20 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
     return eval_brdf_cosine(
         surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
     );
+#endif
+}
+
+// Share of even light from all around that a surface reflects towards a unit direction: the diffuse part, less what the
+// specular lobe takes of it (Schlick's (1 − v·h)⁵ is 0.004 in the mean over diffuse directions), and that lobe.
+fn even_reflectance(surface: Surface, to_eye: vec3f) -> vec3f {
+#ifdef DIFFUSE
+    return surface.albedo;
+#else
+    let f = mix(surface.normal_reflectance, vec3f(surface.grazing_reflectance), 0.004);
+    let lobe = lobe_reflectance(
+        surface.normal_reflectance, surface.grazing_reflectance, sqrt(surface.alpha), dot(surface.normal, to_eye),
+    );
+    return surface.albedo * (1.0 - max(f.r, max(f.g, f.b))) + lobe;
 #endif
 }
 

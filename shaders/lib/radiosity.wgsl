@@ -13,7 +13,7 @@ fn link_start(surfel: Surfel, before: f32) -> vec3f {
 }
 
 struct Link {
-    seen: vec2u,           // the patch, or NO_PATCH, and the diffuse reflectance there, which has 15, 15 and 14 bits
+    seen: vec2u,           // the patch, or NO_PATCH, and the reflectance there, which has 15, 15 and 14 bits
     triangle: u32,         // or NONE: the sky, or the back of something
     barycentric: u32,      // of the second and third corner, 16 bits each
 }

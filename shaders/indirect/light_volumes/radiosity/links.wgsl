@@ -7,7 +7,7 @@
 //   RAYS      rays of a surfel
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
-#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, reflected}
+#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, even_reflectance}
 #ifndef UNLIT
 #import lightwell::next_event::sample_emitter
 #endif
@@ -118,7 +118,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
                 if met.visible {
                     light += bounded(met.emissive * emission_weight(met, hit, direction, density));
                     let seen = patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal);
-                    link = encode_link(seen, met.albedo, hit);
+                    link = encode_link(seen, even_reflectance(met, -direction), hit);
                 }
             }
         }

@@ -12,7 +12,7 @@
 #ifdef POINTS
 #import lightwell::lit_points::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
-#import lightwell::next_event::{LightSample, bounded, emission_weight, no_light, sample_light}
+#import lightwell::next_event::{LightSample, bounded, emission_weight, even_reflectance, no_light, sample_light}
 #ifndef UNLIT
 #import lightwell::next_event::sample_emitter
 #endif
@@ -233,8 +233,9 @@ fn sky_light(ray: GatherRay) -> vec3f {
 #endif
 }
 
-// Light of its patch that a surface reflects. Glossy surfaces reflect as if they were diffuse.
-fn patch_radiance(surface: Surface, hit: Hit) -> vec3f {
+// Light of its patch that a surface reflects to where a ray in a direction came from. Glossy surfaces reflect as if light
+// were even around them.
+fn patch_radiance(surface: Surface, hit: Hit, direction: vec3f) -> vec3f {
 #ifdef ONE_BOUNCE
     return vec3f(0.0);
 #else
@@ -242,7 +243,7 @@ fn patch_radiance(surface: Surface, hit: Hit) -> vec3f {
     if found == NO_PATCH {
         return vec3f(0.0);
     }
-    return surface.albedo * patch_light[found].rgb * INVERSE_PI;
+    return even_reflectance(surface, -direction) * patch_light[found].rgb * INVERSE_PI;
 #endif
 }
 
@@ -275,7 +276,7 @@ fn arrive(
         (*vertex).start.surface.normal_reflectance = vec3f(0.0);
         (*vertex).start.surface.grazing_reflectance = 0.0;
     } else {
-        light += patch_radiance(surface, hit);
+        light += patch_radiance(surface, hit, direction);
     }
     var pick = 0.0;
     if gather.light_count > 1u {
