@@ -21,6 +21,7 @@ mod reference;
 mod reference_file;
 mod report;
 mod results;
+mod rooms;
 mod run;
 mod stage;
 mod timing;

@@ -26,6 +26,8 @@ const SWEPT_STEPS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 const SWEPT_GRIDS: [f32; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Frames in which flicker is measured in a whole run, and the largest image: a scene shall cost minutes, not hours.
 const FLICKER: (u32, [u32; 2]) = (9, [128; 2]);
+/// Frames averaged for an error, if not said.
+const IMAGES: u32 = 16;
 /// Most cells along an axis.
 const MOST_CELLS: u32 = 128;
 
@@ -122,7 +124,7 @@ impl Plan {
             sweeps: args.sweep.clone(),
             time_sizes,
             error_size,
-            aa: args.aa,
+            aa: args.aa.unwrap_or(IMAGES),
             frames: args.frames.unwrap_or(quick(7, 20)),
             warm_up: args.warm_up,
             budget: if args.quick { 4e3 } else { 6e4 },
@@ -191,7 +193,11 @@ impl Plan {
     }
 }
 
-fn variants(args: &BenchArgs, spp: &[u32]) -> Result<Vec<Variant>> {
+/// The variants that the command line asks for, path tracing with so many samples each.
+///
+/// # Errors
+/// A method that does not exist, a variant that is none, or two of one name.
+pub fn variants(args: &BenchArgs, spp: &[u32]) -> Result<Vec<Variant>> {
     let mut variants = Vec::new();
     for name in &args.method {
         if !METHODS.iter().any(|method| method.name == name) {

@@ -1,0 +1,185 @@
+//! Errors of methods in one room.
+
+use super::edges;
+use super::figures::{PartError, ReferenceFigures, RoomError, RoomFigures};
+use super::methods::Judged;
+use super::room::RoomFacts;
+use crate::bench::error::{layer_error, mean};
+use crate::bench::lab::{Lab, Light};
+use anyhow::{Context, Result};
+use lightwell::measure::{Image, two_halves};
+use lightwell::render::Layer;
+use lightwell::render::reference::{Estimate, TraceSettings};
+use lightwell::scene::SceneView;
+use std::time::Instant;
+
+/// Seed of references, another one than that of the path tracing that is measured.
+const SEED: u32 = 0x1157;
+/// Samples that a reference begins with.
+const FIRST_SAMPLES: u32 = 64;
+/// Samples of the reference of one bounce, of which the mean alone counts.
+const ONE_BOUNCE_SAMPLES: u32 = 64;
+/// Noise of a reference over the least error that is taken with it.
+const NOISE: f64 = 0.25;
+
+/// What a room is drawn with.
+#[derive(Clone, Copy, Debug)]
+pub struct Course {
+    /// Image size [pixels].
+    pub size: [u32; 2],
+    /// Most samples a pixel of the reference.
+    pub most_samples: u32,
+}
+
+/// A room as it was measured, with its images.
+pub struct Measured {
+    /// The figures.
+    pub figures: RoomFigures,
+    /// Indirect light of each method.
+    pub images: Vec<Image>,
+    /// Indirect light of the reference.
+    pub reference: Image,
+}
+
+/// Measures all methods in the room that the lab holds, whose runners are those of the methods.
+///
+/// # Errors
+/// If it cannot be drawn or traced, or an image holds NaN.
+pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomFacts) -> Result<Measured> {
+    let begun = Instant::now();
+    let mut drawn = Vec::new();
+    for method in methods {
+        let light = match method.variant.is_traced() {
+            true => lab.trace(method.runner, course.size),
+            false => lab.draw(method.runner, course.size, method.images),
+        };
+        drawn.push(light.with_context(|| method.name.clone())?);
+    }
+    let near = edges::near_edges(lab.tracer(), course.size)?;
+    let (estimate, limited) = reference(lab, &drawn, course)?;
+    let one_bounce = trace(lab, course, Some(1), &mut |_, samples| Ok((samples == 0).then_some(ONE_BOUNCE_SAMPLES)))?;
+    let mut errors = Vec::new();
+    for (method, light) in methods.iter().zip(&drawn) {
+        let error =
+            |image: &Image, layer| layer_error(image, &estimate.halves(layer)).with_context(|| method.name.clone());
+        errors.push(RoomError {
+            method: method.name.clone(),
+            indirect: error(&light.indirect, Layer::Indirect)?,
+            total: error(&light.total, Layer::Total)?,
+            edges: part_error(&light.indirect, &estimate, &near, true),
+            elsewhere: part_error(&light.indirect, &estimate, &near, false),
+        });
+    }
+    let indirect = estimate.indirect().mean();
+    let reference = ReferenceFigures {
+        samples: estimate.samples,
+        noise: estimate.noise(Layer::Indirect)?,
+        limited,
+        direct: estimate.direct().mean(),
+        indirect,
+        further_bounces: if indirect > 0.0 { 1.0 - one_bounce.indirect().mean() / indirect } else { 0.0 },
+        near_edges: near.iter().filter(|near| **near).count() as f64 / near.len().max(1) as f64,
+    };
+    Ok(Measured {
+        figures: RoomFigures { facts: facts.clone(), reference, errors, seconds: begun.elapsed().as_secs_f64() },
+        images: drawn.into_iter().map(|light| light.indirect).collect(),
+        reference: mean(&estimate.indirect),
+    })
+}
+
+/// Traces until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many
+/// there shall be.
+fn trace(
+    lab: &mut Lab,
+    course: &Course,
+    bounces: Option<u32>,
+    more: &mut dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>>,
+) -> Result<Estimate> {
+    let session = lab.tracer();
+    let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };
+    let settings = TraceSettings { bounces, seed: SEED };
+    session.begin_trace(&view, &settings)?.0.tracer.restart();
+    let (mut tracing, _) = session.begin_trace(&view, &settings)?;
+    let mut estimate = None;
+    while let Some(samples) = more(estimate.as_ref(), estimate.as_ref().map_or(0, |estimate| estimate.samples))? {
+        tracing.advance_to(samples, &mut |_| {})?;
+        estimate = Some(tracing.estimate()?);
+    }
+    estimate.context("nothing was traced")
+}
+
+/// Traces the reference until its noise is small against all errors, or the limit is reached; tells whether it was.
+fn reference(lab: &mut Lab, drawn: &[Light], course: &Course) -> Result<(Estimate, bool)> {
+    let mut limited = false;
+    let estimate = trace(lab, course, None, &mut |estimate, samples| {
+        let Some(estimate) = estimate else { return Ok(Some(FIRST_SAMPLES.min(course.most_samples))) };
+        let excess = excess_of_noise(estimate, drawn)?;
+        limited = excess > 1.0 && samples >= course.most_samples;
+        if excess <= 1.0 || limited {
+            return Ok(None);
+        }
+        // Noise falls with the root of the samples; what it is now is uncertain.
+        let wanted = (f64::from(samples) * (1.1 * excess * excess).clamp(1.5, 4.0)).ceil() as u32;
+        Ok(Some(wanted.min(course.most_samples)))
+    })?;
+    Ok((estimate, limited))
+}
+
+/// Noise of the reference over what is allowed, the worst of indirect and all light.
+fn excess_of_noise(estimate: &Estimate, drawn: &[Light]) -> Result<f64> {
+    let mut excess = 0.0_f64;
+    for light in drawn {
+        for (image, layer) in [(&light.indirect, Layer::Indirect), (&light.total, Layer::Total)] {
+            let [first, second] = estimate.halves(layer);
+            let error = two_halves(image, &first, &second)?;
+            if error.noise > 0.0 {
+                // An error below the noise is not known; the noise itself is then the best guess.
+                excess = excess.max(error.noise / (NOISE * error.nrmse.max(1e-3)));
+            }
+        }
+    }
+    Ok(excess)
+}
+
+/// The error within a part of the image.
+fn part_error(image: &Image, estimate: &Estimate, near: &[bool], which: bool) -> Option<PartError> {
+    let [first, second] = &estimate.indirect;
+    let scale = 0.5 * (first.mean() + second.mean());
+    let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for (index, _) in near.iter().enumerate().filter(|(_, near)| **near == which) {
+        for channel in 0..3 {
+            let [a, r1, r2] = [image, first, second].map(|image| f64::from(image.pixels()[index][channel]));
+            square += (a - r1) * (a - r2);
+            sum += a - 0.5 * (r1 + r2);
+            count += 1.0;
+        }
+    }
+    let relative = |value: f64| if value == 0.0 { 0.0 } else { value / scale };
+    (count > 0.0).then(|| PartError { nrmse: relative((square / count).max(0.0).sqrt()), bias: relative(sum / count) })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn errors_of_parts_make_up_that_of_the_whole() {
+        let image =
+            |f: &dyn Fn(usize) -> f32| Image::from_pixels(8, 8, (0..64).map(|i| [f(i), 1.0, 0.5]).collect()).unwrap();
+        let truth = || image(&|i| 1.0 + i as f32 / 64.0);
+        let estimate = Estimate { direct: [truth(), truth()], indirect: [truth(), truth()], samples: 2 };
+        let method = image(&|i| 1.1 + (i % 3) as f32 / 10.0 + i as f32 / 64.0);
+        let near: Vec<bool> = (0..64).map(|i| i % 5 < 2).collect();
+        let (edges, elsewhere) = (
+            part_error(&method, &estimate, &near, true).unwrap(),
+            part_error(&method, &estimate, &near, false).unwrap(),
+        );
+        let whole = layer_error(&method, &estimate.indirect).unwrap();
+        let share = near.iter().filter(|near| **near).count() as f64 / 64.0;
+        let square = share * edges.nrmse.powi(2) + (1.0 - share) * elsewhere.nrmse.powi(2);
+        assert!((square.sqrt() - whole.nrmse).abs() < 1e-6);
+        assert!((share * edges.bias + (1.0 - share) * elsewhere.bias - whole.bias).abs() < 1e-6);
+        assert_eq!(part_error(&method, &estimate, &[false; 64], true), None);
+    }
+}
