@@ -28,6 +28,8 @@ const SWEPT_GRIDS: [f32; 4] = [0.5, 1.0, 2.0, 4.0];
 const FLICKER: (u32, [u32; 2]) = (9, [128; 2]);
 /// Frames averaged for an error, if not said.
 const IMAGES: u32 = 16;
+/// Samples a pixel of references, if not said.
+const REFERENCE_SAMPLES: u32 = 1024;
 /// Most cells along an axis.
 const MOST_CELLS: u32 = 128;
 
@@ -129,7 +131,7 @@ impl Plan {
             warm_up: args.warm_up,
             budget: if args.quick { 4e3 } else { 6e4 },
             times: args.times.clone(),
-            reference_spp: args.reference_spp,
+            reference_spp: args.reference_spp.unwrap_or(REFERENCE_SAMPLES),
             bounces: if args.bounces.is_empty() { vec![None] } else { args.bounces.iter().map(|b| b.0).collect() },
             flicker: (flicker > 0).then(|| (flicker, [0, 1].map(|i| error_size[i].min(FLICKER.1[i])))),
             throughput: args.throughput,

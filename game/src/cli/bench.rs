@@ -70,9 +70,10 @@ pub struct BenchArgs {
     /// Times in seconds at which errors are taken [default: 0, a third and two thirds of the loop; quick: a third]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = parse_time)]
     pub times: Vec<f64>,
-    /// Samples a pixel of the references; with --rooms at most, fewer where less noise is enough [default: 1024]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1 << 24))]
-    pub reference_spp: u32,
+    /// Samples a pixel of the references; with --rooms at most, fewer where they leave little noise
+    /// [default: 1024; --rooms: 4096]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1 << 24))]
+    pub reference_spp: Option<u32>,
     /// Indirect bounces of the references, `inf` or a number; the first is the one that plots show [default: inf]
     #[arg(long, value_name = "K", value_delimiter = ',', value_parser = parse_bounces)]
     pub bounces: Vec<Bounces>,

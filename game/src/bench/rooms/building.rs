@@ -211,8 +211,18 @@ impl Building {
         if self.openness == Openness::Windows {
             let outer: Vec<usize> = (0..stretches.len()).filter(|&i| stretches[i].is_outer()).collect();
             let of_main: Vec<usize> = outer.iter().copied().filter(|&i| stretches[i].touches(self.main)).collect();
+            // The first lights the main room, or one beside it.
+            let through =
+                stretches.iter().zip(&holes).filter(|(stretch, holes)| stretch.touches(self.main) && !holes.is_empty());
+            let beside: Vec<usize> = through.flat_map(|(stretch, _)| stretch.sides.into_iter().flatten()).collect();
+            let of_beside: Vec<usize> =
+                outer.iter().copied().filter(|&i| beside.iter().any(|&cell| stretches[i].touches(cell))).collect();
             for number in 0..random.whole(1, 3) {
-                let among = if number == 0 && random.chance(0.75) { &of_main } else { &outer };
+                let among = match number {
+                    0 if of_beside.is_empty() || random.chance(0.75) => &of_main,
+                    0 => &of_beside,
+                    _ => &outer,
+                };
                 let index = among[random.below(among.len())];
                 if !holes[index].is_empty() {
                     continue;
@@ -279,6 +289,12 @@ impl Building {
         if !ceiling.parts.is_empty() {
             self.items.push(ceiling);
         }
+    }
+
+    /// The rooms that have an opening to the main room.
+    pub fn beside_main(&self) -> Vec<usize> {
+        let main = self.openings.iter().filter(|opening| opening.rooms.contains(&self.main));
+        main.flat_map(|opening| opening.rooms.iter().copied()).filter(|&room| room != self.main).collect()
     }
 
     /// Corners of a box around all rooms' air [m].

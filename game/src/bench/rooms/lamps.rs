@@ -7,6 +7,9 @@ use super::solid::{Form, Item};
 use super::surfaces::{self, Surface};
 use glam::DVec3;
 
+/// Tries to find a place for a light.
+const TRIES: usize = 200;
+
 /// Kind of a light, as scene files have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
@@ -65,8 +68,13 @@ impl Light {
             (false, _) => 1 + random.weighted(&[0.5, 0.3, 0.2]),
         };
         for number in 0..inside {
-            let seen = number == 0 && !open && random.chance(0.8) || building.cells.len() == 1;
-            let cell = if seen { building.main } else { random.below(building.cells.len()) };
+            // The first one lights the main room, or one beside it.
+            let beside = building.beside_main();
+            let cell = match number {
+                0 if beside.is_empty() || random.chance(0.75) => building.main,
+                0 => beside[random.below(beside.len())],
+                _ => random.below(building.cells.len()),
+            };
             light.lamp(random, &building.cells[cell], furnisher);
         }
         if sun || light.lamps.is_empty() {
@@ -79,7 +87,7 @@ impl Light {
     fn lamp(&mut self, random: &mut Random, cell: &Cell, furnisher: &Furnisher) {
         let air = cell.high - cell.low;
         let clear = 0.04 * air.min_element();
-        for _ in 0..40 {
+        for _ in 0..TRIES {
             let share = DVec3::new(random.within(0.1, 0.9), random.within(0.5, 0.93), random.within(0.1, 0.9));
             let from = cell.low + share * air;
             if furnisher.items.iter().any(|item| item.distance(from) < clear) {
@@ -160,7 +168,7 @@ impl Light {
             }
             _ => {
                 let side = random.below(4);
-                let (length, depth) = if side % 2 == 0 { (air.x, air.z) } else { (air.z, air.x) };
+                let (length, depth) = if side.is_multiple_of(2) { (air.x, air.z) } else { (air.z, air.x) };
                 let (w, h) = (length * random.log_within(0.04, 0.4), air.y * random.log_within(0.04, 0.4));
                 let thick = (0.01 * air.min_element()).min(0.05);
                 let shift = random.within(-0.5, 0.5) * (length - w);

@@ -54,9 +54,11 @@ pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomF
             false => lab.draw(method.runner, course.size, method.images),
         };
         drawn.push(light.with_context(|| method.name.clone())?);
+        log::info!("{}: {:.1} s after the start", method.name, begun.elapsed().as_secs_f64());
     }
     let near = edges::near_edges(lab.tracer(), course.size)?;
     let (estimate, limited) = reference(lab, &drawn, course)?;
+    log::info!("reference of {} samples: {:.1} s after the start", estimate.samples, begun.elapsed().as_secs_f64());
     let one_bounce = trace(lab, course, Some(1), &mut |_, samples| Ok((samples == 0).then_some(ONE_BOUNCE_SAMPLES)))?;
     let mut errors = Vec::new();
     for (method, light) in methods.iter().zip(&drawn) {
@@ -87,13 +89,16 @@ pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomF
     })
 }
 
+/// Tells how many samples there shall be after those of an estimate; none: enough.
+type More<'a> = dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>> + 'a;
+
 /// Traces until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many
 /// there shall be.
 fn trace(
     lab: &mut Lab,
     course: &Course,
     bounces: Option<u32>,
-    more: &mut dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>>,
+    more: &mut More,
 ) -> Result<Estimate> {
     let session = lab.tracer();
     let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };

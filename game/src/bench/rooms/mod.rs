@@ -48,6 +48,8 @@ use std::path::{Path, PathBuf};
 
 /// Image size, if not said [pixels].
 const SIZE: [u32; 2] = [128; 2];
+/// Most samples a pixel of a reference, if not said.
+const MOST_SAMPLES: u32 = 4096;
 /// Worst rooms of each method that are kept with their pictures.
 const WORST: usize = 10;
 
@@ -82,7 +84,7 @@ pub fn run(args: &BenchArgs, rooms: u64, common: &Common) -> Result<PathBuf> {
         return Ok(folder.join("rooms"));
     }
     let (judged, variants) = methods::of(args)?;
-    let course = Course { size: args.size.unwrap_or(SIZE), most_samples: args.reference_spp };
+    let course = Course { size: args.size.unwrap_or(SIZE), most_samples: args.reference_spp.unwrap_or(MOST_SAMPLES) };
     let gpu = lab::open_gpu(common)?;
     let settings = format!(
         "Seed {}, images of {} pixels, references of {} samples a pixel at most",
