@@ -91,8 +91,13 @@ pub struct BenchArgs {
     /// Measure errors over N random rooms in place of scenes: the default settings as a single image and as an average, and
     /// the volumes alone, or what --method and --variant name. Writes rooms.json, rooms.md with the distribution of errors,
     /// each room as a scene, and pictures of the worst
-    #[arg(long, value_name = "N", conflicts_with_all = ["scenes", "growth", "sweep", "flicker", "host", "throughput", "bless"],
-        value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(
+        long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
+        conflicts_with_all = [
+            "scenes", "quick", "sweep", "growth", "time_size", "error_size", "frames", "warm_up", "times", "bounces", "flicker",
+            "host", "throughput", "camera", "cache", "bless",
+        ],
+    )]
     pub rooms: Option<u64>,
     /// Seed of the random rooms: another one gives other rooms
     #[arg(long, value_name = "S", default_value_t = 1, requires = "rooms")]

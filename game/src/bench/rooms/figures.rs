@@ -71,6 +71,9 @@ pub struct RoomError {
     pub method: String,
     /// Of indirect light.
     pub indirect: LayerError,
+    /// One standard error of the nrmse of indirect light, upwards: what the noise of the reference leaves open.
+    #[serde(with = "finite")]
+    pub uncertainty: f64,
     /// Of all light.
     pub total: LayerError,
     /// Of indirect light near geometric edges; none if there are none.

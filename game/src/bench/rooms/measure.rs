@@ -66,6 +66,7 @@ pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomF
             |image: &Image, layer| layer_error(image, &estimate.halves(layer)).with_context(|| method.name.clone());
         errors.push(RoomError {
             method: method.name.clone(),
+            uncertainty: uncertainty(&light.indirect, &estimate.indirect),
             indirect: error(&light.indirect, Layer::Indirect)?,
             total: error(&light.total, Layer::Total)?,
             edges: part_error(&light.indirect, &estimate, &near, true),
@@ -94,12 +95,7 @@ type More<'a> = dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>> + 'a;
 
 /// Traces until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many
 /// there shall be.
-fn trace(
-    lab: &mut Lab,
-    course: &Course,
-    bounces: Option<u32>,
-    more: &mut More,
-) -> Result<Estimate> {
+fn trace(lab: &mut Lab, course: &Course, bounces: Option<u32>, more: &mut More) -> Result<Estimate> {
     let session = lab.tracer();
     let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };
     let settings = TraceSettings { bounces, seed: SEED };
@@ -146,6 +142,28 @@ fn excess_of_noise(estimate: &Estimate, drawn: &[Light]) -> Result<f64> {
     Ok(excess)
 }
 
+/// How much larger the nrmse of an image may be than what [`two_halves`] finds, by one standard error: what the noise of the
+/// reference leaves open. Noise of the channels of a pixel is taken to be the same.
+fn uncertainty(image: &Image, [first, second]: &[Image; 2]) -> f64 {
+    let (mut square, mut variance) = (0.0, 0.0);
+    for ((a, r1), r2) in image.pixels().iter().zip(first.pixels()).zip(second.pixels()) {
+        let (mut product, mut spread) = (0.0, 0.0);
+        for channel in 0..3 {
+            let [a, r1, r2] = [a, r1, r2].map(|pixel| f64::from(pixel[channel]));
+            product += (a - r1) * (a - r2);
+            spread += (r1 - r2) * (r1 - r2);
+        }
+        square += product;
+        // With an error e, and normal noise of variance s² in each half, the product varies by 2e²s² + s⁴. That is the mean
+        // of this term; where some samples are far brighter than others it is more.
+        variance += product * spread + 0.25 * spread * spread;
+    }
+    let count = 3.0 * image.pixels().len() as f64;
+    let (square, error) = ((square / count).max(0.0), variance.max(0.0).sqrt() / count);
+    let mean = 0.5 * (first.mean() + second.mean());
+    if error == 0.0 { 0.0 } else { ((square + error).sqrt() - square.sqrt()) / mean }
+}
+
 /// The error within a part of the image.
 fn part_error(image: &Image, estimate: &Estimate, near: &[bool], which: bool) -> Option<PartError> {
     let [first, second] = &estimate.indirect;
@@ -167,6 +185,28 @@ fn part_error(image: &Image, estimate: &Estimate, near: &[bool], which: bool) ->
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn the_uncertainty_is_how_far_errors_scatter() {
+        let mut random = super::super::random::Random::new(3, 4);
+        let image = Image::filled(32, 32, [1.3; 3]);
+        let mut normal = move || (0..12).map(|_| random.within(-0.5, 0.5)).sum::<f64>();
+        let mut half = || {
+            let pixels = (0..32 * 32).map(|_| [1.0 + normal() as f32; 3]).collect();
+            Image::from_pixels(32, 32, pixels).unwrap()
+        };
+        let (mut scatter, mut told) = (0.0, 0.0);
+        for _ in 0..200 {
+            let halves = [half(), half()];
+            let found = two_halves(&image, &halves[0], &halves[1]).unwrap();
+            let mean = 0.5 * (halves[0].mean() + halves[1].mean());
+            // The upper end of what was found, taken back to the square.
+            let upper = (found.nrmse + uncertainty(&image, &halves)) * mean;
+            told += (upper * upper - found.squared_error.max(0.0)) / 200.0;
+            scatter += (found.squared_error - 0.09).powi(2) / 200.0;
+        }
+        assert!((told / scatter.sqrt() - 1.0).abs() < 0.25, "{told} {}", scatter.sqrt());
+    }
 
     #[test]
     fn errors_of_parts_make_up_that_of_the_whole() {

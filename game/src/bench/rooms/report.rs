@@ -110,12 +110,22 @@ fn edges(figures: &Figures) -> String {
     text
 }
 
+fn size_class(room: &RoomFigures) -> &'static str {
+    match room.facts.size.into_iter().fold(0.0, f64::max) {
+        longest if longest < 2.0 => "below 2 m",
+        longest if longest < 6.0 => "below 6 m",
+        _ => "6 m and more",
+    }
+}
+
 fn groups(figures: &Figures) -> String {
     type Group = fn(&RoomFigures) -> String;
-    let kinds: [(&str, Group); 4] = [
+    let kinds: [(&str, Group); 6] = [
         ("orientation", |room| room.facts.orientation.in_words().to_owned()),
         ("openness", |room| room.facts.openness.clone()),
         ("rooms", |room| room.facts.rooms.to_string()),
+        ("size", |room| size_class(room).to_owned()),
+        ("light", |room| if room.facts.glows { "something glows" } else { "lights and sky alone" }.to_owned()),
         ("materials", |room| if room.facts.glossy { "some glossy" } else { "none glossy" }.to_owned()),
     ];
     let mut text = String::new();
@@ -144,7 +154,8 @@ fn groups(figures: &Figures) -> String {
 
 fn worst(figures: &Figures) -> String {
     let mut text =
-        "\n## The worst rooms\n\nBy nrmse of indirect light. Scenes open with `lightwell play FILE`; pictures \
+        "\n## The worst rooms\n\nBy nrmse of indirect light, with one standard error that the noise of the reference \
+                    leaves open. Scenes open with `lightwell play FILE`; pictures \
                     show the indirect light of method and reference, and their difference.\n"
             .to_owned();
     for (index, method) in figures.methods.iter().enumerate() {
@@ -155,7 +166,7 @@ fn worst(figures: &Figures) -> String {
             let limited = if room.reference.limited { " (limit)" } else { "" };
             rows.push(vec![
                 format!("[{}]({})", facts.index, worst_scene(facts.index)),
-                markdown::error(error.indirect.nrmse),
+                format!("{} + {}", markdown::error(error.indirect.nrmse), markdown::error(error.uncertainty)),
                 markdown::signed(error.indirect.bias),
                 markdown::error(error.total.nrmse),
                 format!("{}{limited}", markdown::percent(room.reference.noise)),

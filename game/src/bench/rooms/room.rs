@@ -42,6 +42,8 @@ pub struct RoomFacts {
     pub solids: usize,
     /// Lights in words.
     pub lights: String,
+    /// Whether something glows.
+    pub glows: bool,
     /// Whether a material is glossy.
     pub glossy: bool,
 }
@@ -120,6 +122,7 @@ impl Room {
             orientation,
             solids,
             lights: light.in_words(),
+            glows: !light.glow.is_empty(),
             glossy: materials.iter().any(Surface::is_glossy),
         };
         facts.description = describe(&facts, furniture.len());
@@ -160,13 +163,15 @@ fn palette(random: &mut Random) -> (Vec<Surface>, Vec<String>) {
 
 fn describe(facts: &RoomFacts, pieces: usize) -> String {
     let [x, y, z] = facts.size;
-    let rooms = if facts.rooms == 1 { "1 room".to_owned() } else { format!("{} rooms", facts.rooms) };
+    let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     format!(
-        "{x:.1} × {y:.1} × {z:.1} m, {rooms}, walls {:.0} cm, {}, {}, {pieces} pieces of {} solids with the building, {}{}",
+        "{x:.1} × {y:.1} × {z:.1} m, {}, walls {:.0} cm, {}, {}, {} of furniture, {} in all, {}{}",
+        number(facts.rooms, "room"),
         100.0 * facts.wall,
         facts.openness,
         facts.orientation.in_words(),
-        facts.solids,
+        number(pieces, "piece"),
+        number(facts.solids, "solid"),
         facts.lights,
         if facts.glossy { ", glossy" } else { "" },
     )

@@ -32,7 +32,7 @@ fn rooms_are_the_same_on_every_machine() {
     assert_eq!(texts(1), texts(1));
     assert_ne!(texts(1), texts(2));
     // Whoever changes how rooms are made gives this anew: figures of other rooms are not comparable.
-    assert_eq!(format!("{:016x}", xxh3_64(texts(1).as_bytes())), "40d1d69f62a0e6b8");
+    assert_eq!(format!("{:016x}", xxh3_64(texts(1).as_bytes())), "49a16a7589400950");
 }
 
 #[test]
@@ -111,4 +111,22 @@ fn a_tiny_run_from_end_to_end_and_taken_up_again() {
     let other = args(dir.path(), &["--rooms", "2", "--seed", "6", "--size", "32x32", "--aa", "2"]);
     let message = format!("{:#}", run(&other, &Common::default()).unwrap_err());
     assert!(message.contains("--fresh"), "{message}");
+}
+
+/// What the default settings hold in whatever room, loosely: see `rooms.md` of a long run for how well they do.
+#[test]
+fn the_default_settings_stay_near_the_reference() {
+    let dir = tempfile::tempdir().unwrap();
+    let settings = ["--method", "gather high", "--size", "48x48", "--aa", "4", "--reference-spp", "256"];
+    let more: Vec<&str> = ["--rooms", "4", "--seed", "1"].into_iter().chain(settings).collect();
+    run(&args(dir.path(), &more), &Common::default()).unwrap();
+    let rooms = figures(dir.path()).rooms;
+    let mut errors: Vec<f64> = rooms.iter().map(|room| room.errors[0].indirect.nrmse).collect();
+    errors.sort_by(f64::total_cmp);
+    // The second of four by size; halos around small panels that glow may make one room worse by far.
+    assert!(errors[1] < 0.25 && errors[3] < 3.0, "{errors:?}");
+    for room in &rooms {
+        let bias = room.errors[0].indirect.bias;
+        assert!(bias.abs() < 0.2, "{}: bias {bias}", room.facts.description);
+    }
 }
