@@ -1,7 +1,7 @@
 //! `lightwell bench --rooms N`: errors over random rooms, a yardstick that no method can be tuned to.
 //!
 //! ```text
-//! room (building, furniture, surfaces, lamps, viewpoint) ─ scene_text ─ a scene file
+//! room (building, furniture, surfaces, lights, viewpoint) ─ scene_text ─ a scene file
 //!                                                              └─ lab ─ measure ─ rooms.json ─ rooms.md, worst/
 //! ```
 //! A room is a function of seed and number alone, the same on every machine. Sizes go from 1 to 30 m, walls from 1 to
@@ -19,7 +19,7 @@ mod distribution;
 mod edges;
 mod figures;
 mod furniture;
-mod lamps;
+mod lights;
 mod measure;
 mod methods;
 mod random;

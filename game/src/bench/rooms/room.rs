@@ -2,7 +2,7 @@
 
 use super::building::{Building, CEILING, FLOOR, Openness, WALLS};
 use super::furniture::{Furnisher, SHEET};
-use super::lamps::Light;
+use super::lights::Lighting;
 use super::random::Random;
 use super::solid::Item;
 use super::surfaces::{self, Surface};
@@ -57,8 +57,8 @@ pub struct Room {
     pub materials: Vec<Surface>,
     /// Building and furniture.
     pub items: Vec<Item>,
-    /// Light.
-    pub light: Light,
+    /// All light.
+    pub lighting: Lighting,
     /// The camera.
     pub viewpoint: Viewpoint,
     /// Angles about x, y and z [degrees], as scene files have them.
@@ -101,10 +101,10 @@ impl Room {
         for cell in &building.cells {
             furnisher.furnish(random, cell);
         }
-        let light = Light::draw(random, &building, &mut furnisher);
+        let lighting = Lighting::draw(random, &building, &mut furnisher);
         let furniture = furnisher.items;
         let viewpoint = Viewpoint::find(random, &building, &furniture);
-        materials.extend(light.glow.iter().cloned());
+        materials.extend(lighting.glow.iter().cloned());
         let items: Vec<Item> = building.items.iter().chain(&furniture).cloned().collect();
         let used =
             |surface: &Surface| items.iter().flat_map(|item| &item.parts).any(|part| part.material == surface.name);
@@ -121,14 +121,14 @@ impl Room {
             openness: building.openness.in_words().to_owned(),
             orientation,
             solids,
-            lights: light.in_words(),
-            glows: !light.glow.is_empty(),
+            lights: lighting.in_words(),
+            glows: !lighting.glow.is_empty(),
             glossy: materials.iter().any(Surface::is_glossy),
         };
         facts.description = describe(&facts, furniture.len());
         let (low, high) = building.extent();
         let origin = (high - low) * DVec3::from_array([0; 3].map(|_| random.within(-0.5, 0.5)));
-        Self { facts, materials, items, light, viewpoint, rotation, origin }
+        Self { facts, materials, items, lighting, viewpoint, rotation, origin }
     }
 }
 

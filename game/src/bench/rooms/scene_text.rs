@@ -1,6 +1,6 @@
 //! A room as the text of a scene file.
 
-use super::lamps::{Kind, Lamp};
+use super::lights::{Kind, PlacedLight};
 use super::room::Room;
 use super::solid::{Form, Item, Part};
 use super::surfaces::Surface;
@@ -89,22 +89,22 @@ fn item(item: &Item) -> String {
     text + "            ]),\n"
 }
 
-fn lamp(lamp: &Lamp, index: usize) -> String {
-    let kind = match lamp.kind {
+fn light(light: &PlacedLight, index: usize) -> String {
+    let kind = match light.kind {
         Kind::Point => "Point".to_owned(),
         Kind::Spot(inner, outer) => format!("Spot(inner: {}, outer: {})", number(inner, 2), number(outer, 2)),
         Kind::Sun => "Directional".to_owned(),
     };
-    let look = match lamp.kind {
+    let look = match light.kind {
         Kind::Point => String::new(),
-        _ => format!(", look_at: {}", point(lamp.to)),
+        _ => format!(", look_at: {}", point(light.to)),
     };
     format!(
         "            (name: \"Light {}\", transform: (translation: {}{look}), light: (kind: {kind}, color: {}, intensity: {})),\n",
         index + 1,
-        point(lamp.from),
-        tuple(lamp.color, 4),
-        number(lamp.intensity, 5),
+        point(light.from),
+        tuple(light.color, 4),
+        number(light.intensity, 5),
     )
 }
 
@@ -114,8 +114,8 @@ impl Room {
         let facts = &self.facts;
         let mut text = format!("// Room {} of seed {seed}, made by `lightwell bench --rooms`.\nScene(\n", facts.index);
         let _ = writeln!(text, "    description: \"{}\",", facts.description);
-        if self.light.sky != [0.0; 3] {
-            let _ = writeln!(text, "    settings: (sky: {}),", tuple(self.light.sky, 5));
+        if self.lighting.sky != [0.0; 3] {
+            let _ = writeln!(text, "    settings: (sky: {}),", tuple(self.lighting.sky, 5));
         }
         text += "    materials: {\n";
         self.materials.iter().for_each(|surface| text += &material(surface));
@@ -135,7 +135,7 @@ impl Room {
             number(camera.field, 2),
             length(camera.near)
         );
-        self.light.lamps.iter().enumerate().for_each(|(index, light)| text += &lamp(light, index));
+        self.lighting.lights.iter().enumerate().for_each(|(index, one)| text += &light(one, index));
         self.items.iter().for_each(|one| text += &item(one));
         text + "        ]),\n    ],\n)\n"
     }

@@ -58,8 +58,8 @@ pub fn any(random: &mut Random, name: &str) -> Surface {
     }
 }
 
-/// The colour of a lamp: white, warm, cold or saturated. Its mean is 1 or so.
-pub fn lamp_color(random: &mut Random) -> [f64; 3] {
+/// The colour of a light: white, warm, cold or saturated. Its mean is 1 or so.
+pub fn light_color(random: &mut Random) -> [f64; 3] {
     match random.weighted(&[0.4, 0.3, 0.15, 0.15]) {
         0 => [1.0; 3],
         1 => [1.25, 1.0, 0.7],

@@ -68,10 +68,10 @@ fn rooms_are_of_all_kinds() {
         let sees = &room.viewpoint;
         let clear = room.items.iter().map(|item| item.distance(sees.from)).fold(f64::INFINITY, f64::min);
         assert!(clear > sees.near, "{}: something is {clear} m from the camera", room.facts.description);
-        let inside = room.light.lamps.iter().any(|lamp| lamp.kind != super::lamps::Kind::Sun);
+        let inside = room.lighting.lights.iter().any(|light| light.kind != super::lights::Kind::Sun);
         assert!(inside || room.facts.openness != "closed", "{}: dark", room.facts.description);
-        for lamp in room.light.lamps.iter().filter(|lamp| lamp.kind != super::lamps::Kind::Sun) {
-            assert!(room.items.iter().all(|item| item.distance(lamp.from) > 0.0), "{}", room.facts.description);
+        for light in room.lighting.lights.iter().filter(|light| light.kind != super::lights::Kind::Sun) {
+            assert!(room.items.iter().all(|item| item.distance(light.from) > 0.0), "{}", room.facts.description);
         }
     }
 }

@@ -23,7 +23,7 @@ pub enum Kind {
 
 /// A light.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lamp {
+pub struct PlacedLight {
     /// Kind.
     pub kind: Kind,
     /// Colour, linear RGB.
@@ -38,29 +38,29 @@ pub struct Lamp {
 
 /// All light of a room.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Light {
+pub struct Lighting {
     /// One to three lights.
-    pub lamps: Vec<Lamp>,
+    pub lights: Vec<PlacedLight>,
     /// Radiance of the sky [W/(m² sr)].
     pub sky: [f64; 3],
     /// Materials of panels that glow.
     pub glow: Vec<Surface>,
 }
 
-impl Light {
+impl Lighting {
     /// Draws all light; panels are added to what stands in the rooms.
     pub fn draw(random: &mut Random, building: &Building, furnisher: &mut Furnisher) -> Self {
-        let mut light = Self::default();
+        let mut lighting = Self::default();
         let open = building.openness != Openness::Closed;
         if random.chance(0.3) {
             for number in 0..random.whole(1, 3) {
-                light.panel(random, building, furnisher, number);
+                lighting.panel(random, building, furnisher, number);
             }
         }
         let sun = open && random.chance(0.65);
         if open && random.chance(0.75) {
             let radiance = random.log_within(0.05, 0.6);
-            light.sky = surfaces::lamp_color(random).map(|channel| radiance * channel);
+            lighting.sky = surfaces::light_color(random).map(|channel| radiance * channel);
         }
         let inside = match (open, sun) {
             (true, true) => random.below(2),
@@ -75,16 +75,16 @@ impl Light {
                 0 => beside[random.below(beside.len())],
                 _ => random.below(building.cells.len()),
             };
-            light.lamp(random, &building.cells[cell], furnisher);
+            lighting.inside(random, &building.cells[cell], furnisher);
         }
-        if sun || light.lamps.is_empty() {
-            light.sun(random, building);
+        if sun || lighting.lights.is_empty() {
+            lighting.sun(random, building);
         }
-        light
+        lighting
     }
 
     /// A point or spot light in a room, clear of all that stands there.
-    fn lamp(&mut self, random: &mut Random, cell: &Cell, furnisher: &Furnisher) {
+    fn inside(&mut self, random: &mut Random, cell: &Cell, furnisher: &Furnisher) {
         let air = cell.high - cell.low;
         let clear = 0.04 * air.min_element();
         for _ in 0..TRIES {
@@ -104,8 +104,8 @@ impl Light {
             // An irradiance of 1 W/m² or so at half the room's length.
             let reach = 0.5 * air.x.max(air.z).max(air.y);
             let intensity = reach * reach * random.log_within(0.5, 3.0) * if kind == Kind::Point { 1.0 } else { 2.0 };
-            let color = surfaces::lamp_color(random);
-            self.lamps.push(Lamp { kind, color, intensity, from, to: cell.low + floor * air });
+            let color = surfaces::light_color(random);
+            self.lights.push(PlacedLight { kind, color, intensity, from, to: cell.low + floor * air });
             return;
         }
     }
@@ -130,8 +130,8 @@ impl Light {
             Some((out, along)) => out + along * random.within(-0.8, 0.8) + DVec3::Y * random.within(0.15, 1.2),
         };
         let from = to + towards.normalize() * 2.0 * size.max_element();
-        let (color, intensity) = (surfaces::lamp_color(random), random.log_within(1.5, 8.0));
-        self.lamps.push(Lamp { kind: Kind::Sun, color, intensity, from, to });
+        let (color, intensity) = (surfaces::light_color(random), random.log_within(1.5, 8.0));
+        self.lights.push(PlacedLight { kind: Kind::Sun, color, intensity, from, to });
     }
 
     /// A panel below a ceiling, on a wall, or a ball on a pole.
@@ -188,17 +188,17 @@ impl Light {
                 w * h
             }
         };
-        // As much flux as a lamp, or a tenth of it.
+        // As much flux as a light, or a tenth of it.
         let reach = 0.5 * air.max_element();
         let radiance = 4.0 * reach * reach / area * random.log_within(0.1, 1.0);
-        let color = surfaces::lamp_color(random).map(|channel| channel * radiance);
+        let color = surfaces::light_color(random).map(|channel| channel * radiance);
         let base = surfaces::diffuse(random, &name);
         self.glow.push(Surface { emissive: color, ..base });
     }
 
     /// The lights in words.
     pub fn in_words(&self) -> String {
-        let count = |what: fn(&Kind) -> bool| self.lamps.iter().filter(|lamp| what(&lamp.kind)).count();
+        let count = |what: fn(&Kind) -> bool| self.lights.iter().filter(|light| what(&light.kind)).count();
         let mut words = Vec::new();
         for (number, word) in [
             (count(|kind| *kind == Kind::Point), "point"),
