@@ -4,6 +4,7 @@
 //! plan (scenes × variants × tasks) ─ lab (a scene on the device) ─ timing, error, flicker, throughput
 //!                                                                └─ results.json ─ report.md, plots, pictures
 //! ```
+//! With `--rooms` the scenes are random rooms, and errors over many of them are what counts: see `rooms`.
 //! Every measurement has a key of all that it depends on. One that `results.json` holds already is not taken again.
 
 mod error;
@@ -21,6 +22,7 @@ mod reference;
 mod reference_file;
 mod report;
 mod results;
+mod rooms;
 mod run;
 mod stage;
 mod timing;

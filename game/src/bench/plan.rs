@@ -26,6 +26,10 @@ const SWEPT_STEPS: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 const SWEPT_GRIDS: [f32; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Frames in which flicker is measured in a whole run, and the largest image: a scene shall cost minutes, not hours.
 const FLICKER: (u32, [u32; 2]) = (9, [128; 2]);
+/// Frames averaged for an error, if not said.
+const IMAGES: u32 = 16;
+/// Samples a pixel of references, if not said.
+const REFERENCE_SAMPLES: u32 = 1024;
 /// Most cells along an axis.
 const MOST_CELLS: u32 = 128;
 
@@ -122,12 +126,12 @@ impl Plan {
             sweeps: args.sweep.clone(),
             time_sizes,
             error_size,
-            aa: args.aa,
+            aa: args.aa.unwrap_or(IMAGES),
             frames: args.frames.unwrap_or(quick(7, 20)),
             warm_up: args.warm_up,
             budget: if args.quick { 4e3 } else { 6e4 },
             times: args.times.clone(),
-            reference_spp: args.reference_spp,
+            reference_spp: args.reference_spp.unwrap_or(REFERENCE_SAMPLES),
             bounces: if args.bounces.is_empty() { vec![None] } else { args.bounces.iter().map(|b| b.0).collect() },
             flicker: (flicker > 0).then(|| (flicker, [0, 1].map(|i| error_size[i].min(FLICKER.1[i])))),
             throughput: args.throughput,
@@ -191,7 +195,11 @@ impl Plan {
     }
 }
 
-fn variants(args: &BenchArgs, spp: &[u32]) -> Result<Vec<Variant>> {
+/// The variants that the command line asks for, path tracing with so many samples each.
+///
+/// # Errors
+/// A method that does not exist, a variant that is none, or two of one name.
+pub fn variants(args: &BenchArgs, spp: &[u32]) -> Result<Vec<Variant>> {
     let mut variants = Vec::new();
     for name in &args.method {
         if !METHODS.iter().any(|method| method.name == name) {

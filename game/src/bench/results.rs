@@ -60,6 +60,29 @@ pub struct Header {
     pub settings: String,
 }
 
+impl Header {
+    /// Checks that results may be added to those that `path` holds under this header.
+    ///
+    /// # Errors
+    /// If they come of another adapter, driver or program.
+    pub fn check_same_source(&self, now: &Self, path: &Path) -> Result<()> {
+        for (what, then, now) in [
+            ("adapter", &self.adapter, &now.adapter),
+            ("driver", &self.driver, &now.driver),
+            ("build of the program or its shaders", &self.program, &now.program),
+        ] {
+            if then != now {
+                bail!(
+                    "{} holds results of another {what} ({then}, now {now}); add --fresh to replace them, or give another \
+                     folder",
+                    path.display()
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
 /// One of the things that are compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VariantFigures {
@@ -269,13 +292,21 @@ pub struct ThroughputFigures {
 }
 
 /// JSON knows no infinity: it becomes null.
-mod finite {
+pub mod finite {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+    /// Writes a number.
+    ///
+    /// # Errors
+    /// Those of the serializer.
     pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         value.is_finite().then_some(*value).serialize(serializer)
     }
 
+    /// Reads a number.
+    ///
+    /// # Errors
+    /// Those of the deserializer.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
     }
@@ -300,19 +331,7 @@ impl Store {
         let results = match old {
             None => Results { header, ..Results::default() },
             Some(old) => {
-                for (what, then, now) in [
-                    ("adapter", &old.header.adapter, &header.adapter),
-                    ("driver", &old.header.driver, &header.driver),
-                    ("build of the program or its shaders", &old.header.program, &header.program),
-                ] {
-                    if then != now {
-                        bail!(
-                            "{} holds results of another {what} ({then}, now {now}); add --fresh to replace them, or \
-                             give another folder",
-                            path.display()
-                        );
-                    }
-                }
+                old.header.check_same_source(&header, &path)?;
                 Results { header: Header { date: old.header.date.clone(), ..header }, ..old }
             }
         };

@@ -4,7 +4,7 @@ use super::lab::{self, Lab};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
-use super::{error, flicker, growth, host, machine, report, timing};
+use super::{error, flicker, growth, host, machine, report, rooms, timing};
 use crate::cli::{BenchArgs, Common};
 use crate::progress;
 use anyhow::{Context, Result, bail};
@@ -25,6 +25,9 @@ const THROUGHPUT: ([u32; 2], u32, u32) = ([128, 128], 32, 5);
 /// # Errors
 /// If a scene cannot be loaded or drawn, or a file not be written.
 pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
+    if let Some(count) = args.rooms {
+        return rooms::run(args, count, common);
+    }
     let plan = Plan::of(args)?;
     if args.host {
         return host::run(args, &plan.scenes, plan.lenient, common);

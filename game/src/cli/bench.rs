@@ -16,6 +16,7 @@ Examples:
   lightwell bench -o out/all --models ~/models             all scenes whose models are there
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench courtyard -o out/host --host             what a frame costs the host alone
+  lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
 A variant is 'NAME: PATH=VALUE, ...' with the paths of --set; beside them there are gi, spp, bounces, and average=on:
@@ -57,9 +58,9 @@ pub struct BenchArgs {
     /// Size at which errors are taken [default: 256x256; quick: 128x128]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub error_size: Option<[u32; 2]>,
-    /// Frames with shifted pixel grids that are averaged for an error [default: 16]
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub aa: u32,
+    /// Frames with shifted pixel grids that are averaged for an error [default: 16; --rooms: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub aa: Option<u32>,
     /// Frames that are timed [default: 20; quick: 7]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10000))]
     pub frames: Option<u32>,
@@ -69,9 +70,10 @@ pub struct BenchArgs {
     /// Times in seconds at which errors are taken [default: 0, a third and two thirds of the loop; quick: a third]
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = parse_time)]
     pub times: Vec<f64>,
-    /// Samples a pixel of the references [default: 1024]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1 << 24))]
-    pub reference_spp: u32,
+    /// Samples a pixel of the references; with --rooms at most, fewer where they leave little noise
+    /// [default: 1024; --rooms: 4096]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1 << 24))]
+    pub reference_spp: Option<u32>,
     /// Indirect bounces of the references, `inf` or a number; the first is the one that plots show [default: inf]
     #[arg(long, value_name = "K", value_delimiter = ',', value_parser = parse_bounces)]
     pub bounces: Vec<Bounces>,
@@ -86,6 +88,26 @@ pub struct BenchArgs {
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
     pub label: String,
+    /// Measure errors over N random rooms in place of scenes: the default settings as a single image and as an average, and
+    /// the volumes alone, or what --method and --variant name. Writes rooms.json, rooms.md with the distribution of errors,
+    /// each room as a scene, and pictures of the worst
+    #[arg(
+        long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
+        conflicts_with_all = [
+            "scenes", "quick", "sweep", "growth", "time_size", "error_size", "frames", "warm_up", "times", "bounces", "flicker",
+            "host", "throughput", "camera", "cache", "bless",
+        ],
+    )]
+    pub rooms: Option<u64>,
+    /// Seed of the random rooms: another one gives other rooms
+    #[arg(long, value_name = "S", default_value_t = 1, requires = "rooms")]
+    pub seed: u64,
+    /// Image size of the random rooms [default: 128x128]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "rooms")]
+    pub size: Option<[u32; 2]>,
+    /// Write the random rooms as scenes and measure nothing
+    #[arg(long, requires = "rooms")]
+    pub list: bool,
     /// Measure the path tracer's paths a second against a tracer on the host
     #[arg(long)]
     pub throughput: bool,
