@@ -1,15 +1,16 @@
 //! The raster image and the path tracer against images of an independent renderer. They lie in the folder that `LIGHTWELL_REFERENCE`
-//! names, and the real models in that of `LIGHTWELL_MODELS`; without them the tests say so and pass.
+//! names, and the real models in that of `LIGHTWELL_MODELS`; without them the tests are ignored.
 
 use lightwell::measure::{compare, read_image};
 use lightwell::render::reference::{Estimate, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
+use lightwell_needs::needs;
 use lightwell_tests::{Stage, folder_from_env, root};
 use std::path::Path;
 
 /// Direct light alone differs by shadow borders and the edges of pixels, and by nothing else.
 fn direct_light_of(scene: &str) {
-    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder_from_env("LIGHTWELL_REFERENCE");
     let folder = folder.join(scene);
     let reference = read_image(&folder.join("direct.exr")).unwrap_or_else(|error| panic!("{error}"));
     let mut stage = Stage::open(&folder.join("scene.glb"), None, reference.size());
@@ -22,17 +23,17 @@ fn direct_light_of(scene: &str) {
     assert!(nrmse < 0.05 && bias.abs() < 0.01, "{scene}: nrmse {nrmse:.4}, bias {bias:.4}");
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn direct_light_of_the_cornell_box() {
     direct_light_of("cornell");
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn direct_light_of_the_diffuse_cubes() {
     direct_light_of("bleeding_diffuse");
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn direct_light_of_the_glossy_cubes() {
     direct_light_of("bleeding_gloss");
 }
@@ -40,7 +41,7 @@ fn direct_light_of_the_glossy_cubes() {
 /// The path tracer differs from the independent images by noise alone: the error is that of both noises together, and
 /// the mean is right to half a percent.
 fn traced_light_of(scene: &str) {
-    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder_from_env("LIGHTWELL_REFERENCE");
     let folder = folder.join(scene);
     let meta = std::fs::read_to_string(folder.join("meta.json")).expect("meta.json");
     let mut stage = Stage::open(&folder.join("scene.glb"), None, [512, 512]);
@@ -71,24 +72,24 @@ fn noise_in(meta: &str, image: &str) -> f64 {
     meta["images"][image]["noise_nrmse"].as_f64().expect("the noise of the image")
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn traced_light_of_the_cornell_box() {
     traced_light_of("cornell");
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn traced_light_of_the_diffuse_cubes() {
     traced_light_of("bleeding_diffuse");
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn traced_light_of_the_glossy_cubes() {
     traced_light_of("bleeding_gloss");
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn shadowed_aisles_of_sponza_get_indirect_light() {
-    let Some(models) = folder_from_env("LIGHTWELL_MODELS") else { return };
+    let models = folder_from_env("LIGHTWELL_MODELS");
     let mut stage = Stage::open(&root().join("scenes/sponza.scene.ron"), Some(models), [256, 144]);
     stage.draw(&RenderSettings { gi: GiMethod::NONE, ..RenderSettings::default() }, [0.0; 2]);
     let direct = stage.radiance();

@@ -1,7 +1,7 @@
 //! Every scene test in `tests/scenes`, as a test of its own. `lightwell test` runs the same ones.
 //!
 //! `LIGHTWELL_BLESS=1` writes their golden images. Pictures of what fails go into `out/tests`. Tests that need models
-//! or reference images that are not there are ignored, with the reason.
+//! or reference images that are not there are ignored, with the reason; with `LIGHTWELL_REQUIRE=1` they fail.
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use lightwell_game::cli::Common;
@@ -32,6 +32,7 @@ fn main() -> ExitCode {
 }
 
 fn trial(case: TestCase, options: Options) -> Trial {
+    let is_required = std::env::var_os("LIGHTWELL_REQUIRE").is_some_and(|value| value == "1");
     Trial::ignorable_test(case.name.clone(), move || {
         let Report { outcome, blessed, .. } = run(&case, &options, &mut None);
         for golden in blessed {
@@ -39,6 +40,7 @@ fn trial(case: TestCase, options: Options) -> Trial {
         }
         match outcome {
             Outcome::Passed => Ok(Completion::Completed),
+            Outcome::Skipped(reason) if is_required => Err(Failed::from(format!("LIGHTWELL_REQUIRE=1, but {reason}"))),
             Outcome::Skipped(reason) => Ok(Completion::ignored_with(reason)),
             Outcome::Failed(faults) => Err(Failed::from(faults.join("\n"))),
         }

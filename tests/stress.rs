@@ -13,7 +13,7 @@ fn a_row_of_each_method_is_within_all_bounds() {
     assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::SUCCESS), "{table}");
     assert!(folder.path().join("stress.png").exists());
     // Every method was held against what it must hold.
-    for method in ["direct", "diffusion", "sweep", "half sweep", "vpl", "slc", "reference"] {
+    for method in ["direct", "diffusion", "sweep", "half sweep", "gather", "vpl", "slc", "reference"] {
         assert!(table.contains(method), "{table}");
     }
 }

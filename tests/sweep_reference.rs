@@ -7,6 +7,7 @@
 use lightwell::measure::{Image, compare, read_image};
 use lightwell::render::{Layer, RenderSettings};
 use lightwell::world::{Bounces, GatherRays, Quality};
+use lightwell_needs::needs;
 use lightwell_tests::{Stage, folder_from_env};
 
 const EDGE: u32 = 256;
@@ -34,7 +35,7 @@ struct Case {
 
 /// Most nrmse and bias.
 fn check(Case { scene, bounces, quality, rays }: Case, most: (f64, f64)) {
-    let Some(folder) = folder_from_env("LIGHTWELL_REFERENCE") else { return };
+    let folder = folder_from_env("LIGHTWELL_REFERENCE");
     let folder = folder.join(scene);
     let name = if bounces == Bounces::Converged { "indirect_inf.exr" } else { "indirect_k1.exr" };
     let reference = halved(&read_image(&folder.join(name)).unwrap_or_else(|error| panic!("{error}")));
@@ -60,26 +61,26 @@ fn of_quality(scene: &'static str, bounces: Bounces, quality: Quality, most: (f6
     check(Case { scene, bounces, quality, rays: GatherRays::Auto }, most);
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn one_bounce_in_the_cornell_box() {
     looked_up("cornell", Bounces::Count(1), (0.1, 0.03));
     of_quality("cornell", Bounces::Count(1), Quality::High, (0.08, 0.01));
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn all_bounces_in_the_cornell_box() {
     looked_up("cornell", Bounces::Converged, (0.07, 0.03));
     of_quality("cornell", Bounces::Converged, Quality::Medium, (0.06, 0.015));
     of_quality("cornell", Bounces::Converged, Quality::High, (0.05, 0.015));
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn one_bounce_among_the_cubes() {
     looked_up("bleeding_diffuse", Bounces::Count(1), (0.17, 0.05));
     of_quality("bleeding_diffuse", Bounces::Count(1), Quality::High, (0.075, 0.01));
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn all_bounces_among_the_cubes() {
     looked_up("bleeding_diffuse", Bounces::Converged, (0.185, 0.045));
     of_quality("bleeding_diffuse", Bounces::Converged, Quality::Medium, (0.085, 0.01));

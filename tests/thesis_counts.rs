@@ -8,6 +8,7 @@ use lightwell::graph::{Counts, FrameReport, PassState};
 use lightwell::scene::{LightShape, SceneView};
 use lightwell_game::cli::{Cli, Command};
 use lightwell_game::session::Session;
+use lightwell_needs::needs;
 
 /// A line of the thesis's tables.
 struct Line {
@@ -18,7 +19,6 @@ struct Line {
     cell_steps: u64,
     /// Views of blockers merged into volumes that held some.
     merges: u64,
-    models: bool,
 }
 
 /// The views of all lights in one cascade.
@@ -30,10 +30,6 @@ struct Views {
 }
 
 fn check(line: &Line) {
-    if line.models && std::env::var_os("LIGHTWELL_MODELS").is_none() {
-        eprintln!("skipped: LIGHTWELL_MODELS is not set");
-        return;
-    }
     let words = ["lightwell", "render", line.scene, "-o", "unused.png", "--gi", "clpv", "--set", "preset=thesis"];
     let cli = Cli::parse_from(words);
     let Command::Render(arguments) = cli.command else { panic!("not the command that was asked for") };
@@ -101,31 +97,31 @@ fn views(session: &Session, report: &FrameReport) -> Views {
 
 #[test]
 fn cornell() {
-    check(&Line { scene: "cornell", injections: 32_768, cell_steps: 7_168, merges: 0, models: false });
+    check(&Line { scene: "cornell", injections: 32_768, cell_steps: 7_168, merges: 0 });
 }
 
 #[test]
 fn bleeding_gloss() {
-    check(&Line { scene: "bleeding_gloss", injections: 32_768, cell_steps: 829_440, merges: 0, models: false });
+    check(&Line { scene: "bleeding_gloss", injections: 32_768, cell_steps: 829_440, merges: 0 });
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn conference() {
-    check(&Line { scene: "conference", injections: 49_152, cell_steps: 86_016, merges: 1, models: true });
+    check(&Line { scene: "conference", injections: 49_152, cell_steps: 86_016, merges: 1 });
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn dabrovic() {
-    check(&Line { scene: "dabrovic", injections: 294_912, cell_steps: 1_179_648, merges: 6, models: true });
+    check(&Line { scene: "dabrovic", injections: 294_912, cell_steps: 1_179_648, merges: 6 });
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn sibenik() {
-    check(&Line { scene: "sibenik", injections: 1_228_800, cell_steps: 1_179_648, merges: 36, models: true });
+    check(&Line { scene: "sibenik", injections: 1_228_800, cell_steps: 1_179_648, merges: 36 });
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn sponza() {
     // Seven views of lights and the camera's, in three cascades. The thesis prints no merges for it.
-    check(&Line { scene: "sponza", injections: 1_032_192, cell_steps: 1_572_864, merges: 21, models: true });
+    check(&Line { scene: "sponza", injections: 1_032_192, cell_steps: 1_572_864, merges: 21 });
 }

@@ -6,6 +6,7 @@ use lightwell::render::vpl::{CastCounts, Caster, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
 use lightwell_game::bench::plot::{Curve, sweep};
+use lightwell_needs::needs;
 use lightwell_tests::{Stage, folder_from_env, root};
 use std::time::Instant;
 
@@ -18,9 +19,9 @@ fn cast(caster: &Caster, rays: &[Ray]) -> (f64, CastCounts) {
     (start.elapsed().as_secs_f64() / rays.len() as f64, counts)
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn the_hierarchy_beats_brute_force_on_sponza() {
-    let Some(models) = folder_from_env("LIGHTWELL_MODELS") else { return };
+    let models = folder_from_env("LIGHTWELL_MODELS");
     let stage = Stage::open(&root().join("scenes/sponza.scene.ron"), Some(models), [16; 2]);
     let bvh = SceneBvh::new(&stage.scene);
     let eye = glam::Vec3::from(stage.camera().world_from_view.translation);

@@ -7,8 +7,8 @@
 
 mod support;
 
-use glam::{Quat, Vec3};
-use lightwell::assets::{AssetId, Material, Mesh, Shape};
+use glam::{Quat, Vec3, Vec3Swizzles, Vec4};
+use lightwell::assets::{AlphaMode, AssetId, Material, Mesh, Shape};
 use lightwell::gpu::{Gpu, read_texture, read_texture_f32};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneView};
@@ -29,6 +29,7 @@ enum Edit {
     ThingTurns(usize),
     ThingCastsShadow(usize),
     ThingHides(usize),
+    Shape(usize),
     Surface(usize, usize),
     LightComesOrGoes(usize),
     LightMoves(usize, usize),
@@ -36,8 +37,13 @@ enum Edit {
     LightStrength(usize, usize),
     LightFeedsIndirect(usize),
     LightCastsShadow(usize),
+    LightColor(usize),
+    LightRange(usize),
+    LightMaps(usize),
     Sky(usize),
     Camera(usize),
+    Lens(usize),
+    VolumeMoves(usize),
     Size(usize),
     Method(usize),
     Setting(usize),
@@ -54,15 +60,21 @@ fn edit() -> impl Strategy<Value = Edit> {
         1 => thing.clone().prop_map(ThingTurns),
         1 => thing.clone().prop_map(ThingCastsShadow),
         1 => thing.clone().prop_map(ThingHides),
-        1 => (thing, 0..4usize).prop_map(|(thing, surface)| Surface(thing, surface)),
+        1 => thing.clone().prop_map(Shape),
+        1 => (thing, 0..SURFACES).prop_map(|(thing, surface)| Surface(thing, surface)),
         3 => light.clone().prop_map(LightComesOrGoes),
         1 => (light.clone(), 0..3usize).prop_map(|(light, at)| LightMoves(light, at)),
         1 => (light.clone(), 0..3usize).prop_map(|(light, kind)| LightKind(light, kind)),
         1 => (light.clone(), 0..3usize).prop_map(|(light, strength)| LightStrength(light, strength)),
         2 => light.clone().prop_map(LightFeedsIndirect),
-        1 => light.prop_map(LightCastsShadow),
-        1 => (0..3usize).prop_map(Sky),
+        1 => light.clone().prop_map(LightCastsShadow),
+        1 => light.clone().prop_map(LightColor),
+        1 => light.clone().prop_map(LightRange),
+        1 => light.prop_map(LightMaps),
+        2 => (0..SKIES).prop_map(Sky),
         1 => (0..3usize).prop_map(Camera),
+        1 => (0..3usize).prop_map(Lens),
+        1 => (0..2usize).prop_map(VolumeMoves),
         1 => (0..2usize).prop_map(Size),
         3 => (0..METHODS.len()).prop_map(Method),
         3 => (0..SETTINGS).prop_map(Setting),
@@ -72,14 +84,27 @@ fn edit() -> impl Strategy<Value = Edit> {
 }
 
 /// The methods of indirect light, each with the settings that make it another set of passes.
-const METHODS: [fn(&mut Studio); 9] = [
+const METHODS: [fn(&mut Studio); 13] = [
     |studio| studio.settings.gi = GiMethod::NONE,
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(0)),
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(2)),
+    |studio| studio.clpv(|clpv| *clpv = Clpv { precision: Precision::Half, ..Studio::sweep(2) }),
+    // As scenes have it: cells around all of the scene, rays as the quality has them.
+    |studio| studio.clpv(|clpv| *clpv = Clpv { quality: Quality::Medium, ..Default::default() }),
     |studio| studio.clpv(|clpv| *clpv = Clpv { transport: Transport::Diffusion, steps: 6, ..Studio::sweep(0) }),
     |studio| studio.vpl(|vpl| *vpl = InstantRadiosity { particles: 16, ..Default::default() }),
     |studio| studio.vpl(|vpl| *vpl = Studio::lights_of_maps()),
     |studio| studio.slc(|slc| *slc = Studio::few_lights()),
+    |studio| {
+        studio.slc(|slc| {
+            *slc = StochasticLightCulling { culling: LightCulling::Clustered, ..Studio::few_lights() };
+        })
+    },
+    |studio| {
+        studio.slc(|slc| {
+            *slc = StochasticLightCulling { culling: LightCulling::Splatting, ..Studio::few_lights() };
+        })
+    },
     |studio| {
         studio.slc(|slc| {
             *slc = StochasticLightCulling { visibility: LightVisibility::ShadowRays, ..Studio::few_lights() }
@@ -93,6 +118,9 @@ const METHODS: [fn(&mut Studio); 9] = [
 
 const SETTINGS: usize = 12;
 
+const SURFACES: usize = 5;
+const SKIES: usize = 5;
+
 /// The world that is edited, and how it is drawn.
 struct Studio {
     world: GameWorld,
@@ -102,8 +130,8 @@ struct Studio {
     lights: [Option<bevy_ecs::entity::Entity>; LIGHTS],
     volume: bevy_ecs::entity::Entity,
     eye: bevy_ecs::entity::Entity,
-    boxes: Arc<Mesh>,
-    surfaces: [Arc<Material>; 4],
+    shapes: [Arc<Mesh>; 2],
+    surfaces: [Arc<Material>; SURFACES],
     size: [u32; 2],
     settings: RenderSettings,
 }
@@ -119,6 +147,11 @@ impl Studio {
             Material::diffuse("red", Vec3::new(0.7, 0.1, 0.1)),
             Material { roughness: 0.3, metallic: 0.8, ..Material::new("metal") },
             Material { emissive: Vec3::new(1.0, 2.0, 0.5), ..Material::new("lamp") },
+            Material {
+                alpha_mode: AlphaMode::Blend,
+                base_color: Vec4::new(0.4, 0.7, 0.9, 0.5),
+                ..Material::new("glass")
+            },
         ];
         let mut studio = Self {
             world,
@@ -128,7 +161,8 @@ impl Studio {
             lights: [None; LIGHTS],
             volume,
             eye,
-            boxes: Arc::new(Shape::Box { size: [0.5; 3] }.mesh().expect("a valid shape")),
+            shapes: [Shape::Box { size: [0.5; 3] }, Shape::Sphere { radius: 0.3, segments: 12, rings: 6 }]
+                .map(|shape| Arc::new(shape.mesh().expect("a valid shape"))),
             surfaces: surfaces.map(|surface| Arc::new(Material { id: AssetId::fresh(), ..surface })),
             size: [24, 16],
             settings: RenderSettings::default(),
@@ -265,7 +299,7 @@ impl Studio {
             Edit::ThingComesOrGoes(index) => match self.things[index].take() {
                 Some(entity) => drop(self.world.ecs.despawn(entity)),
                 None => {
-                    let mesh = Arc::clone(&self.boxes);
+                    let mesh = Arc::clone(&self.shapes[0]);
                     let at = Vec3::new(index as f32 * 0.8 - 0.8, 0.25, 0.3);
                     self.things[index] = Some(self.spawn(&format!("thing {index}"), mesh, at));
                 }
@@ -288,6 +322,12 @@ impl Studio {
             }
             Edit::ThingHides(index) => {
                 self.thing(index, |renderer: &mut MeshRenderer| renderer.visible = !renderer.visible);
+            }
+            Edit::Shape(index) => {
+                let [first, second] = self.shapes.clone();
+                self.thing(index, |renderer: &mut MeshRenderer| {
+                    renderer.mesh = if Arc::ptr_eq(&renderer.mesh, &first) { second } else { first };
+                });
             }
             Edit::Surface(index, surface) => {
                 let surface = Arc::clone(&self.surfaces[surface]);
@@ -319,11 +359,40 @@ impl Studio {
             }
             Edit::LightFeedsIndirect(index) => self.light(index, |light| light.indirect = !light.indirect),
             Edit::LightCastsShadow(index) => self.light(index, |light| light.casts_shadow = !light.casts_shadow),
+            Edit::LightColor(index) => self.light(index, |light| light.color = light.color.zxy() * 0.9 + 0.05),
+            Edit::LightRange(index) => self.light(index, |light| {
+                light.range = if light.range.is_some() { None } else { Some(1.5) };
+            }),
+            Edit::LightMaps(index) => self.light(index, |light| {
+                (light.shadow_size, light.rsm_size) = if light.rsm_size == 16 { (32, 8) } else { (64, 16) };
+            }),
             Edit::Sky(sky) => {
                 let mut settings = self.world.ecs.resource_mut::<SceneSettings>();
-                settings.sky = [Vec3::ZERO, Vec3::splat(0.2), Vec3::ZERO][sky];
-                let (zenith, horizon, ground) = (Vec3::new(0.1, 0.2, 0.5), Vec3::splat(0.4), Vec3::ZERO);
-                settings.environment = (sky == 2).then_some(Environment::Gradient { zenith, horizon, ground });
+                settings.sky = if sky == 1 { Vec3::splat(0.2) } else { Vec3::ZERO };
+                // Two of them have the same mean.
+                let (blue, grey) = (Vec3::new(0.1, 0.2, 0.5), Vec3::splat(0.4));
+                settings.environment = [
+                    None,
+                    None,
+                    Some(Environment::Gradient { zenith: blue, horizon: grey, ground: Vec3::ZERO }),
+                    Some(Environment::Gradient { zenith: Vec3::ZERO, horizon: grey, ground: blue }),
+                    Some(Environment::Gradient { zenith: grey, horizon: blue, ground: grey }),
+                ][sky]
+                    .clone();
+            }
+            Edit::Lens(lens) => {
+                let (fov, near, projection) = [
+                    (70.0, 0.1, Projection::Perspective),
+                    (40.0, 0.2, Projection::Perspective),
+                    (70.0, 0.1, Projection::Orthographic { height: 2.0 }),
+                ][lens];
+                if let Some(mut camera) = self.world.ecs.get_mut::<lightwell::world::Camera>(self.eye) {
+                    (camera.fov, camera.near, camera.projection) = (fov, near, projection);
+                }
+            }
+            Edit::VolumeMoves(place) => {
+                let at = [Vec3::Y, Vec3::new(0.3, 1.1, -0.2)][place];
+                self.insert(self.volume, Transform::from_translation(at));
             }
             Edit::Camera(place) => {
                 let at = [Vec3::new(1.6, 1.3, 2.0), Vec3::new(0.2, 1.0, 2.4), Vec3::new(1.9, 0.4, 0.3)][place];
@@ -412,14 +481,23 @@ fn lit_points_follow_the_numbers_of_lights() {
 fn shadows_of_lights_from_maps_follow_what_moves_out_of_sight() {
     use Edit::*;
     // A box that neither the spot light nor the camera sees, but shadow rays may meet.
-    let first = [Method(5), LightKind(0, 2), ThingComesOrGoes(1), ThingMoves(1, 3), Shown(1)];
+    let first = [Method(7), LightKind(0, 2), ThingComesOrGoes(1), ThingMoves(1, 3), Shown(1)];
     // What moves again and again is drawn apart from what does not, whose keys then say nothing of it.
     let (there, back) = ([ThingMoves(1, 4)], [ThingMoves(1, 3)]);
     check_edits(&[&first, &there, &back, &there, &back, &there]);
 }
 
+/// Skies of one mean light differently, and each method with rays into the sky must see that it changed.
+#[test]
+fn skies_of_the_same_mean_light_differently() {
+    use Edit::*;
+    for method in 0..METHODS.len() {
+        check_edits(&[&[Method(method), Sky(2), Shown(1)], &[Sky(3)], &[Sky(4)], &[Sky(2)]]);
+    }
+}
+
 #[test]
 fn all_virtual_lights_shine_after_those_in_reach_did() {
     use Edit::*;
-    check_edits(&[&[Method(4), Camera(2), Shown(1)], &[Setting(0)]]);
+    check_edits(&[&[Method(6), Camera(2), Shown(1)], &[Setting(0)]]);
 }

@@ -106,7 +106,11 @@ fn every_way_of_culling_gives_the_same_bits() {
 fn splatting_adds_the_same_lights() {
     let gpu = gpu();
     if !gpu.features.contains(wgpu::Features::FLOAT32_BLENDABLE) {
-        eprintln!("skipped: the adapter does not blend 32-bit floats");
+        // There it is refused with a reason.
+        let stage = stage(0.3, 50, 1.0, 5.0, StochasticLightCulling { culling: LightCulling::Splatting, ..small() });
+        let frame = RenderSettings { gi: GiMethod::SLC, ..Default::default() };
+        let refused = Renderer::new(&gpu).render(&gpu, &stage.scene, &stage.view, &frame);
+        assert!(refused.expect_err("no way to add").to_string().contains("blends 32-bit floats"));
         return;
     }
     let of = |culling| {

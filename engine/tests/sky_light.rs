@@ -10,7 +10,9 @@ use lightwell::gpu::Gpu;
 use lightwell::measure::{Image, compare};
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::world::{Clpv, LightVisibility, Quality, StochasticLightCulling, Transport};
+use lightwell::world::{
+    Clpv, InstantRadiosity, LightVisibility, Quality, StochasticLightCulling, Transport, VirtualPlacement,
+};
 use std::sync::Arc;
 use support::{Stage, gpu};
 
@@ -82,6 +84,35 @@ fn as_integrated() {
             assert!((mean / expected[c] - 1.0).abs() < 0.06, "{name}: {mean}, expected {expected}");
         }
     });
+}
+
+/// Methods with light of the sky of their own take it by direction, and not its mean.
+#[test]
+fn as_integrated_by_methods_that_shoot_or_cast_into_the_sky() {
+    let gpu = gpu();
+    let mut stage = floor(0.5);
+    stage.scene.sky_light = true;
+    let gradient = SkyMap::gradient(Vec3::new(0.2, 0.5, 1.0), Vec3::new(1.0, 0.6, 0.3), Vec3::ZERO);
+    for (map, what) in [(gradient, "gradient"), (halves(), "image")] {
+        let expected = map.irradiance(Vec3::Y) * 0.5 / std::f32::consts::PI;
+        let of_mean = map.mean() * 0.5;
+        assert!((of_mean / expected - 1.0).abs().max_element() > 0.12, "{what}: the mean would do");
+        set_sky(&mut stage, map);
+        let particles = InstantRadiosity { particles: 512, ..InstantRadiosity::default() };
+        let of_maps = InstantRadiosity { placement: VirtualPlacement::Rsm, ..InstantRadiosity::default() };
+        for (gi, vpl) in [(GiMethod::VPL, particles.clone()), (GiMethod::VPL, of_maps), (GiMethod::SLC, particles)] {
+            let name = format!("{gi:?}, {:?}, {what}", vpl.placement);
+            stage.scene.vpl = Some(vpl);
+            let visibility = LightVisibility::ShadowRays;
+            stage.scene.slc = Some(StochasticLightCulling { visibility, ..StochasticLightCulling::default() });
+            let image = drawn(&gpu, &stage, gi, Layer::Indirect);
+            for c in 0..3 {
+                let mean = image.pixels().iter().map(|p| p[c]).sum::<f32>() / image.pixels().len() as f32;
+                println!("{name}: {:.3} of what is expected", mean / expected[c]);
+                assert!((mean / expected[c] - 1.0).abs() < 0.06, "{name}: {mean}, expected {expected}");
+            }
+        }
+    }
 }
 
 /// No sky is seen in a closed room, and its light does not get in.

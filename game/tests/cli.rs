@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use lightwell::measure::{Image, write_image};
+use lightwell_needs::needs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -361,12 +362,8 @@ fn peak_megabytes(process: u32) -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? * 1024.0 / 1e6)
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn sponza_is_loaded_and_drawn_within_600_megabytes() {
-    if std::env::var_os("LIGHTWELL_MODELS").is_none() {
-        eprintln!("skipped: LIGHTWELL_MODELS is not set");
-        return;
-    }
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("sponza.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightwell"));

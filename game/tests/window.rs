@@ -5,13 +5,14 @@
 
 mod screen;
 
+use lightwell_needs::needs;
 use screen::{Display, PATIENCE, Place, Window, difference};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron");
@@ -79,9 +80,9 @@ fn a_scene_is_opened_edited_undone_saved_and_survives_a_kill() {
 
 /// What the README promises: open a scene, move the lamp, change the quality of the light volume, undo it all, save under
 /// another name and play that.
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn the_first_minutes_of_a_user() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
@@ -142,9 +143,9 @@ fn the_first_minutes_of_a_user() {
     window.kill();
 }
 
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_light_is_changed_without_a_mouse() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
@@ -179,9 +180,9 @@ fn a_light_is_changed_without_a_mouse() {
 
 /// Pictures of the animation as a user makes them: from the menu, with fields that are typed into, and one export that is
 /// cancelled.
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn an_animation_is_exported_and_another_export_cancelled() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
@@ -230,9 +231,9 @@ fn an_animation_is_exported_and_another_export_cancelled() {
 }
 
 /// A shader is broken and mended in another program while the window is open.
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
@@ -263,9 +264,9 @@ fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
 }
 
 /// A window that is made as small as can be, taken off the screen and brought back shows the same picture again.
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_window_comes_back_from_nothing() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();
@@ -290,9 +291,9 @@ fn a_window_comes_back_from_nothing() {
 
 /// The window goes to a monitor of half as many pixels again to the inch, and back: all panels grow with it, clicks fall
 /// where they are shown, and the same picture comes back.
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_monitor_of_another_scale_is_followed() {
-    let Some(display) = Display::open() else { return };
+    let display = Display::open();
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("box.scene.ron");
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell.scene.ron"), &scene).unwrap();

@@ -6,27 +6,25 @@
 mod screen;
 
 use lightwell_game::prelude::*;
+use lightwell_needs::needs;
 use screen::{Display, PATIENCE, Window, difference};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// An example's program. Cargo builds it with the tests, unless a single test was asked for.
-fn example(name: &str) -> Option<PathBuf> {
+fn example(name: &str) -> PathBuf {
     let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("examples").join(name);
-    if !path.exists() {
-        eprintln!("skipped: the example `{name}` is not built (cargo build --release --examples)");
-        return None;
-    }
-    Some(path)
+    assert!(path.exists(), "the example `{name}` is not built (cargo build --release --examples)");
+    path
 }
 
 fn scene(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)).unwrap()
 }
 
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn lamplight_is_played_with_the_keyboard() {
-    let (Some(display), Some(program)) = (Display::open(), example("lamplight")) else { return };
+    let (display, program) = (Display::open(), example("lamplight"));
     let folder = tempfile::tempdir().unwrap();
     let record = folder.path().join("way.script.ron");
     let words = ["--record", record.to_str().unwrap(), "--scale", "0.4"];
@@ -60,9 +58,9 @@ fn lamplight_is_played_with_the_keyboard() {
     assert!(has(InputEvent::Release(Button::Key(Key::W))));
 }
 
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_scene_that_changes_shows_in_the_running_game() {
-    let (Some(display), Some(program)) = (Display::open(), example("own_component")) else { return };
+    let (display, program) = (Display::open(), example("own_component"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
     // At rest, so that the picture changes by the file alone.
@@ -99,9 +97,9 @@ fn a_scene_that_changes_shows_in_the_running_game() {
     window.kill();
 }
 
-#[test]
+#[needs("Xvfb", "xdotool", "import")]
 fn a_component_of_the_game_is_edited_undone_and_saved() {
-    let (Some(display), Some(program)) = (Display::open(), example("own_component")) else { return };
+    let (display, program) = (Display::open(), example("own_component"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
     std::fs::write(&path, scene("scenes/lift.scene.ron")).unwrap();

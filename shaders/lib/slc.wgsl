@@ -62,8 +62,9 @@ struct Culling {
     filter_radius: u32,    // [pixels]
     show: u32,
     first_subset: u32,     // of this dispatch
-    sky: vec3f,            // radiance [W/(m² sr)]
+    sky: vec3f,            // radiance, of a map the mean [W/(m² sr)]
     sky_rays: u32,         // of a pixel
+    sky_turn: f32,         // of the sky's map [rad]
 }
 
 // Words of a mask with its summaries: for every 32 words another, whose bits tell which of them are not zero.

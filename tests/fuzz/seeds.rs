@@ -1,6 +1,6 @@
 //! Valid inputs of every kind, small ones that hold as much as they can.
 
-use lightwell_tests::{folder_from_env, root};
+use lightwell_tests::root;
 use std::io::Cursor;
 
 /// A scene with all that one may hold.
@@ -125,7 +125,7 @@ pub fn glb() -> Vec<u8> {
 
 /// Small models from the folder of models, if it is given.
 pub fn small_models() -> Vec<Vec<u8>> {
-    let Some(folder) = folder_from_env("LIGHTWELL_MODELS") else { return Vec::new() };
+    let Some(folder) = std::env::var_os("LIGHTWELL_MODELS").map(std::path::PathBuf::from) else { return Vec::new() };
     let mut pending = vec![folder];
     let mut models = Vec::new();
     while let Some(folder) = pending.pop() {

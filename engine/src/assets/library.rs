@@ -81,11 +81,17 @@ impl AssetLibrary {
             return Ok(model.clone());
         }
         let model = Arc::new(Gltf::load_within(path, &self.meter)?);
-        for warning in &model.warnings {
-            log::warn!("{}: {warning}", path.display());
-        }
         self.models.insert(key, model.clone());
         Ok(model)
+    }
+
+    /// What the models' files hold that is not kept as it is, each with its file.
+    pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
+        let mut models: Vec<&Arc<Gltf>> = self.models.values().collect();
+        models.sort_unstable_by(|a, b| a.path.cmp(&b.path));
+        models
+            .into_iter()
+            .flat_map(|model| model.warnings.iter().map(|warning| format!("{}: {warning}", model.path.display())))
     }
 
     /// A model as import settings want it; `model` is one of this library's.

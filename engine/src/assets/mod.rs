@@ -37,6 +37,7 @@ pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub use sky_map::SkyMap;
+pub(crate) use sky_map::{SkyDirections, SkySample};
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 

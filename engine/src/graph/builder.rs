@@ -57,6 +57,7 @@ pub struct Graph<'a> {
     pub(super) passes: Vec<PassNode<'a>>,
     pub(super) orders: Vec<(usize, usize)>,
     pub(super) skipped: Vec<(String, String)>,
+    pub(super) warnings: Vec<String>,
     /// Names of passes and of skipped ones.
     names: HashSet<String>,
     pub(super) outputs: Vec<Version>,
@@ -77,6 +78,7 @@ impl<'a> Graph<'a> {
             passes: Vec::new(),
             orders: Vec::new(),
             skipped: Vec::new(),
+            warnings: Vec::new(),
             names: HashSet::new(),
             outputs: Vec::new(),
             errors: Vec::new(),
@@ -143,6 +145,17 @@ impl<'a> Graph<'a> {
         let name = name.into();
         self.check_pass_name(&name);
         self.skipped.push((name, reason.into()));
+    }
+
+    /// Says that something which the scene asks for does not show in the frame: which entity's, why, and what to do. For
+    /// [`FrameReport::warnings`](super::FrameReport::warnings).
+    pub fn warn(&mut self, warning: impl Into<String>) {
+        self.warnings.push(warning.into());
+    }
+
+    /// What was warned of so far.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
     }
 
     /// Lets `before` run before `after`, if both run.

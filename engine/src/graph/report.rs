@@ -143,6 +143,8 @@ pub struct ResourceReport {
 pub struct FrameReport {
     /// All passes in the order of declaration, then the skipped ones.
     pub passes: Vec<PassReport>,
+    /// What the scene asks for and the frame does not show: of which entity, why, and what to do.
+    pub warnings: Vec<String>,
     /// All resources that had memory.
     pub resources: Vec<ResourceReport>,
     /// All memory that the cache holds \[bytes\].
@@ -194,10 +196,11 @@ impl FrameReport {
     }
 }
 
-/// A table of the passes, then the memory.
+/// What to know of the frame, a table of the passes, then the memory.
 impl fmt::Display for FrameReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.passes.iter().map(|pass| pass.name.chars().count()).max().unwrap_or(0).max(4);
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         writeln!(f, "{:width$}  {:7}  {:>9}  {:>9}  why; work", "pass", "state", "GPU [ms]", "CPU [ms]")?;
         for pass in &self.passes {
             let gpu = pass.gpu_ms.map_or("-".into(), |ms| format!("{ms:.3}"));

@@ -23,6 +23,14 @@ impl FlipMap {
     pub fn mean(&self) -> f64 {
         self.errors.iter().map(|&e| f64::from(e)).sum::<f64>() / self.errors.len().max(1) as f64
     }
+
+    /// The error that a share of the pixels does not exceed (nearest rank).
+    pub fn percentile(&self, share: f64) -> f64 {
+        let mut sorted = self.errors.clone();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let rank = (share * sorted.len() as f64).ceil() as usize;
+        sorted.get(rank.saturating_sub(1)).copied().map_or(0.0, f64::from)
+    }
 }
 
 /// Factor by which images are exposed before the comparison: it brings the mean luminance of the reference to 0.18.
@@ -71,6 +79,18 @@ mod tests {
         let reference = Image::filled(3, 3, [2.0; 3]);
         assert!((flip_exposure(&reference) - 0.09).abs() < 1e-12);
         assert_eq!(flip_exposure(&Image::filled(3, 3, [0.0; 3])), 1.0);
+    }
+
+    #[test]
+    fn percentiles_see_what_the_mean_hides() {
+        let mut errors = vec![0.0; 1000];
+        errors[..11].fill(0.8);
+        let map = FlipMap { size: [100, 10], errors };
+        assert!(map.mean() < 0.01);
+        assert_eq!(
+            [map.percentile(0.98), map.percentile(0.99), map.percentile(1.0)],
+            [0.0, f64::from(0.8_f32), f64::from(0.8_f32)]
+        );
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub struct Comparison {
     pub p95: f64,
     /// Mean FLIP error, 0..1.
     pub flip: f64,
+    /// 99th percentile of the pixels' FLIP errors (nearest rank), 0..1: small parts of an image that are wrong.
+    pub flip_p99: f64,
     /// Set where the mean of the reference is zero: whether the image is exactly zero, as it then must be.
     pub exactly_zero: Option<bool>,
 }
@@ -116,6 +118,7 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
     let rmse = mean(errors.iter().map(|e| e * e)).sqrt();
     let rank = (errors.len() * 95).div_ceil(100) - 1;
     let (_, &mut p95, _) = errors.select_nth_unstable_by(rank, f64::total_cmp);
+    let flips = flip(image, reference);
     let zero = image.values().all(|v| v == 0.0);
     if mean_reference == 0.0 {
         let value = if zero { 0.0 } else { f64::INFINITY };
@@ -126,7 +129,8 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
             nrmse: value,
             bias: value,
             p95: value,
-            flip: flip(image, reference).mean(),
+            flip: flips.mean(),
+            flip_p99: flips.percentile(0.99),
             exactly_zero: Some(zero),
         });
     }
@@ -137,7 +141,8 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
         nrmse: rmse / mean_reference,
         bias: mean_image / mean_reference - 1.0,
         p95: p95 / mean_reference,
-        flip: flip(image, reference).mean(),
+        flip: flips.mean(),
+        flip_p99: flips.percentile(0.99),
         exactly_zero: None,
     })
 }

@@ -11,6 +11,7 @@
 //! | `bias`  | mean(a) / mean(r) − 1                             |
 //! | `p95`   | 95th percentile of abs(a − r), over mean(r)       |
 //! | `flip`  | mean of the published FLIP on tone-mapped images  |
+//! | `flip_p99` | 99th percentile of its pixels |
 //!
 //! Where mean(r) = 0 nothing can be relative to it: the image must then be exactly zero, and whether it is, is
 //! what is reported.

@@ -17,7 +17,7 @@ use super::frame::Frame;
 use super::geometry::{GBuffer, gbuffer};
 use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
-use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient};
+use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light};
 use super::post::compose::{self, Lights};
 use super::post::{compare, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
@@ -86,6 +86,7 @@ fn declare_indirect<'a>(
     gpu: &Gpu,
 ) -> Result<Option<IndirectLight>, RenderError> {
     if frame.settings.only.shows_indirect() {
+        lost_light::of(frame, method.id()).into_iter().for_each(|warning| graph.warn(warning));
         return method.declare(graph, frame, gbuffer, gpu);
     }
     graph.skip("indirect", "the layer that is shown holds no indirect light");

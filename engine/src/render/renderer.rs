@@ -50,6 +50,8 @@ pub struct Renderer {
     has_probe_light: bool,
     extra: Vec<ExtraPass>,
     history: History,
+    /// Warnings of the last frame.
+    warned: Vec<String>,
 }
 
 impl Renderer {
@@ -69,6 +71,7 @@ impl Renderer {
             has_probe_light: false,
             extra: Vec::new(),
             history: History::default(),
+            warned: Vec::new(),
         }
     }
 
@@ -153,12 +156,24 @@ impl Renderer {
         let mut result = self.render_frame(gpu, scene, view, settings);
         match &mut result {
             Ok(report) => {
+                self.log_news(&report.warnings);
+                report.warnings.splice(0..0, scene.warnings.iter().cloned());
                 report.host = gpu.counts().since(&before);
                 report.host_ms = start.elapsed().as_secs_f64() * 1e3;
             }
             Err(_) => self.history.forget(),
         }
         result
+    }
+
+    /// Logs each warning when it first appears; those of the scene were logged when they were found.
+    fn log_news(&mut self, warnings: &[String]) {
+        for warning in warnings.iter().filter(|warning| !self.warned.contains(warning)) {
+            log::warn!("{warning}");
+        }
+        if self.warned != warnings {
+            self.warned = warnings.to_vec();
+        }
     }
 
     fn render_frame(
@@ -276,9 +291,8 @@ impl Renderer {
         }
         let rays = self.rays.get_or_insert_with(|| RayScene::new(gpu));
         self.refused_rays = rays.update(gpu, scene).err().map(|error| (subject, error.to_string()));
-        if let Some((_, why)) = &self.refused_rays {
+        if self.refused_rays.is_some() {
             self.rays = None;
-            log::warn!("light is not gathered: {why}");
         }
     }
 
@@ -345,17 +359,18 @@ impl Renderer {
 /// Compiles and runs the graph.
 fn execute(
     gpu: &Gpu,
-    graph: Graph,
+    mut graph: Graph,
     targets: &mut TargetCache,
     settings: &RenderSettings,
 ) -> Result<FrameReport, RenderError> {
+    let warnings = graph.take_warnings();
     let plan = graph.compile(targets, &CompileOptions { no_cache: settings.no_cache })?;
     let executed = plan.execute(gpu, targets);
     // A lost device refuses whatever it is given: that is not what is wrong.
     if let Some(lost) = gpu.device_lost() {
         return Err(RenderError::Lost(lost));
     }
-    let report = executed?;
+    let report = FrameReport { warnings, ..executed? };
     match gpu.take_errors() {
         errors if errors.is_empty() => Ok(report),
         errors => Err(RenderError::Device(errors.join("\n"))),

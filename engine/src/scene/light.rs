@@ -3,6 +3,9 @@
 use super::SceneId;
 use glam::Vec3;
 
+/// Largest edge of a reflective shadow map \[texels\]: four targets of a point light's six faces take 2.3 GiB then.
+pub const MAX_RSM_SIZE: u32 = 4096;
+
 /// Shape of a light's emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightShape {

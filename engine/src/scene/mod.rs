@@ -12,7 +12,7 @@ mod view;
 
 pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
-pub use light::{LightShape, SceneLight};
+pub use light::{LightShape, MAX_RSM_SIZE, SceneLight};
 pub use probe::ProbePoint;
 pub use surfels::{MAX_SURFELS, NO_PATCH, Patches, Surfel, SurfelCloud, cells_from_world};
 pub(crate) use surfels::{texel, wall_extent};
@@ -108,8 +108,23 @@ pub struct Scene {
     pub sky_map: Option<Arc<SkyMap>>,
     /// Whether the sky lights the scene where the method of indirect light has no light of it.
     pub sky_light: bool,
+    /// What entities ask for that makes no sense, with their names: what became of it.
+    pub warnings: Vec<String>,
+    /// Names of the entities that hold the settings of methods, for messages.
+    pub settings_names: SettingsNames,
     /// Revisions.
     pub revisions: Revisions,
+}
+
+/// Names of the entities that hold the settings of methods; empty where there are none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SettingsNames {
+    /// Of the light propagation volumes.
+    pub clpv: String,
+    /// Of instant radiosity.
+    pub vpl: String,
+    /// Of stochastic light culling.
+    pub slc: String,
 }
 
 impl Scene {

@@ -30,9 +30,9 @@ pub struct StressArgs {
     /// Frames of each long run with --full; all but the two box scenes take a seventh to a twentieth, two loops or more
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     pub frames: u32,
-    /// Methods by name: direct, diffusion, sweep, half sweep, vpl, slc, reference [default: all]
+    /// Methods by name: direct, diffusion, sweep, half sweep, gather, vpl, slc, reference [default: all]
     #[arg(long = "method", value_name = "NAME,...", value_delimiter = ',',
-        value_parser = ["direct", "diffusion", "sweep", "half sweep", "vpl", "slc", "reference"])]
+        value_parser = ["direct", "diffusion", "sweep", "half sweep", "gather", "vpl", "slc", "reference"])]
     pub methods: Vec<String>,
     /// The long run of one scene alone, told in lines: what `--full` calls for each
     #[arg(long, value_name = "SCENE", hide = true)]

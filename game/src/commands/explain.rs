@@ -10,7 +10,7 @@ use lightwell::scene::SceneView;
 const STEP: f64 = 0.04;
 
 /// Draws two frames of the same time and, where something moves, some of the times after it, and prints what each pass
-/// did.
+/// did, after what of the scene does not show.
 ///
 /// # Errors
 /// If the scene cannot be loaded or drawn.
@@ -27,6 +27,7 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         scene.cameras.len(),
         if scene.clpv.is_some() { "light propagation volumes" } else { "no light propagation volumes" },
     );
+    session.model_warnings().for_each(|warning| say!("warning: {warning}"));
     let settings = session.render_settings(true);
     let view = SceneView { camera: session.camera()?, size: args.size, jitter: [0.0; 2] };
     for title in ["frame 1", "frame 2, of the same time: what has not changed is reused"] {

@@ -186,6 +186,11 @@ impl Behavior<Pane> for Dock<'_, '_> {
         let errors = self.stage.facts.errors.len();
         match pane {
             Pane::Errors if errors > 0 => egui::RichText::new(format!("Errors ({errors})")).color(ERROR).into(),
+            Pane::Errors => match self.stage.warnings().len() {
+                0 => pane.title().into(),
+                1 => "Errors (1 warning)".into(),
+                count => format!("Errors ({count} warnings)").into(),
+            },
             pane => pane.title().into(),
         }
     }

@@ -52,6 +52,13 @@ pub struct Stage<'a> {
     pub facts: Facts<'a>,
 }
 
+impl Stage<'_> {
+    /// What of the scene does not show: in the last frame, and of its models.
+    pub fn warnings(&self) -> Vec<String> {
+        self.facts.report.warnings.iter().cloned().chain(self.files.library.warnings()).collect()
+    }
+}
+
 /// What there is to show.
 pub struct Facts<'a> {
     /// Name of the scene.

@@ -1,6 +1,6 @@
 //! Images against what they should look like, and pictures of where they do not.
 
-use super::document::ErrorBounds;
+use super::document::{ErrorBounds, Golden};
 use anyhow::{Context, Result};
 use lightwell::measure::{
     self, Comparison, Image, MeasureError, compare, difference_picture, read_image, two_halves, write_image,
@@ -93,7 +93,7 @@ pub enum GoldenVerdict {
 pub fn check_golden(
     actual: &Image,
     file: &Path,
-    max_flip: f64,
+    max: &Golden,
     bless: bool,
     pictures: &Pictures,
 ) -> Result<GoldenVerdict> {
@@ -101,10 +101,15 @@ pub fn check_golden(
         None => (format!("there is no golden image {}", file.display()), None),
         Some(Err(error)) => (format!("the golden image cannot be read: {error}"), None),
         Some(Ok(golden)) => match compare(actual, &golden) {
-            Ok(comparison) if comparison.flip <= max_flip => return Ok(GoldenVerdict::Same),
-            Ok(comparison) => {
-                let flip = comparison.flip;
-                (format!("differs from {}: mean FLIP {flip:.4}, at most {max_flip}", file.display()), Some(golden))
+            Ok(Comparison { flip, flip_p99, .. }) if flip <= max.flip && flip_p99 <= max.flip_p99 => {
+                return Ok(GoldenVerdict::Same);
+            }
+            Ok(Comparison { flip, flip_p99, .. }) => {
+                let measured = format!(
+                    "mean FLIP {flip:.4}, at most {}; of 99 % of the pixels {flip_p99:.4}, at most {}",
+                    max.flip, max.flip_p99
+                );
+                (format!("differs from {}: {measured}", file.display()), Some(golden))
             }
             Err(error) => (format!("differs from {}: {error}", file.display()), Some(golden)),
         },
@@ -193,6 +198,7 @@ fn broken_bounds(comparison: &Comparison, bounds: &ErrorBounds, noise: Option<f6
             "bias" => comparison.bias,
             "rmse" => comparison.rmse,
             "p95" => comparison.p95,
+            "flip_p99" => comparison.flip_p99,
             _ => comparison.flip,
         };
         // NaN is within no bound.

@@ -10,7 +10,7 @@ fn pictures(dir: &tempfile::TempDir) -> Pictures {
 }
 
 fn golden(actual: &Image, file: &Path, bless: bool, dir: &tempfile::TempDir) -> GoldenVerdict {
-    check_golden(actual, file, 0.01, bless, &pictures(dir)).unwrap()
+    check_golden(actual, file, &Golden::default(), bless, &pictures(dir)).unwrap()
 }
 
 #[test]
@@ -126,4 +126,109 @@ fn a_single_bit_between_two_runs_is_seen() {
     second.pixels_mut()[18][0] = f32::from_bits(1.0f32.to_bits() + 1);
     let what = check_equal(&first, &second, &pictures(&dir)).unwrap().unwrap();
     assert!(what.contains("1 pixels, first at column 2 of row 1") && what.contains("test.expected.exr"), "{what}");
+}
+
+/// The tests that ship, with their golden images.
+fn shipped() -> Vec<(crate::scene_test::TestCase, crate::scene_test::SceneTest)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes");
+    let cases = crate::scene_test::discover(&[folder]).unwrap();
+    cases.into_iter().map(|case| (case.clone(), crate::scene_test::SceneTest::read(&case.path).unwrap())).collect()
+}
+
+fn black(image: &Image) -> Image {
+    let [width, height] = image.size();
+    Image::filled(width, height, [0.0; 3])
+}
+
+/// All columns moved to the right, the first ones repeated.
+fn shifted(image: &Image, by: usize) -> Image {
+    let width = image.size()[0] as usize;
+    let mut shifted = image.clone();
+    for row in shifted.pixels_mut().chunks_mut(width) {
+        let first = row[0];
+        row.rotate_right(by);
+        row[..by].fill(first);
+    }
+    shifted
+}
+
+fn scaled(image: &Image, factor: f32) -> Image {
+    let mut scaled = image.clone();
+    scaled.pixels_mut().as_flattened_mut().iter_mut().for_each(|value| *value *= factor);
+    scaled
+}
+
+/// A screen shows no more than white.
+fn shown(image: &Image) -> Image {
+    let mut shown = image.clone();
+    shown.pixels_mut().as_flattened_mut().iter_mut().for_each(|value| *value = value.min(1.0));
+    shown
+}
+
+/// What each golden image is there for: a black picture, one a few pixels aside and one of 1.1 times the light are found.
+#[test]
+fn every_golden_tells_black_shifted_and_brighter_pictures() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut missed = Vec::new();
+    let mut count = 0;
+    for (case, test) in shipped() {
+        let Some(bounds) = &test.expect.golden else { continue };
+        for time in test.golden_times() {
+            let file = case.golden(time);
+            let golden = read_image(&file).unwrap();
+            count += 1;
+            let mut check = |what: &str, image: &Image, is_same: bool| {
+                let verdict = check_golden(image, &file, bounds, false, &pictures(&dir)).unwrap();
+                if matches!(verdict, GoldenVerdict::Same) != is_same {
+                    missed.push(format!("{} at {time} s, {what}: {verdict:?}", case.name));
+                }
+            };
+            check("itself", &golden, true);
+            check("black", &black(&golden), false);
+            check("shifted", &shifted(&golden, 3), false);
+            check("brighter", &shown(&scaled(&golden, 1.1)), false);
+        }
+    }
+    assert!(count > 10 && missed.is_empty(), "{count} golden images: {missed:#?}");
+}
+
+/// Each bound on the error against a reference is so tight that 1.1 times the light, or none, is beyond it.
+#[test]
+fn every_error_bound_tells_black_and_brighter_pictures() {
+    let dir = tempfile::tempdir().unwrap();
+    // Half of it dark: an image with a nrmse as large as its mean, which bounds on the error allow.
+    let mut truth = flat(1.0);
+    truth.pixels_mut()[..100].fill([0.2; 3]);
+    let mut missed = Vec::new();
+    for (case, test) in shipped() {
+        // The diffusion is off by more than that; golden images hold it.
+        let has_golden_elsewhere = case.name.starts_with("truth_diffusion");
+        for bound in &test.expect.errors {
+            let expected = || Expected { image: truth.clone(), halves: None };
+            let mut tells = |what: &str, image: &Image, is_right: bool| {
+                let wrong = check_errors(image, &expected(), &bound.max, &pictures(&dir)).unwrap();
+                if wrong.is_none() != is_right {
+                    missed.push(format!("{}, {what}: {:?}", case.name, bound.max));
+                }
+            };
+            tells("itself", &truth, true);
+            tells("black", &black(&truth), false);
+            tells("brighter", &scaled(&truth, 1.1), has_golden_elsewhere);
+        }
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn small_things_that_are_wrong_fail_a_golden() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a.png");
+    let big = Image::filled(128, 128, [0.2; 3]);
+    golden(&big, &file, true, &dir);
+    let mut spot = big.clone();
+    spot.pixels_mut()[128 * 60..128 * 62].fill([0.35; 3]);
+    let GoldenVerdict::Wrong(what) = golden(&spot, &file, false, &dir) else { panic!("two rows of 128 are other") };
+    assert!(what.contains("99 % of the pixels"), "{what}");
+    let verdict = check_golden(&spot, &file, &Golden { flip_p99: 1.0, ..Golden::default() }, false, &pictures(&dir));
+    assert!(matches!(verdict.unwrap(), GoldenVerdict::Same), "the mean alone hides it");
 }

@@ -44,9 +44,10 @@
 //!
 //! What is expected holds at all times of the test, or at those named by `at`:
 //!
-//! - `golden`: what a screen would show looks like `goldens/NAME_TIMEs.png` beside the test, up to a mean FLIP.
+//! - `golden`: what a screen would show looks like `goldens/NAME_TIMEs.png` beside the test, up to a mean FLIP (`flip`,
+//!   0.01 if not said) and one of 99 % of the pixels (`flip_p99`, 0.1 if not said).
 //!   `lightwell test --bless` writes these images; look at them before they are committed.
-//! - `errors`: bounds on `nrmse`, `bias` (in size), `rmse`, `p95` and `flip` of the total, direct or indirect light,
+//! - `errors`: bounds on `nrmse`, `bias` (in size), `rmse`, `p95`, `flip` and `flip_p99` of the total, direct or indirect light,
 //!   measured on linear radiance ([`lightwell::measure`]) against a stored image, which may be larger by a whole factor
 //!   (blocks of its pixels are then averaged), or against the path tracer's image of the same view,
 //!   `Traced(samples: 256, bounces: 1, seed: 0)`; `nrmse` and `rmse` are then free of that image's own noise.
@@ -54,8 +55,8 @@
 //!   whatever reason; `idle`: none may run; and `counts` of `draws`, `dispatches`, `triangles`, `texels`, `cells`,
 //!   `lights`, `injections`, `merges`, `paths` and `bytes`, exact (`7`) or bounded (`(min: 5, max: 9)`). Names may hold `*` for any text; counts are
 //!   then summed, so that `"*"` is the whole frame. `frame: Again` speaks of a second frame in which nothing changed.
-//! - `deterministic`: a second run, with a freshly loaded scene, a fresh renderer and the times in reverse order, gives
-//!   the same bits. So an image depends neither on chance nor on what was drawn before it.
+//! - `deterministic`: a second run, with a freshly loaded scene, a fresh renderer and the times in reverse order (after
+//!   an image of one second later, where there is one time alone), gives the same bits. So an image depends neither on chance nor on what was drawn before it.
 //!
 //! That no pixel is NaN or infinite is always checked. Where something fails, the actual, the expected and the
 //! difference picture are written and named. A test whose scene needs a third-party model that is not there, or whose

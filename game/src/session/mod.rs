@@ -284,6 +284,11 @@ impl Session {
         self.library.files()
     }
 
+    /// What the scene's models hold that is not kept as it is, each with its file.
+    pub fn model_warnings(&self) -> impl Iterator<Item = String> + '_ {
+        self.library.warnings()
+    }
+
     /// Draws a view of the scene as it stands.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::invariant::Invariant;
 use super::rig::{self, Rig};
-use super::setup::{CELL, Grid, Lamps, Setup};
+use super::setup::{CELL, Grid, Lamps, Method, Setup};
 use anyhow::Result;
 use lightwell::measure::Image;
 
@@ -28,6 +28,7 @@ pub fn check(rig: &mut Rig, row: &Setup) -> Result<Found> {
         found.push((invariant, nrmse(&base, &image, of_other) / unit));
     }
     found.push((Invariant::Doubling, doubling(rig, row, &base)?));
+    found.extend(against_truth(rig, row, &base)?);
     found.push((Invariant::Moved, moved(rig, row, &base)?));
     found.extend(in_one_session(rig, row, &base)?);
     found.push((Invariant::Finite, rig.take_not_finite() as f64));
@@ -79,6 +80,37 @@ fn twins(row: &Setup) -> Vec<(Invariant, Setup, f64)> {
         all.push((Invariant::Orientation, Setup { tilt: [0.0; 3], ..like }, 1.0));
     }
     all
+}
+
+/// Samples of each of the two path-traced images that an image is held against.
+const TRUTH_SAMPLES: u32 = 32;
+
+/// What holds against the path tracer: an image that is black, even, or of other light breaks one of these.
+fn against_truth(rig: &mut Rig, row: &Setup, base: &Image) -> Result<Found> {
+    let mut traced = |seed: u32| {
+        let mut look = Method::Reference.look(row.grid, seed);
+        look.only = row.method.look(row.grid, 0).only;
+        (look.trace.spp, look.trace.bounces) = (TRUTH_SAMPLES, row.method.bounces());
+        let mut session = rig.open(&row.text(), &look)?;
+        rig.draw(&mut session, false)
+    };
+    let (first, second) = (traced(101)?, traced(102)?);
+    let truth = (first.mean() + second.mean()) / 2.0;
+    let share = base.mean() / truth;
+    // Each image's noise is independent of the other's: what both agree on is the error of the image.
+    let squares = base.values().zip(first.values()).zip(second.values());
+    let error = squares.map(|((a, b), c)| (f64::from(a) - f64::from(b)) * (f64::from(a) - f64::from(c))).sum::<f64>();
+    let error = (error / base.values().len() as f64).max(0.0).sqrt() / truth;
+    let contrast = spread(base, base).sqrt() / base.mean() / (spread(&first, &second).sqrt() / truth);
+    log::info!("{}: {share:.3} of the light, nrmse {error:.3}, {contrast:.3} of the contrast", row.method.name());
+    Ok(vec![(Invariant::Share, (share - 1.0).abs()), (Invariant::Truth, error), (Invariant::Contrast, 1.0 - contrast)])
+}
+
+/// Variance of the values that two images have in common; of one image with itself, its own.
+fn spread(a: &Image, b: &Image) -> f64 {
+    let (mean_a, mean_b) = (a.mean(), b.mean());
+    let products = a.values().zip(b.values()).map(|(a, b)| (f64::from(a) - mean_a) * (f64::from(b) - mean_b));
+    (products.sum::<f64>() / a.values().len() as f64).max(0.0)
 }
 
 /// sqrt(mean((a − k·b)²)) / mean(a); both black: zero.

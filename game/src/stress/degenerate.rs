@@ -1,4 +1,5 @@
-//! Broken and extreme input: a finite image, or an error that says what is wrong.
+//! Broken and extreme input: what is stated of each comes out, a finite image, a black one, or an error that says what is
+//! wrong.
 
 use super::rig::Rig;
 use super::setup::{Grid, Method};
@@ -8,16 +9,61 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// What came of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// An image, finite everywhere.
-    Image,
+    /// An image, finite everywhere, that shows light.
+    Lit,
+    /// A black image.
+    Black,
     /// An error in words.
     Refused(String),
     /// Neither: what happened.
     Broken(String),
 }
 
-/// Scenes by name.
-pub fn scenes() -> Vec<(&'static str, String)> {
+/// What must come of one, whatever the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stated {
+    /// A finite image that shows light.
+    Lit,
+    /// A finite image, black or not: what is odd may hide all else.
+    Drawn,
+    /// A black image.
+    Black,
+    /// An error that says this.
+    Refused(&'static str),
+    /// With instant radiosity an error that says this, otherwise a finite image that shows light.
+    RefusedByVpl(&'static str),
+}
+
+impl Stated {
+    /// Whether it came out so.
+    pub fn holds(self, method: Method, outcome: &Outcome) -> bool {
+        match (self, outcome) {
+            (Self::RefusedByVpl(part), Outcome::Refused(why)) => method == Method::Vpl && why.contains(part),
+            (Self::Refused(part), Outcome::Refused(why)) => why.contains(part),
+            (Self::RefusedByVpl(_), outcome) => method != Method::Vpl && *outcome == Outcome::Lit,
+            (Self::Lit, outcome) => *outcome == Outcome::Lit,
+            (Self::Black, outcome) => *outcome == Outcome::Black,
+            (Self::Drawn, outcome) => matches!(outcome, Outcome::Lit | Outcome::Black),
+            (Self::Refused(_), _) => false,
+        }
+    }
+}
+
+/// Prefabs that the scenes name, which lie beside them: a lamp, and ten thousand of them.
+pub const PREFABS: [(&str, &str); 2] = [
+    (
+        "one_lamp.prefab.ron",
+        "Prefab(entities: [(name: \"Lamp\", light: (kind: Point, intensity: 1e-3, casts_shadow: false, indirect: false))])",
+    ),
+    (
+        "many_lamps.prefab.ron",
+        "Prefab(entities: [(name: \"Rows\", prefab: \"one_lamp.prefab.ron\", repeat: Grid(count: (100, 1, 100), spacing: (0.1, 0.1, 0.1)))])",
+    ),
+];
+
+/// Scenes by name, with what must come of them.
+pub fn scenes() -> Vec<(&'static str, Stated, String)> {
+    use Stated::{Black, Drawn, Lit, Refused, RefusedByVpl};
     let ball = "(name: \"Ball\", transform: (translation: (0, 0.5, 0)), mesh: Sphere(radius: 0.5)),";
     let floor = "(name: \"Floor\", mesh: Box(size: (4, 0.1, 4))),";
     let lamp =
@@ -44,104 +90,157 @@ pub fn scenes() -> Vec<(&'static str, String)> {
         ])
     };
     vec![
-        ("an empty scene", scene(&[])),
-        ("a camera alone", scene(&[camera])),
-        ("no lamp", scene(&[floor, ball, camera, methods])),
-        ("no object", scene(&[lamp, camera, methods])),
-        ("scale zero", whole("(name: \"Flat\", transform: (scale: 0), mesh: Sphere(radius: 1)),")),
+        ("an empty scene", Refused("the scene has no camera"), scene(&[])),
+        ("a camera alone", Black, scene(&[camera])),
+        ("no lamp", Black, scene(&[floor, ball, camera, methods])),
+        ("no object", Black, scene(&[lamp, camera, methods])),
+        ("scale zero", Lit, whole("(name: \"Flat\", transform: (scale: 0), mesh: Sphere(radius: 1)),")),
         (
             "scale zero along one axis",
+            Lit,
             whole("(name: \"Flat\", transform: (scale: (1, 0, 1)), mesh: Sphere(radius: 1)),"),
         ),
-        ("scale NaN", whole("(name: \"Odd\", transform: (scale: NaN), mesh: Sphere(radius: 1)),")),
-        ("a scale of 1e30", whole("(name: \"Huge\", transform: (scale: 1e30), mesh: Sphere(radius: 1)),")),
-        ("a place of 1e30", whole("(name: \"Far\", transform: (translation: (1e30, 0, 0)), mesh: Sphere(radius: 1)),")),
-        ("a radius of 1e-30", whole("(name: \"Dot\", mesh: Sphere(radius: 1e-30)),")),
-        ("a radius below zero", whole("(name: \"Odd\", mesh: Sphere(radius: -1)),")),
-        ("a lamp in a wall", whole("(name: \"Inside\", light: (kind: Point, intensity: 3, rsm_size: 16)),")),
+        (
+            "scale NaN",
+            Refused("`scale` is not finite"),
+            whole("(name: \"Odd\", transform: (scale: NaN), mesh: Sphere(radius: 1)),"),
+        ),
+        ("a scale of 1e30", Drawn, whole("(name: \"Huge\", transform: (scale: 1e30), mesh: Sphere(radius: 1)),")),
+        (
+            "a place of 1e30",
+            Lit,
+            whole("(name: \"Far\", transform: (translation: (1e30, 0, 0)), mesh: Sphere(radius: 1)),"),
+        ),
+        ("a radius of 1e-30", Refused("lengths lie between"), whole("(name: \"Dot\", mesh: Sphere(radius: 1e-30)),")),
+        ("a radius below zero", Refused("lengths lie between"), whole("(name: \"Odd\", mesh: Sphere(radius: -1)),")),
+        ("a lamp in a wall", Lit, whole("(name: \"Inside\", light: (kind: Point, intensity: 3, rsm_size: 16)),")),
         (
             "a lamp on the camera",
+            Lit,
             whole("(name: \"On\", transform: (translation: (0, 1, 3)), light: (kind: Point, intensity: 3)),"),
         ),
-        ("a camera in an object", with_camera("(0, 0.5, 0)", "fov: 45")),
-        ("a camera at a lamp", with_camera("(1, 2, 1)", "fov: 45")),
-        ("a field of view of 0", with_camera("(0, 1, 3)", "fov: 0")),
-        ("a field of view of 180", with_camera("(0, 1, 3)", "fov: 180")),
-        ("a near plane of 0", with_camera("(0, 1, 3)", "fov: 45, near: 0")),
-        ("a far plane before the near one", with_camera("(0, 1, 3)", "fov: 45, near: 1, far: 0.5")),
-        ("parallel lines of sight", with_camera("(0, 1, 3)", "projection: Orthographic(height: 3), near: 0")),
-        ("parallel in an object", with_camera("(0, 0.5, 0)", "projection: Orthographic(height: 1e-3), near: 0")),
-        ("an image of no height", with_camera("(0, 1, 3)", "projection: Orthographic(height: 0)")),
-        ("an image of 1000 km", with_camera("(0, 1, 3)", "projection: Orthographic(height: 1e6)")),
-        ("a cell size of 0", with_clpv("cell_size: Meters(0)")),
-        ("a cell size of NaN", with_clpv("cell_size: Meters(NaN)")),
-        ("a cell size of 1e-30", with_clpv("cell_size: Meters(1e-30)")),
-        ("a cell size of 1e30", with_clpv("cell_size: Meters(1e30)")),
-        ("no cells", with_clpv("cells: (0, 8, 8), cell_size: Meters(0.2)")),
-        ("a million cells along an axis", with_clpv("cells: (1000000, 8, 8), cell_size: Meters(0.2)")),
-        ("a million cascades", with_clpv("transport: Diffusion, cascades: 1000000")),
-        ("four thousand million steps", with_clpv("transport: Diffusion, steps: 4000000000")),
-        ("an intensity of 1e30", with_lamp("Point", "1e30")),
-        ("an intensity of 1e38", with_lamp("Directional", "1e38")),
-        ("an intensity below zero", with_lamp("Point", "-1")),
-        ("an intensity of NaN", with_lamp("Point", "NaN")),
-        ("a spot light without width", with_lamp("Spot(inner: 0, outer: 0)", "3")),
-        ("a spot light of half a turn", with_lamp("Spot(inner: 90, outer: 90)", "3")),
-        ("a spot light inside out", with_lamp("Spot(inner: 60, outer: 30)", "3")),
+        ("a camera in an object", Drawn, with_camera("(0, 0.5, 0)", "fov: 45")),
+        ("a camera at a lamp", Lit, with_camera("(1, 2, 1)", "fov: 45")),
+        ("a field of view of 0", Refused("between 0 and 180 degrees"), with_camera("(0, 1, 3)", "fov: 0")),
+        ("a field of view of 180", Refused("between 0 and 180 degrees"), with_camera("(0, 1, 3)", "fov: 180")),
+        ("a near plane of 0", Refused("use a distance above zero"), with_camera("(0, 1, 3)", "fov: 45, near: 0")),
+        (
+            "a far plane before the near one",
+            Refused("put the far plane behind"),
+            with_camera("(0, 1, 3)", "fov: 45, near: 1, far: 0.5"),
+        ),
+        ("parallel lines of sight", Lit, with_camera("(0, 1, 3)", "projection: Orthographic(height: 3), near: 0")),
+        ("parallel in an object", Drawn, with_camera("(0, 0.5, 0)", "projection: Orthographic(height: 1e-3), near: 0")),
+        (
+            "an image of no height",
+            Refused("Orthographic(height: …)"),
+            with_camera("(0, 1, 3)", "projection: Orthographic(height: 0)"),
+        ),
+        ("an image of 1000 km", Drawn, with_camera("(0, 1, 3)", "projection: Orthographic(height: 1e6)")),
+        ("a cell size of 0", Refused("use a length above zero"), with_clpv("cell_size: Meters(0)")),
+        ("a cell size of NaN", Refused("use a length above zero"), with_clpv("cell_size: Meters(NaN)")),
+        ("a cell size of 1e-30", Drawn, with_clpv("cell_size: Meters(1e-30)")),
+        ("a cell size of 1e30", Drawn, with_clpv("cell_size: Meters(1e30)")),
+        ("no cells", Refused("use 1 to 128 cells"), with_clpv("cells: (0, 8, 8), cell_size: Meters(0.2)")),
+        (
+            "a million cells along an axis",
+            Refused("use 1 to 128 cells"),
+            with_clpv("cells: (1000000, 8, 8), cell_size: Meters(0.2)"),
+        ),
+        ("a million cascades", Refused("use 1 to 4"), with_clpv("transport: Diffusion, cascades: 1000000")),
+        ("four thousand million steps", Refused("use 0 to 1024"), with_clpv("transport: Diffusion, steps: 4000000000")),
+        ("an intensity of 1e30", Lit, with_lamp("Point", "1e30")),
+        ("an intensity of 1e38", Lit, with_lamp("Directional", "1e38")),
+        ("an intensity below zero", Refused("use finite numbers from zero up"), with_lamp("Point", "-1")),
+        ("an intensity of NaN", Refused("use finite numbers from zero up"), with_lamp("Point", "NaN")),
+        ("a spot light without width", Refused("0 ≤ inner < outer ≤ 90"), with_lamp("Spot(inner: 0, outer: 0)", "3")),
+        (
+            "a spot light of half a turn",
+            Refused("0 ≤ inner < outer ≤ 90"),
+            with_lamp("Spot(inner: 90, outer: 90)", "3"),
+        ),
+        ("a spot light inside out", Refused("0 ≤ inner < outer ≤ 90"), with_lamp("Spot(inner: 60, outer: 30)", "3")),
         (
             "a shadow map of a million texels",
+            Refused("use 16 to 8192 texels"),
             whole("(name: \"Wide\", light: (kind: Point, intensity: 1, shadow_size: 1000000)),"),
         ),
         (
             "virtual lights without number",
+            RefusedByVpl("virtual lights cannot be made"),
             scene(&[floor, ball, lamp, camera, "(name: \"M\", vpl: (particles: 4000000000)),"]),
         ),
         (
             "a light map of a million texels",
+            Refused("use 8 to 4096 texels"),
             scene(&[floor, ball, lamp, camera, "(name: \"M\", slc: (rsm_size: 1000000)),"]),
         ),
         (
-            "a million lamps",
+            "a million lamps at once",
+            Refused("ask for 1 to 10,000 copies"),
             whole(
-                "(name: \"Lamps\", transform: (scale: 1e-3), children: [], prefab: \"many.prefab.ron\", repeat: Grid(count: (100, 100, 100), spacing: (1, 1, 1))),",
+                "(name: \"Lamps\", prefab: \"one_lamp.prefab.ron\", repeat: Grid(count: (100, 100, 100), spacing: (1, 1, 1))),",
+            ),
+        ),
+        (
+            "a million lamps in a hundred prefabs",
+            Refused("entities"),
+            whole(
+                "(name: \"Lamps\", prefab: \"many_lamps.prefab.ron\", repeat: Grid(count: (1, 100, 1), spacing: (1, 1, 1))),",
+            ),
+        ),
+        (
+            "a thousand lamps",
+            Lit,
+            whole(
+                "(name: \"Lamps\", transform: (translation: (0, 1, 0)), prefab: \"one_lamp.prefab.ron\", repeat: Grid(count: (10, 10, 10), spacing: (0.3, 0.05, 0.3))),",
             ),
         ),
         (
             "a material of albedo 1",
+            Lit,
             format!(
                 "Scene(materials: {{\"w\": (color: (1, 1, 1))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
             ),
         ),
         (
             "a material brighter than light",
+            Refused("use 0 to 1"),
             format!(
                 "Scene(materials: {{\"w\": (color: (9, 9, 9))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
             ),
         ),
         (
             "an object that shines 1e30",
+            Lit,
             format!(
                 "Scene(materials: {{\"w\": (color: (1, 1, 1), emissive: (1e30, 1e30, 1e30))}}, entities: [{floor}{lamp}{camera}{methods}(name: \"Box\", mesh: Box(size: (1, 1, 1)), material: \"w\"),])"
             ),
         ),
         (
             "a sky of 1e30",
+            Lit,
             format!("Scene(settings: (sky: (1e30, 1e30, 1e30)), entities: [{floor}{ball}{lamp}{camera}{methods}])"),
         ),
-        ("an object in itself", scene(&[floor, ball, ball, lamp, camera, methods])),
+        (
+            "an object in itself",
+            Refused("two siblings are named `Ball`"),
+            scene(&[floor, ball, ball, lamp, camera, methods]),
+        ),
     ]
 }
 
 /// Tries one with a method.
 pub fn attempt(rig: &mut Rig, method: Method, text: &str) -> Outcome {
     rig.take_not_finite();
-    let drawn = catch_unwind(AssertUnwindSafe(|| -> Result<()> {
+    let drawn = catch_unwind(AssertUnwindSafe(|| -> Result<bool> {
         let mut session = rig.open(text, &method.look(Grid::Auto, 0))?;
-        rig.draw(&mut session, false).map(drop)
+        Ok(rig.draw(&mut session, false)?.values().any(|value| value > 0.0))
     }));
     match (drawn, rig.take_not_finite()) {
-        (Ok(Ok(())), 0) => Outcome::Image,
-        (Ok(Ok(())), values) => Outcome::Broken(format!("{values} values are not finite")),
+        (Ok(Ok(true)), 0) => Outcome::Lit,
+        (Ok(Ok(false)), 0) => Outcome::Black,
+        (Ok(Ok(_)), values) => Outcome::Broken(format!("{values} values are not finite")),
         (Ok(Err(error)), _) => Outcome::Refused(format!("{error:#}")),
         (Err(panic), _) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);

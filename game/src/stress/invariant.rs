@@ -42,15 +42,25 @@ pub enum Invariant {
     /// A lamp moved by a little changes the image by a little. Counted: the mean change, of the mean, for a shift by
     /// one hundredth of the room.
     Moved,
+    /// The image holds about as much light as the path tracer's. Counted: the relative difference of the means.
+    Share,
+    /// The image is about the path tracer's. Counted: nrmse, without that image's noise.
+    Truth,
+    /// What is bright and what is dark differs as much as in the path tracer's image. Counted: the share of its contrast
+    /// that is missing.
+    Contrast,
     /// A closed room holds no more light than its walls can send on: E·ρ/(1 − ρ). Counted: the relative excess.
     Energy,
-    /// Broken input gives a finite image or an error that says what is wrong. Counted: those that do neither.
+    /// A closed room holds no less light than its walls send on. Counted: the relative deficit.
+    Deficit,
+    /// Broken input comes out as is stated of it: as a finite image, a black one, or an error that says what is wrong. Counted:
+    /// those that do not.
     Degenerate,
 }
 
 impl Invariant {
     /// All of them.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 24] = [
         Self::Finite,
         Self::Dark,
         Self::Doubling,
@@ -69,7 +79,11 @@ impl Invariant {
         Self::SwitchedOff,
         Self::Undo,
         Self::Moved,
+        Self::Share,
+        Self::Truth,
+        Self::Contrast,
         Self::Energy,
+        Self::Deficit,
         Self::Degenerate,
     ];
 
@@ -94,7 +108,11 @@ impl Invariant {
             Self::SwitchedOff => "switched off",
             Self::Undo => "undo",
             Self::Moved => "moved lamp",
+            Self::Share => "share of light",
+            Self::Truth => "truth",
+            Self::Contrast => "contrast",
             Self::Energy => "energy",
+            Self::Deficit => "deficit",
             Self::Degenerate => "degenerate",
         }
     }
@@ -102,13 +120,27 @@ impl Invariant {
     /// The largest deviation that is right. Of methods with noise most are counted in units of what other random numbers
     /// change.
     pub fn bound(self, method: Method) -> Bound {
-        use Method::{Diffusion, Direct, HalfSweep, Reference, Slc, Sweep, Vpl};
+        use Method::{Diffusion, Direct, Gather, HalfSweep, Reference, Slc, Sweep, Vpl};
         let exact = Bound { most: 0.0, why: None };
         match (self, method) {
             (Self::Order, HalfSweep) => Bound::of(1e-4, Some(HALVES)),
+            (Self::Intensity, Gather) => Bound::of(2e-3, Some(CHOICES)),
             (Self::Intensity, _) => Bound::of(1e-4, None),
+            (Self::Superposition | Self::Order, Gather) => Bound::of(0.15, Some(CHOICES)),
+            (image, Gather) if image.compares_places() => Bound::of(0.25, Some(CHOICES)),
+            (Self::Share, Diffusion) => Bound::of(0.75, Some(THESIS)),
+            (Self::Share, Direct | Reference) => Bound::of(0.05, None),
+            (Self::Share, Gather | Vpl) => Bound::of(0.15, None),
+            (Self::Share, _) => Bound::of(0.3, None),
+            (Self::Truth, Diffusion) => Bound::of(0.9, Some(THESIS)),
+            (Self::Truth, Reference) => Bound::of(1.5, Some(SAMPLES)),
+            (Self::Truth, Direct | Gather) => Bound::of(0.3, None),
+            (Self::Truth, _) => Bound::of(0.5, None),
+            (Self::Contrast, _) => Bound::of(0.4, None),
+            (Self::Deficit, Diffusion) => Bound::of(0.6, Some(THESIS)),
+            (Self::Deficit, _) => Bound::of(0.1, None),
             (Self::Moved, _) => Bound::of(0.05, None),
-            (Self::Energy, Sweep | HalfSweep) => Bound::of(0.08, Some(NEARER)),
+            (Self::Energy, Sweep | HalfSweep | Gather) => Bound::of(0.08, Some(NEARER)),
             (Self::Energy, _) => Bound::of(0.05, Some(EVEN)),
             (Self::Superposition, Direct) => Bound::of(1e-4, None),
             (Self::Superposition, Diffusion) => Bound::of(0.05, Some(LOBES)),
@@ -159,6 +191,9 @@ impl Bound {
     }
 }
 
+const CHOICES: &str = "rays and lights are chosen by random numbers of the pixel, among what lies otherwise elsewhere";
+const THESIS: &str = "the thesis's transport loses most of the light";
+const SAMPLES: &str = "noise of its own few samples";
 const NOISE: &str = "in units of the difference that other random numbers make";
 const PAIRS: &str = "in units of the difference that other random numbers make; of dozens of such differences one is nearly three times another";
 const NUMBERS: &str = "lights are numbered as they stand in the file, and their random numbers go by that";

@@ -35,6 +35,9 @@ impl Rig {
     /// If there is no device or the folder cannot be made.
     pub fn new(folder: &Path, common: &Common) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        for (name, text) in super::degenerate::PREFABS {
+            std::fs::write(folder.join(name), text).with_context(|| format!("cannot write {name}"))?;
+        }
         let gpu = Arc::new(open_gpu(common)?);
         let scene = folder.join("running.scene.ron");
         Ok(Self { gpu, common: common.clone(), scene, images: HashMap::new(), drawn: 0, not_finite: 0 })
@@ -97,6 +100,9 @@ impl Drop for Rig {
     fn drop(&mut self) {
         // Only of use while it runs.
         let _ = std::fs::remove_file(&self.scene);
+        for (name, _) in super::degenerate::PREFABS {
+            let _ = std::fs::remove_file(self.scene.with_file_name(name));
+        }
     }
 }
 

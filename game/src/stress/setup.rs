@@ -14,6 +14,8 @@ pub enum Method {
     Sweep,
     /// The same with light on its way in half precision.
     HalfSweep,
+    /// The same as scenes use it: of medium quality, with rays that gather the light.
+    Gather,
     /// Instant radiosity.
     Vpl,
     /// Stochastic light culling.
@@ -24,8 +26,16 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Direct, Self::Diffusion, Self::Sweep, Self::HalfSweep, Self::Vpl, Self::Slc, Self::Reference];
+    pub const ALL: [Self; 8] = [
+        Self::Direct,
+        Self::Diffusion,
+        Self::Sweep,
+        Self::HalfSweep,
+        Self::Gather,
+        Self::Vpl,
+        Self::Slc,
+        Self::Reference,
+    ];
 
     /// Name in tables.
     pub fn name(self) -> &'static str {
@@ -34,6 +44,7 @@ impl Method {
             Self::Diffusion => "diffusion",
             Self::Sweep => "sweep",
             Self::HalfSweep => "half sweep",
+            Self::Gather => "gather",
             Self::Vpl => "vpl",
             Self::Slc => "slc",
             Self::Reference => "reference",
@@ -45,6 +56,11 @@ impl Method {
         matches!(self, Self::Vpl | Self::Reference)
     }
 
+    /// Bounces of light that it has, if not all.
+    pub fn bounces(self) -> Option<u32> {
+        if self == Self::Slc { Some(1) } else { None }
+    }
+
     /// How its volumes carry light, as a scene writes it.
     pub fn transport(self) -> &'static str {
         match self {
@@ -54,11 +70,16 @@ impl Method {
         }
     }
 
+    /// Quality of its volumes, as a scene writes it: rays gather from medium on.
+    pub fn quality(self) -> &'static str {
+        if self == Self::Gather { "quality: Medium" } else { "quality: Low" }
+    }
+
     /// What is drawn of it: the light that the method itself computes.
     pub fn look(self, grid: Grid, seed: u32) -> LookArgs {
         let (gi, only) = match self {
             Self::Direct => (Gi::None, Only::Direct),
-            Self::Diffusion | Self::Sweep | Self::HalfSweep => (Gi::Clpv, Only::Indirect),
+            Self::Diffusion | Self::Sweep | Self::HalfSweep | Self::Gather => (Gi::Clpv, Only::Indirect),
             Self::Vpl => (Gi::Vpl, Only::Indirect),
             Self::Slc => (Gi::Slc, Only::Indirect),
             Self::Reference => (Gi::Reference, Only::Indirect),
@@ -205,12 +226,12 @@ impl Setup {
             Grid::Camera => ("Camera(ahead: 0.5)", format!("Meters({cell:e})")),
         };
         let cells = 32;
-        let transport = self.method.transport();
+        let (quality, transport) = (self.method.quality(), self.method.transport());
         let (particles, rsm) = ([32, 64, 128][self.grid as usize], [32, 64, 64][self.grid as usize]);
         let cascades = if has_two { 2 } else { 1 };
         let seed = self.seed;
         let parts = format!(
-            "clpv: (quality: Low, {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \
+            "clpv: ({quality}, {transport}, placement: {place}, cell_size: {size}, cells: ({cells}, {cells}, \
              {cells}), cascades: {cascades}, steps: 12), vpl: (particles: {particles}, seed: {seed}), slc: (rsm_size: {rsm}, interleave: 2, seed: {seed})"
         );
         Entity { name: "Methods", place: [0.0, 1.0, 0.0], turn: [0.0; 3], parts }

@@ -1,5 +1,6 @@
 // Light of the accepted virtual lights at the pixels of one subset. Lights come in the order of their numbers, so that
 // tiles, clusters and all bounds give the same bits.
+//   SKY_MAP   the sky differs by direction; others as in lib/slc_shading.wgsl
 
 #import lightwell::slc::{DIFFUSE_LOBE, SPECULAR_LOBE, mask_stride}
 #ifdef RAYS
@@ -7,6 +8,9 @@
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
 #import lightwell::sampling::{cosine_direction, hash, unit_float}
 #import lightwell::slc::brightest
+#ifdef SKY_MAP
+#import lightwell::sky::sky_radiance
+#endif
 #endif
 #import lightwell::slc_shading::{Pixel, MAX_RADIANCE, culling, depth, load_pixel, may_accept, take_light}
 
@@ -16,6 +20,9 @@
 @group(0) @binding(11) var diffuse: texture_storage_2d<rgba32float, write>;
 // Radiance of the specular reflection [W/(m² sr)], and the number of lights accepted.
 @group(0) @binding(12) var specular: texture_storage_2d<rgba32float, write>;
+
+// By direction, as lib/sky.wgsl reads it.
+@group(0) @binding(13) var sky: texture_2d<f32>;
 
 #ifdef UNCULLED
 
@@ -78,7 +85,12 @@ fn add_sky(pixel: ptr<function, Pixel>, subset: u32) {
         let direction = cosine_direction(normal, u);
         if trace(culling.root, Ray((*pixel).origin, direction), 3e38, SHADOW).triangle == NONE {
             let f = (*pixel).surface.normal_reflectance;
-            (*pixel).diffuse += culling.sky * (PI * (1.0 - brightest(f)) / f32(rays * subsets));
+#ifdef SKY_MAP
+            let radiance = sky_radiance(sky, direction, culling.sky_turn);
+#else
+            let radiance = culling.sky;
+#endif
+            (*pixel).diffuse += radiance * (PI * (1.0 - brightest(f)) / f32(rays * subsets));
         }
     }
 }

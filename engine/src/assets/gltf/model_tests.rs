@@ -3,16 +3,13 @@
 
 use super::Gltf;
 use crate::scene::ViewProjection;
+use lightwell_needs::needs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The folder of models; says so when there is none.
-fn models() -> Option<PathBuf> {
-    let folder = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: LIGHTWELL_MODELS is not set");
-    }
-    folder
+/// The folder of models.
+fn models() -> PathBuf {
+    std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from).expect("LIGHTWELL_MODELS is not set")
 }
 
 fn files_below(folder: &Path, out: &mut Vec<PathBuf>) {
@@ -41,9 +38,9 @@ fn assert_sound(path: &Path, model: &Gltf) {
     }
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn conformance_models_load() {
-    let Some(models) = models() else { return };
+    let models = models();
     let mut files = Vec::new();
     files_below(&models.join("khronos"), &mut files);
     files_below(&models.join("asset-generator"), &mut files);
@@ -95,9 +92,9 @@ const STRICT: [&str; 4] = [
     "khronos-validator/node/node_skinned_mesh_without_skin.gltf",
 ];
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn broken_models_are_refused() {
-    let Some(models) = models() else { return };
+    let models = models();
     let root = models.join("bad");
     let expected = std::fs::read_to_string(root.join("khronos-validator/expected.json")).unwrap();
     let expected: gltf::json::Value = gltf::json::deserialize::from_str(&expected).unwrap();
@@ -136,17 +133,17 @@ fn broken_models_are_refused() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn crytek_sponza_loads() {
-    let Some(models) = models() else { return };
+    let models = models();
     let model = Gltf::load(models.join("sponza/Sponza.gltf")).unwrap();
     assert_eq!(model.triangle_count(), 262_267, "{:?}", model.warnings);
 }
 
 /// The model with one camera of each kind.
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn cameras_are_those_of_the_file() {
-    let Some(models) = models() else { return };
+    let models = models();
     let model = Gltf::load(models.join("khronos/Cameras/Cameras.gltf")).unwrap();
     let cameras: Vec<_> = model.nodes.iter().filter_map(|node| node.camera.as_ref()).collect();
     let [perspective, parallel] = cameras[..] else { panic!("{} cameras", cameras.len()) };

@@ -439,3 +439,22 @@ fn unlit_materials_shine_by_themselves() {
     assert!(m.unlit && model.warnings.is_empty(), "{:?}", model.warnings);
     assert_eq!((m.emissive, m.base_color.truncate(), m.specular), (Vec3::new(0.25, 0.5, 0.75), Vec3::ZERO, 0.0));
 }
+
+/// What a matrix shears is not kept, and the library tells so with file and node.
+#[test]
+fn shear_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaning.gltf");
+    let matrix = "1,0,0,0, 0.5,1,0,0, 0,0,1,0, 0,0,0,1";
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"name": "Tower", "matrix": [{matrix}]}}]}}"#
+    );
+    std::fs::write(&path, json).unwrap();
+    let mut library = crate::assets::AssetLibrary::new();
+    library.gltf(&path).unwrap();
+    let told: Vec<String> = library.warnings().collect();
+    assert!(
+        told.len() == 1 && told[0].contains("leaning.gltf") && told[0].contains("\"Tower\": its matrix shears"),
+        "{told:?}"
+    );
+}

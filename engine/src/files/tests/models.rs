@@ -3,6 +3,7 @@
 use super::*;
 use crate::world::{Camera, Clpv, GlobalTransform, Light, LightKind, MeshRenderer, SceneSettings};
 use glam::Vec3;
+use lightwell_needs::needs;
 
 /// A binary glTF of two triangles: node `Root` (moved up by 1) with child `Leaf` (moved right by 2), both drawn.
 /// `extra`: more nodes and what they need, as JSON members of the top object, and the list of the scene's nodes.
@@ -230,12 +231,9 @@ fn assert_within(scene: &str, [triangles, primitives]: [usize; 2], t: [usize; 2]
     assert!((p[0]..=p[1]).contains(&primitives), "{scene}: {primitives} primitives");
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn real_models_open() {
-    let Some(models) = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from) else {
-        eprintln!("skipped: LIGHTWELL_MODELS is not set");
-        return;
-    };
+    let models = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from).expect("LIGHTWELL_MODELS is not set");
     let options = LoadOptions { models: Some(models), ..Default::default() };
     for WithModel { scene, triangles, primitives, .. } in WITH_MODELS {
         assert_within(scene, size(scene, &options), triangles, primitives);
@@ -254,12 +252,9 @@ fn stand_ins_are_as_rich_as_what_they_stand_for() {
     }
 }
 
-#[test]
+#[needs("LIGHTWELL_REFERENCE")]
 fn reference_scenes_open_with_their_camera_and_light() {
-    let Some(folder) = std::env::var_os("LIGHTWELL_REFERENCE").map(PathBuf::from) else {
-        eprintln!("skipped: LIGHTWELL_REFERENCE is not set");
-        return;
-    };
+    let folder = std::env::var_os("LIGHTWELL_REFERENCE").map(PathBuf::from).expect("LIGHTWELL_REFERENCE is not set");
     let mut world = load_scene(&folder.join("cornell/scene.glb"), &mut AssetLibrary::new(), &LoadOptions::default())
         .unwrap_or_else(|e| panic!("{e}"));
     assert!(at(&world, "framing camera").is_none() && at(&world, "default light").is_none());

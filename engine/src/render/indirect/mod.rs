@@ -10,6 +10,7 @@ pub mod instant_radiosity;
 pub mod light_culling;
 pub mod light_volumes;
 pub(in crate::render) mod lobe_reflectance;
+pub(in crate::render) mod lost_light;
 mod methods;
 mod none;
 pub mod path_tracer;

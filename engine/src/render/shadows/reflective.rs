@@ -8,7 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
 use crate::render::geometry::static_layers;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
-use crate::scene::{Aabb, Frustum, LightShape, SceneLight};
+use crate::scene::{Aabb, Frustum, LightShape, MAX_RSM_SIZE, SceneLight};
 use encase::ShaderType;
 use glam::{Mat4, Vec3};
 use wgpu::TextureFormat;
@@ -144,7 +144,7 @@ pub fn declare_sized<'a>(
         let left_out = format!("{} of {faces} faces see no surface or light no volume", faces - views.len());
         graph.skip(format!("{name}, faces"), left_out);
     }
-    let size = size.clamp(1, 4096);
+    let size = size.clamp(1, MAX_RSM_SIZE);
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let target = |part: &str, format| {
         (format!("{name} {part}"), TextureDesc::d2_array(size, size, views.len() as u32, format, usage))

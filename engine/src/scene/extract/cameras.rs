@@ -1,7 +1,7 @@
 //! Cameras, rigid and with parameters in range.
 
 use super::sorted::Elements;
-use super::{Context, name_or_id};
+use super::{Context, Part, name_or_id};
 use crate::scene::{Scene, SceneCamera, ViewProjection};
 use crate::world::{Camera, GlobalTransform, Identity, Name, Orientation, Projection};
 use bevy_ecs::prelude::*;
@@ -38,17 +38,23 @@ impl Cameras {
         }
         for entity in gone {
             elements.remove(entity);
-            context.log.forget(entity);
+            context.log.forget(entity, Part::Camera);
         }
         for (entity, identity, name, place, orientation, camera) in &changed {
+            context.log.begin(entity, Part::Camera);
             let world_from_view =
                 Affine3A { matrix3: orientation.0, translation: place.relative_to(scene.origin).translation };
             if !world_from_view.is_finite() {
-                context.log.warn(entity, name, "is a camera that cannot be used: its place in the world is not finite");
+                context.log.warn(
+                    entity,
+                    Part::Camera,
+                    name,
+                    "is a camera that cannot be used: its place in the world is not finite",
+                );
                 elements.remove(entity);
                 continue;
             }
-            let (projection, near, far) = lens(camera, |message| context.log.warn(entity, name, message));
+            let (projection, near, far) = lens(camera, |message| context.log.warn(entity, Part::Camera, name, message));
             let new = SceneCamera {
                 id: identity.id(),
                 name: name_or_id(entity, name),

@@ -1,6 +1,6 @@
 //! The settings of the light propagation volumes.
 
-use super::Context;
+use super::{Context, Part, name_or_id};
 use crate::scene::{Scene, SceneClpv};
 use crate::world::{Bounces, CellSize, Clpv, ClpvPlacement, GatherRays, GlobalTransform, Identity, Name};
 use bevy_ecs::prelude::*;
@@ -31,22 +31,26 @@ impl Clpvs {
         if changed.is_empty() && !is_removed && !context.is_late {
             return;
         }
+        context.log.begin_all(Part::Clpv);
         let mut rows: Vec<_> = all.iter().collect();
         rows.sort_unstable_by_key(|(_, identity, ..)| **identity);
         let first = rows.into_iter().find(|(entity, _, name, place, _)| {
             if !place.0.is_finite() {
                 context.log.warn(
                     *entity,
+                    Part::Clpv,
                     *name,
                     "holds volumes that are not used: its place in the world is not finite",
                 );
             }
             place.0.is_finite()
         });
+        scene.settings_names.clpv = first.map_or_else(String::new, |(entity, _, name, ..)| name_or_id(entity, name));
         let clpv = first.map(|(entity, _, name, place, clpv)| {
             let settings = sanitized(clpv);
             if settings != *clpv {
-                context.log.warn(entity, name, "has volume settings out of range; the nearest ones in range are used");
+                let message = "has volume settings out of range; the nearest ones in range are used";
+                context.log.warn(entity, Part::Clpv, name, message);
             }
             SceneClpv { settings, center: place.relative_to(scene.origin).translation.into() }
         });

@@ -1,14 +1,14 @@
 //! Lights, with parameters that the renderer can rely on.
 
 use super::sorted::Elements;
-use super::{Context, name_or_id};
-use crate::scene::{LightShape, Scene, SceneLight};
+use super::{Context, Part, name_or_id};
+use crate::scene::{LightShape, MAX_RSM_SIZE, Scene, SceneLight};
 use crate::world::{GlobalTransform, Identity, Light, LightKind, Name, Orientation, forward};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::Vec3;
 
-/// Largest edge of a shadow map or RSM \[texels\]: the portable limit of a texture.
+/// Largest edge of a shadow map \[texels\]: the portable limit of a texture.
 const MAX_MAP_SIZE: u32 = 8192;
 
 type Row =
@@ -41,11 +41,17 @@ impl Lights {
         }
         for entity in gone {
             elements.remove(entity);
-            context.log.forget(entity);
+            context.log.forget(entity, Part::Light);
         }
         for (entity, identity, name, place, orientation, light) in &changed {
+            context.log.begin(entity, Part::Light);
             if !place.0.is_finite() {
-                context.log.warn(entity, name, "is a light that gives none: its place in the world is not finite");
+                context.log.warn(
+                    entity,
+                    Part::Light,
+                    name,
+                    "is a light that gives none: its place in the world is not finite",
+                );
                 elements.remove(entity);
                 continue;
             }
@@ -54,7 +60,7 @@ impl Lights {
                 name: name_or_id(entity, name),
                 position: place.relative_to(scene.origin).translation.into(),
                 direction: forward(orientation).into(),
-                ..sanitized(light, |message| context.log.warn(entity, name, message))
+                ..sanitized(light, |message| context.log.warn(entity, Part::Light, name, message))
             };
             match elements.get(&mut scene.lights, entity) {
                 Some(old) => {
@@ -102,9 +108,13 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
     if range != valid_range {
         warn("is a light without a range: the one it has is not above zero");
     }
-    let size = |texels: u32| texels.clamp(1, MAX_MAP_SIZE);
-    if size(light.shadow_size) != light.shadow_size || size(light.rsm_size) != light.rsm_size {
-        warn("is a light with another map size: the edge of its shadow map or RSM is not in 1..=8192 texels");
+    let shadow_size = light.shadow_size.clamp(1, MAX_MAP_SIZE);
+    let rsm_size = light.rsm_size.clamp(1, MAX_RSM_SIZE);
+    if shadow_size != light.shadow_size {
+        warn("is a light with another map size: the edge of its shadow map is not in 1..=8192 texels");
+    }
+    if rsm_size != light.rsm_size {
+        warn("is a light with another map size: the edge of its RSM is not in 1..=4096 texels");
     }
     SceneLight {
         id: Default::default(),
@@ -116,8 +126,8 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
         range: valid_range,
         casts_shadow: light.casts_shadow,
         indirect: light.indirect,
-        shadow_size: size(light.shadow_size),
-        rsm_size: size(light.rsm_size),
+        shadow_size,
+        rsm_size,
         revision: 0,
     }
 }

@@ -49,9 +49,11 @@ struct Source {
     environment: Known,
 }
 
-/// The environment that the scene's map was made of, and the loaded image that it was made with.
+/// The environment that the scene's map was made of, the loaded image that it was made with, and the sky's radiance as
+/// the world has it.
 #[derive(Default)]
 struct Known {
+    sky: Option<[u32; 3]>,
     environment: Option<Environment>,
     image: Option<Arc<SkyMap>>,
 }
@@ -88,21 +90,73 @@ impl Counter {
     }
 }
 
-/// Warnings, each given once an entity.
+/// What warnings are about: a part of an entity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Primitive,
+    Light,
+    Camera,
+    Clpv,
+    Vpl,
+    Slc,
+    /// Of no entity, but of the scene as a whole.
+    Sky,
+}
+
+/// Warnings: each is logged once an entity, and stands in the scene for as long as it holds.
 #[derive(Debug, Default)]
-struct Log(HashSet<(Entity, &'static str)>);
+struct Log {
+    logged: HashSet<(Entity, &'static str)>,
+    held: Vec<(Entity, Part, String)>,
+    has_changed: bool,
+}
 
 impl Log {
-    fn warn(&mut self, entity: Entity, name: Option<&Name>, message: &'static str) {
-        if self.0.insert((entity, message)) {
-            log::warn!("`{}`: {message}", name_or_id(entity, name));
+    fn warn(&mut self, entity: Entity, part: Part, name: Option<&Name>, message: &'static str) {
+        let text = format!("`{}`: {message}", name_or_id(entity, name));
+        if self.logged.insert((entity, message)) {
+            log::warn!("{text}");
+        }
+        self.held.push((entity, part, text));
+        self.has_changed = true;
+    }
+
+    /// Warns of the scene's sky. It is looked at only where it changed, so that each time is worth a line.
+    fn warn_of_sky(&mut self, message: String) {
+        log::warn!("{message}");
+        self.held.push((Entity::PLACEHOLDER, Part::Sky, message));
+        self.has_changed = true;
+    }
+
+    /// A part of an entity is looked at anew: what was said of it holds no more.
+    fn begin(&mut self, entity: Entity, part: Part) {
+        self.keep(|(e, p, _)| (*e, *p) != (entity, part));
+    }
+
+    /// Parts of which only the first counts are looked at anew.
+    fn begin_all(&mut self, part: Part) {
+        self.keep(|(_, p, _)| *p != part);
+    }
+
+    /// Forgets a part of an entity, and warns of the entity again.
+    fn forget(&mut self, entity: Entity, part: Part) {
+        self.begin(entity, part);
+        if !self.logged.is_empty() {
+            self.logged.retain(|(e, _)| *e != entity);
         }
     }
 
-    /// Forgets an entity, so that it is warned of again.
-    fn forget(&mut self, entity: Entity) {
-        if !self.0.is_empty() {
-            self.0.retain(|(e, _)| *e != entity);
+    fn keep(&mut self, keep: impl Fn(&(Entity, Part, String)) -> bool) {
+        let before = self.held.len();
+        self.held.retain(keep);
+        self.has_changed |= self.held.len() != before;
+    }
+
+    /// Brings the scene's warnings up to date, in an order that does not depend on that of changes.
+    fn write(&mut self, scene: &mut Scene) {
+        if std::mem::take(&mut self.has_changed) || scene.warnings.len() != self.held.len() {
+            scene.warnings = self.held.iter().map(|(.., text)| text.clone()).collect();
+            scene.warnings.sort_unstable();
         }
     }
 }
@@ -141,6 +195,7 @@ impl Extractor {
                     self.identity = fresh_identity();
                 }
                 *scene = Scene { identity: self.identity, ..Scene::default() };
+                self.log.held.clear();
                 Source::new(world)
             }
         };
@@ -150,6 +205,7 @@ impl Extractor {
             // All places change.
             if !scene.primitives.is_empty() {
                 self.identity = fresh_identity();
+                self.log.held.clear();
                 source = Source::new(world);
             }
             *scene = Scene { identity: self.identity, origin, ..Scene::default() };
@@ -165,7 +221,8 @@ impl Extractor {
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
         source.slc.extract(world, scene, context);
-        extract_sky(world, scene, &mut source.environment, context.revisions);
+        extract_sky(world, scene, &mut source.environment, context);
+        self.log.write(scene);
     }
 }
 
@@ -175,27 +232,30 @@ fn fresh_identity() -> u64 {
 }
 
 /// Keeps the sky current; a map is made anew only if the environment changed.
-fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, revisions: &mut Counter) {
+fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, context: &mut Context) {
     let settings = world.get_resource::<SceneSettings>();
     scene.sky_light = settings.is_none_or(|s| s.sky_light);
     let environment = settings.and_then(|s| s.environment.clone());
     let loaded = world.get_resource::<EnvironmentImage>();
     let map = environment.as_ref().and_then(|environment| loaded.and_then(|image| image.map_for(environment)));
     let is_stale = map.is_some_and(|map| known.image.as_ref().is_none_or(|known| !Arc::ptr_eq(map, known)));
+    let revisions = &mut *context.revisions;
     if known.environment != environment || is_stale {
+        context.log.begin_all(Part::Sky);
         scene.sky_map = match &environment {
             Some(Environment::Gradient { zenith, horizon, ground }) => {
                 Some(Arc::new(SkyMap::gradient(*zenith, *horizon, *ground)))
             }
             Some(Environment::Image { file, .. }) => {
                 if map.is_none() {
-                    log::warn!("the sky's image {file} is not loaded: load the scene again from its file");
+                    let message = format!("the sky's image {file} is not loaded: load the scene again from its file");
+                    context.log.warn_of_sky(message);
                 }
                 environment.as_ref().and_then(|environment| loaded?.made_for(environment))
             }
             None => None,
         };
-        *known = Known { image: map.cloned(), environment };
+        *known = Known { image: map.cloned(), environment, sky: None };
         scene.sky = scene.sky_map.as_ref().map_or(Vec3::ZERO, |map| map.mean());
         scene.revisions.settings = revisions.next();
     }
@@ -204,10 +264,15 @@ fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, revisions: &
     }
     let wanted = settings.map_or(Vec3::ZERO, |s| s.sky);
     let sky = if wanted.is_finite() && wanted.cmpge(Vec3::ZERO).all() { wanted } else { Vec3::ZERO };
-    if sky != scene.sky || scene.revisions.settings == 0 {
+    let bits = Some(wanted.to_array().map(f32::to_bits));
+    if known.sky != bits {
+        known.sky = bits;
+        context.log.begin_all(Part::Sky);
         if sky != wanted {
-            log::warn!("the sky's radiance {wanted} is negative or not finite; it is black now");
+            context.log.warn_of_sky(format!("the sky's radiance {wanted} is negative or not finite; it is black now"));
         }
+    }
+    if sky != scene.sky || scene.revisions.settings == 0 {
         scene.sky = sky;
         scene.revisions.settings = revisions.next();
     }

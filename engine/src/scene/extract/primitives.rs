@@ -1,8 +1,8 @@
 //! Primitives: places, meshes and materials.
 
-use super::Context;
 use super::motion::{Drivers, Motion, is_driven};
 use super::sorted::Elements;
+use super::{Context, Part};
 use crate::scene::{Primitive, Scene};
 use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
 use bevy_ecs::prelude::*;
@@ -43,13 +43,14 @@ impl Primitives {
         }
         for entity in gone {
             elements.remove(entity);
-            context.log.forget(entity);
+            context.log.forget(entity, Part::Primitive);
         }
         for (entity, identity, name, place, renderer) in &changed {
             let place = &place.relative_to(scene.origin);
+            context.log.begin(entity, Part::Primitive);
             let is_finite = place.is_finite();
             if !is_finite {
-                context.log.warn(entity, name, "is not drawn: its place in the world is not finite");
+                context.log.warn(entity, Part::Primitive, name, "is not drawn: its place in the world is not finite");
             }
             if !is_finite || !renderer.visible {
                 elements.remove(entity);

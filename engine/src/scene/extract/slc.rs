@@ -1,6 +1,6 @@
 //! The settings of stochastic light culling.
 
-use super::Context;
+use super::{Context, Part, name_or_id};
 use crate::scene::Scene;
 use crate::world::{Identity, Name, StochasticLightCulling};
 use bevy_ecs::prelude::*;
@@ -20,12 +20,14 @@ impl LightCullings {
 
     pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
         let Ok(all) = self.state.get_mut(world) else { return };
+        context.log.begin_all(Part::Slc);
         let first = all.iter().min_by_key(|(_, identity, ..)| **identity);
+        scene.settings_names.slc = first.map_or_else(String::new, |(entity, _, name, _)| name_or_id(entity, name));
         scene.slc = first.map(|(entity, _, name, settings)| {
             let sanitized = settings.sanitized();
             if sanitized != *settings {
                 let message = "has light culling settings out of range; the nearest ones in range are used";
-                context.log.warn(entity, name, message);
+                context.log.warn(entity, Part::Slc, name, message);
             }
             sanitized
         });

@@ -288,7 +288,7 @@ fn lights_come_out_in_range() {
         assert_eq!(s.light(Light { range: Some(range), ..given.clone() }).range, None);
     }
     let sized = s.light(Light { shadow_size: 0, rsm_size: u32::MAX, ..given.clone() });
-    assert_eq!((sized.shadow_size, sized.rsm_size), (1, 8192));
+    assert_eq!((sized.shadow_size, sized.rsm_size), (1, crate::scene::MAX_RSM_SIZE), "no more than is drawn");
     for (inner, outer) in [(10.0, 20.0), (30.0, 20.0), (-5.0, 0.0), (200.0, 200.0), (0.0, -1.0), (20.0, 20.0)] {
         let spot = s.light(Light { kind: LightKind::Spot { inner, outer }, ..given.clone() });
         let LightShape::Spot { inner: a, outer: b } = spot.shape else { panic!() };
@@ -430,4 +430,30 @@ fn what_is_animated_or_hangs_on_it_is_moving_from_the_start() {
     s.insert(other, renderer());
     s.frame();
     assert_eq!(moving(&s), [true, false]);
+}
+
+#[test]
+fn warnings_stand_as_long_as_they_hold() {
+    let mut s = Stage::new();
+    assert!(s.scene.warnings.is_empty(), "{:?}", s.scene.warnings);
+    assert_eq!(s.scene.settings_names.clpv, "volume");
+    let (lamp, volume) = (s.lamp, s.volume);
+    s.world.ecs.entity_mut(lamp).insert(Light { rsm_size: 8192, ..Light::default() });
+    s.world.ecs.entity_mut(volume).insert(Clpv { cascades: 9, ..Clpv::default() });
+    s.world.ecs.insert_resource(SceneSettings { sky: Vec3::NEG_ONE, ..SceneSettings::default() });
+    s.frame();
+    let told = s.scene.warnings.join("\n");
+    for part in ["`lamp`: is a light with another map size", "1..=4096", "`volume`: has volume settings", "the sky"] {
+        assert!(told.contains(part), "{part} in {told}");
+    }
+    s.frame();
+    assert_eq!(s.scene.warnings.join("\n"), told, "they stand while nothing changes");
+    s.world.ecs.entity_mut(lamp).insert(Light::default());
+    s.frame();
+    assert_eq!(s.scene.warnings.len(), 2, "{:?}", s.scene.warnings);
+    s.world.ecs.entity_mut(volume).remove::<Clpv>();
+    s.world.ecs.insert_resource(SceneSettings::default());
+    s.frame();
+    assert!(s.scene.warnings.is_empty(), "{:?}", s.scene.warnings);
+    assert_eq!(s.scene.settings_names.clpv, "");
 }

@@ -1,6 +1,6 @@
 //! The settings of instant radiosity.
 
-use super::Context;
+use super::{Context, Part, name_or_id};
 use crate::scene::Scene;
 use crate::world::{Bounces, Identity, InstantRadiosity, Name};
 use bevy_ecs::prelude::*;
@@ -29,12 +29,14 @@ impl Vpls {
         if changed.is_empty() && removed.read().count() == 0 && !context.is_late {
             return;
         }
+        context.log.begin_all(Part::Vpl);
         let first = all.iter().min_by_key(|(_, identity, ..)| **identity);
+        scene.settings_names.vpl = first.map_or_else(String::new, |(entity, _, name, _)| name_or_id(entity, name));
         scene.vpl = first.map(|(entity, _, name, vpl)| {
             let settings = sanitized(vpl);
             if settings != *vpl {
                 let message = "has settings of virtual lights out of range; the nearest ones in range are used";
-                context.log.warn(entity, name, message);
+                context.log.warn(entity, Part::Vpl, name, message);
             }
             settings
         });

@@ -46,7 +46,7 @@ pub fn console(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
     for record in stage.facts.log.iter().rev().filter(shown).take(200) {
         let color = match record.level {
             Level::Error => ERROR,
-            Level::Warn => Color32::from_rgb(255, 200, 90),
+            Level::Warn => WARNING,
             _ => ui.visuals().text_color(),
         };
         let times = if record.times > 1 { format!(" (×{})", record.times) } else { String::new() };
@@ -55,13 +55,15 @@ pub fn console(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
     }
 }
 
-/// What is wrong just now, with file and line.
+/// What is wrong just now, with file and line, and what of the scene does not show.
 pub fn errors(ui: &mut Ui, stage: &Stage) {
-    if stage.facts.errors.is_empty() {
+    let warnings = stage.warnings();
+    if stage.facts.errors.is_empty() && warnings.is_empty() {
         ui.weak("Nothing is wrong.");
-        return;
     }
-    ui.label("The last good version is running.");
+    if !stage.facts.errors.is_empty() {
+        ui.label("The last good version is running.");
+    }
     for error in stage.facts.errors {
         ui.separator();
         ui.horizontal_top(|ui| {
@@ -71,7 +73,14 @@ pub fn errors(ui: &mut Ui, stage: &Stage) {
             ui.label(RichText::new(error).monospace().color(ERROR));
         });
     }
+    for warning in warnings {
+        ui.separator();
+        ui.label(RichText::new(warning).monospace().color(WARNING));
+    }
 }
+
+/// Colour of warnings.
+const WARNING: Color32 = Color32::from_rgb(255, 200, 90);
 
 /// Keys and mouse.
 pub fn help(ui: &mut Ui) {

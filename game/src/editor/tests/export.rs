@@ -145,9 +145,16 @@ fn videos_are_made_where_they_can_be() {
     let mut job = Job::with_encoder(export.clone(), "no-such-ffmpeg");
     let error = format!("{:#}", work(&mut job, &mut session, u64::MAX).unwrap_err());
     assert!(error.contains("ffmpeg cannot be started") && error.contains("the images are in"), "{error}");
-    if !super::super::panels::has_ffmpeg() {
-        return eprintln!("skipped: there is no ffmpeg to make a video with");
-    }
+}
+
+#[lightwell_needs::needs("ffmpeg")]
+fn videos_hold_the_frames_of_the_export_alone() {
+    let (mut bench, folder) = bench();
+    bench.state_mut().editor.panels.ffmpeg = Some(true);
+    let out = folder.path().join("frames");
+    let export = ask(&mut bench, &out, "2", true);
+    let mut session = session(&bench.state().path);
+    work(&mut Job::with_encoder(export.clone(), "no-such-ffmpeg"), &mut session, u64::MAX).unwrap_err();
     // Frames that a longer export left are not in the video.
     std::fs::copy(out.join("frame_0001.png"), out.join("frame_0003.png")).unwrap();
     work(&mut Job::new(export), &mut session, u64::MAX).unwrap();

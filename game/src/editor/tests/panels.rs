@@ -22,6 +22,18 @@ fn light_and_layer_are_chosen() {
 }
 
 #[test]
+fn warnings_of_frame_and_models_are_listed() {
+    let (mut bench, _folder) = bench();
+    open(&mut bench, Pane::Errors);
+    assert!(bench.query_by_label("Nothing is wrong.").is_some());
+    bench.state_mut().report.warnings = vec!["`Lamp`: is a light that gives none".into()];
+    bench.run_steps(2);
+    for text in ["Errors (1 warning)", "`Lamp`: is a light that gives none"] {
+        assert!(bench.query_by_label(text).is_some(), "{text}");
+    }
+}
+
+#[test]
 fn the_path_tracer_is_started_and_stopped() {
     let (mut bench, _folder) = bench();
     bench.state_mut().clock.playing = true;

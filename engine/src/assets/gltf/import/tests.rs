@@ -4,6 +4,7 @@
 use super::super::GltfNode;
 use super::*;
 use crate::assets::{Shape, Vertex};
+use lightwell_needs::needs;
 use std::path::PathBuf;
 
 fn node(name: &str, mesh: Mesh, material: &Arc<Material>) -> GltfNode {
@@ -193,12 +194,9 @@ fn large_parts_are_halved_and_lose_no_triangle() {
     assert!(sum < 0.2 * 8.0 * parts.len() as f32, "{sum} m³ in {} parts", parts.len());
 }
 
-#[test]
+#[needs("LIGHTWELL_MODELS")]
 fn sibenik_splits_into_436_parts_and_into_more_than_1200_of_64_triangles() {
-    let Some(models) = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from) else {
-        eprintln!("skipped: LIGHTWELL_MODELS is not set");
-        return;
-    };
+    let models = std::env::var_os("LIGHTWELL_MODELS").map(PathBuf::from).expect("LIGHTWELL_MODELS is not set");
     let whole = Gltf::load(models.join("sibenik/sibenik.glb")).unwrap();
     let parts = |most| {
         let start = std::time::Instant::now();

@@ -8,6 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
 use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, PointLayout};
 use crate::scene::Scene;
+use crate::world::{VirtualPlacement, VirtualShading};
 
 impl GiMethod {
     /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
@@ -39,8 +40,10 @@ impl IndirectMethod for InstantRadiosityMethod {
         true
     }
 
-    fn has_sky_light(&self, _: &Scene) -> bool {
-        true
+    fn has_sky_light(&self, scene: &Scene) -> bool {
+        // Maps show what lights see, and no sky.
+        let settings = scene.vpl.clone().unwrap_or_default();
+        settings.placement == VirtualPlacement::Particles || settings.shading == VirtualShading::AsPublished
     }
 
     fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {

@@ -48,6 +48,9 @@ pub(super) fn declare<'a>(
         graph.skip("near light", why);
         return summed;
     }
+    if let Some(warning) = beyond_binding(state.most_kept(), state.most_bound, &frame.scene.settings_names.vpl) {
+        graph.warn(warning);
+    }
     let work = Work { frame: frame.clone(), gbuffer: *gbuffer, state, lights };
     let brought = work.cast(graph);
     work.filter(graph, brought, summed)
@@ -70,6 +73,17 @@ fn why_not(frame: &Frame, state: &VirtualLights) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// What is lost where there may be more lights than the device binds at once.
+fn beyond_binding(lights: u64, bound: u64, name: &str) -> Option<String> {
+    let who = if name.is_empty() { "the scene's `vpl` component".to_owned() } else { format!("`{name}`") };
+    (lights > bound).then(|| {
+        format!(
+            "{who}: short rays find the light of {bound} virtual lights and not of all {lights}, as this adapter binds no \
+             more at once: surfaces close to each other may lack light; use fewer `particles`"
+        )
+    })
 }
 
 #[derive(Clone)]
@@ -127,9 +141,8 @@ impl<'a> Work<'a> {
         let gpu = cx.gpu;
         let rays = &self.state.rays;
         let particles = self.state.particles();
-        // As many lights as can be bound: those left out are the last ones of many, which have little to add.
-        let most = gpu.limits.max_storage_buffer_binding_size / size_of::<VirtualLight>() as u64;
-        let count = (particles.lights.len() as u64).min(most);
+        // As many lights as can be bound; `beyond_binding` says where some are left out.
+        let count = (particles.lights.len() as u64).min(self.state.most_bound);
         let near = gpu.uniform("near", &self.uniform(&particles, count as u32, first_row));
         let nearest = if particles.nearest.is_empty() { &[0.0][..] } else { &particles.nearest };
         let nearest = gpu.constants("nearest", nearest);
@@ -224,5 +237,17 @@ impl<'a> Work<'a> {
         let radius = self.state.settings.near_filter.max(1) as i32;
         let key = ComputeKey::new("indirect/instant_radiosity/near.wgsl", entry).def("RADIUS", ShaderDef::Int(radius));
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_that_are_left_out_are_told() {
+        assert_eq!(beyond_binding(7, 7, ""), None);
+        let told = beyond_binding(8, 7, "Virtual lights").unwrap_or_default();
+        assert!(told.contains("`Virtual lights`") && told.contains("7 virtual lights and not of all 8"), "{told}");
     }
 }

@@ -24,6 +24,8 @@ pub struct VirtualLights {
     known: Option<String>,
     /// Most lights that there can be to choose from.
     most: u64,
+    /// Most lights that the device binds at once.
+    pub(super) most_bound: u64,
     shot: RefCell<Shot>,
     particles: RefCell<Particles>,
     /// How many of them the pass `reach` wrote last: known when it has run or was kept, like its buffer.
@@ -61,6 +63,7 @@ impl VirtualLights {
             settings: InstantRadiosity::default(),
             known: None,
             most: 0,
+            most_bound: gpu.limits.max_storage_buffer_binding_size / size_of::<VirtualLight>() as u64,
             shot: RefCell::default(),
             particles: RefCell::default(),
             reached: Cell::new(0),
@@ -107,9 +110,13 @@ impl VirtualLights {
 
     /// A buffer of as many lights as can be kept.
     fn desc(&self) -> BufferDesc {
+        BufferDesc::new(self.most_kept() * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// Most lights that can be kept of those.
+    pub(super) fn most_kept(&self) -> u64 {
         let kept = if self.is_chosen() { candidates(&self.settings) } else { 1 };
-        let lights = self.most.div_ceil(kept.into());
-        BufferDesc::new(lights * size_of::<VirtualLight>() as u64, wgpu::BufferUsages::STORAGE)
+        self.most.div_ceil(kept.into())
     }
 
     /// Writes lights for shading.
@@ -160,7 +167,7 @@ impl VirtualLights {
             ..self.settings.clone()
         };
         let r = scene.revisions;
-        let sky = scene.sky.to_array().map(f32::to_bits);
+        let sky = (scene.sky.to_array().map(f32::to_bits), scene.sky_map.as_ref().map(|map| map.id));
         format!("{} {} {} {} {sky:?} {settings:?}", scene.identity, r.geometry, r.materials, r.lights)
     }
 }

@@ -4,6 +4,7 @@ use super::beam::Beam;
 use super::random::{Numbers, cone_direction, cosine_direction, frame};
 use super::simulate::Origin;
 use super::surface;
+use crate::assets::{SkyDirections, SkySample};
 use crate::bvh::SceneBvh;
 use crate::scene::{LightShape, Scene, SceneLight};
 use glam::{Vec2, Vec3};
@@ -42,7 +43,42 @@ pub(super) enum Source<'a> {
     /// All triangles that emit.
     Emitters(Emitters<'a>),
     /// The sky around a ball that holds the scene.
-    Sky { radiance: Vec3, center: Vec3, radius: f32 },
+    Sky { light: SkyLight<'a>, center: Vec3, radius: f32 },
+}
+
+/// What the sky sends from where.
+pub(super) enum SkyLight<'a> {
+    /// The same radiance from everywhere [W/(m² sr)].
+    Even(Vec3),
+    /// That of a map.
+    Map(SkyDirections<'a>),
+}
+
+impl<'a> SkyLight<'a> {
+    fn new(scene: &'a Scene) -> Option<Self> {
+        match &scene.sky_map {
+            Some(map) => SkyDirections::new(map).map(Self::Map),
+            None => (scene.sky.max_element() > 0.0).then_some(Self::Even(scene.sky)),
+        }
+    }
+
+    /// ∫ L dω, the mean of the channels \[W/m²\].
+    fn flux(&self) -> f64 {
+        match self {
+            Self::Even(radiance) => f64::from(radiance.element_sum()) / 3.0 * f64::from(4.0 * PI),
+            Self::Map(directions) => directions.flux(),
+        }
+    }
+
+    /// Where light comes from, and its radiance over the density of that direction \[W/m²\].
+    fn sample(&self, u: Vec2) -> SkySample {
+        match self {
+            Self::Even(radiance) => {
+                SkySample { direction: -cone_direction(Vec3::Z, -1.0, u), irradiance: *radiance * (4.0 * PI) }
+            }
+            Self::Map(directions) => directions.sample(u),
+        }
+    }
 }
 
 /// Triangles that emit, each chosen in proportion to the flux that it sends out.
@@ -149,11 +185,10 @@ impl<'a> Source<'a> {
             let flux = emitters.total() * f64::from(PI);
             sources.push((Source::Emitters(emitters), flux));
         }
-        if scene.sky.max_element() > 0.0 {
+        if let Some(light) = SkyLight::new(scene) {
             let radius = 0.5 * bounds.size().length();
-            let mean = f64::from(scene.sky.element_sum()) / 3.0;
-            let flux = mean * f64::from(4.0 * PI) * f64::from(PI) * f64::from(radius).powi(2);
-            sources.push((Source::Sky { radiance: scene.sky, center: bounds.center(), radius }, flux));
+            let flux = light.flux() * f64::from(PI) * f64::from(radius).powi(2);
+            sources.push((Source::Sky { light, center: bounds.center(), radius }, flux));
         }
         sources.retain(|(_, flux)| flux.is_finite());
         sources
@@ -178,8 +213,9 @@ impl<'a> Source<'a> {
         match self {
             Source::Light(_, light, beam) => Some(start_of_light(light, beam, numbers.pair())),
             Source::Emitters(emitters) => emitters.start(numbers),
-            Source::Sky { radiance, center, radius } => {
-                let direction = cone_direction(Vec3::Z, -1.0, numbers.pair());
+            Source::Sky { light, center, radius } => {
+                let SkySample { direction, irradiance } = light.sample(numbers.pair());
+                let direction = -direction;
                 // A disc across the direction, all alike (Shirley and Chiu would keep more of the stratification).
                 let u = numbers.pair();
                 let (r, angle) = (radius * u.x.sqrt(), 2.0 * PI * u.y);
@@ -189,10 +225,10 @@ impl<'a> Source<'a> {
                 Some(Start {
                     origin: *center + across - direction * (1.001 * radius),
                     direction,
-                    flux: *radiance * (4.0 * PI * disc),
+                    flux: irradiance * disc,
                     per_solid_angle: 0.0,
                     per_area: 1.0 / disc,
-                    glow: Glow::Distant(*radiance * (4.0 * PI)),
+                    glow: Glow::Distant(irradiance),
                 })
             }
         }

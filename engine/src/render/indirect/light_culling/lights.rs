@@ -1,6 +1,7 @@
 //! Virtual lights from reflective shadow maps, the error bound δ, and the lights' ranges.
 
 use super::{Method, Sources};
+use crate::assets::SkyMap;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::{Frame, ViewUniform};
@@ -51,6 +52,7 @@ pub(crate) struct CullingUniform {
     first_subset: u32,
     sky: Vec3,
     sky_rays: u32,
+    sky_turn: f32,
 }
 
 /// `Delta` of `indirect/light_culling/delta.wgsl`.
@@ -91,15 +93,21 @@ impl Method {
             first_subset,
             sky: self.sky,
             sky_rays: (SKY_RAYS / self.subsets()).clamp(4, 64),
+            sky_turn: self.sky_map(frame).map_or(0.0, |map| map.turn),
         };
         gpu.uniform("culling", &uniform)
     }
 
     /// Changes with all that [`Method::uniform`] holds.
     pub(super) fn key(&self, frame: &Frame) -> impl Hash + use<> {
-        let sky = self.sky.to_array().map(f32::to_bits);
+        let sky = (self.sky.to_array().map(f32::to_bits), self.sky_map(frame).map(|map| map.id));
         let settings = format!("{:?}", self.settings);
         (frame.view_key(), settings, self.lights, self.slices, self.tiles, self.seed, self.root, sky)
+    }
+
+    /// The sky's map, where rays are cast and the sky differs by direction.
+    pub(super) fn sky_map<'a>(&self, frame: &Frame<'a>) -> Option<&'a SkyMap> {
+        frame.scene.sky_map.as_deref().filter(|_| self.sky != Vec3::ZERO)
     }
 
     fn delta_uniform(&self) -> DeltaUniform {

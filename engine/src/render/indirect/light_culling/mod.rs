@@ -63,7 +63,7 @@ struct Method {
     seed: u32,
     /// What rays need to know of the hierarchy.
     root: u32,
-    /// Radiance of the sky, where rays are cast \[W/(m² sr)\].
+    /// Radiance of the sky, where rays are cast \[W/(m² sr)\]; of one that differs by direction the mean.
     sky: Vec3,
 }
 

@@ -51,6 +51,10 @@ pub(super) fn declare<'a>(
         if masks.is_none() {
             key = key.def("UNCULLED", ShaderDef::Flag(true));
         }
+        let has_sky_map = scene.is_some() && method.sky_map(&frame).is_some();
+        if has_sky_map {
+            key = key.def("SKY_MAP", ShaderDef::Flag(true));
+        }
         let [width, height] = frame.view.size.map(u64::from);
         cx.counts().texels += width * height;
         let batch = subsets_a_submit(&method, width * height, rays, masks.is_none());
@@ -69,6 +73,9 @@ pub(super) fn declare<'a>(
                 ("diffuse", Binding::Texture(&targets[0])),
                 ("specular", Binding::Texture(&targets[1])),
             ];
+            if has_sky_map {
+                group.push(("sky", Binding::Texture(frame.gpu_scene.sky())));
+            }
             if let Some([masks, slices]) = &masks {
                 group.extend([("masks", Binding::Buffer(masks)), ("slices", Binding::Buffer(slices))]);
             }
