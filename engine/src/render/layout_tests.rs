@@ -44,7 +44,12 @@ fn check(gpu: &Gpu, size: u64, shader: &str, name: &str) {
 fn rust_and_wgsl_agree_on_every_struct() {
     let gpu = gpu();
     check(&gpu, LinksUniform::min_size().get(), "indirect/light_volumes/radiosity/links.wgsl", "Links");
-    check(&gpu, FirstBounceUniform::min_size().get(), "indirect/light_volumes/radiosity/first_bounce.wgsl", "FirstBounce");
+    check(
+        &gpu,
+        FirstBounceUniform::min_size().get(),
+        "indirect/light_volumes/radiosity/first_bounce.wgsl",
+        "FirstBounce",
+    );
     check(&gpu, ViewUniform::min_size().get(), "geometry/gbuffer.wgsl", "View");
     check(&gpu, MaterialUniform::min_size().get(), "geometry/gbuffer.wgsl", "Material");
     check(&gpu, size_of::<Instance>() as u64, "geometry/gbuffer.wgsl", "Instance");

@@ -69,6 +69,7 @@ pub struct GpuSurfels {
     patches: GpuPatches,
     uploaded: u64,
     placed: Vec<Affine3A>,
+    is_moving: bool,
     emitted: Vec3,
 }
 
@@ -81,6 +82,7 @@ impl GpuSurfels {
             places: gpu.storage("surfel places", &[[0.0_f32; 12]], BufferUsages::empty()),
             patches: GpuPatches::new(gpu),
             uploaded: 0,
+            is_moving: false,
             placed: Vec::new(),
             emitted: Vec3::ZERO,
         }
@@ -90,6 +92,7 @@ impl GpuSurfels {
     /// changed; an object that only moved costs its transform.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
         self.cloud.update(scene, finest_cell);
+        self.is_moving = self.uploaded != self.cloud.revision || self.placed != self.cloud.places;
         if self.uploaded != self.cloud.revision {
             self.uploaded = self.cloud.revision;
             let none = [Surfel::default()];
@@ -135,6 +138,11 @@ impl GpuSurfels {
     /// Changes with the surfels in object space.
     pub(in crate::render) fn revision(&self) -> u64 {
         self.uploaded
+    }
+
+    /// Whether any surface is elsewhere than in the frame before.
+    pub(in crate::render) fn is_moving(&self) -> bool {
+        self.is_moving
     }
 
     /// Number of patches.

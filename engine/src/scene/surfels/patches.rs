@@ -279,3 +279,123 @@ fn hash(value: u32) -> u32 {
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{SurfelCloud, triangles};
+    use super::*;
+    use crate::assets::{Material, Shape};
+    use crate::scene::{Primitive, Revisions, Scene, SceneId};
+
+    fn primitive(id: u64, shape: Shape, place: Affine3A) -> Primitive {
+        let mesh = Arc::new(shape.mesh().expect("a valid shape"));
+        Primitive {
+            id: SceneId(id),
+            bounds: mesh.bounds.transformed(&place),
+            world_from_object: place,
+            material: Arc::new(Material::diffuse("stone", Vec3::splat(0.5))),
+            mesh,
+            casts_shadow: true,
+            moving: false,
+            geometry_revision: 0,
+            material_revision: 0,
+        }
+    }
+
+    fn scene(primitives: Vec<Primitive>) -> Scene {
+        let revisions = Revisions { geometry: 1, ..Default::default() };
+        Scene { identity: 1, revisions, primitives, ..Default::default() }
+    }
+
+    /// A point within a triangle, and its outward normal, in the world.
+    fn points(primitive: &Primitive) -> impl Iterator<Item = (Vec3, Vec3)> {
+        let place = primitive.world_from_object;
+        let turned = if place.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        triangles(primitive).flat_map(move |triangle| {
+            let [a, b, c] = triangle.corners.map(|corner| place.transform_point3(corner));
+            let normal = turned * (b - a).cross(c - a).normalize_or_zero();
+            let weights = [[0.9, 0.05, 0.05], [0.05, 0.9, 0.05], [0.05, 0.05, 0.9], [0.34, 0.33, 0.33]];
+            weights.map(|[u, v, w]| (u * a + v * b + w * c, normal))
+        })
+    }
+
+    /// Every point of every surface has a patch whose surfels lie near it and face its way, however the object is turned,
+    /// scaled or mirrored, and it is the same object's.
+    #[test]
+    fn every_point_of_a_surface_has_a_patch_nearby() {
+        let places = [
+            Affine3A::IDENTITY,
+            Affine3A::from_rotation_y(0.4)
+                * Affine3A::from_rotation_x(1.1)
+                * Affine3A::from_translation(Vec3::splat(3.0)),
+            Affine3A::from_scale_rotation_translation(
+                Vec3::splat(2.5),
+                glam::Quat::from_rotation_z(0.3),
+                Vec3::X * 9.0,
+            ),
+            Affine3A::from_scale_rotation_translation(
+                Vec3::new(2.0, 0.5, 1.0),
+                glam::Quat::from_rotation_z(0.3),
+                Vec3::X * -9.0,
+            ),
+            Affine3A::from_scale_rotation_translation(
+                Vec3::new(-1.0, 1.0, 1.0),
+                glam::Quat::from_rotation_y(0.3),
+                Vec3::Y * 9.0,
+            ),
+        ];
+        let shapes = [
+            Shape::Box { size: [1.0, 2.0, 0.1] },
+            Shape::Sphere { radius: 0.7, segments: 24, rings: 12 },
+            Shape::Box { size: [0.05, 0.9, 0.05] },
+        ];
+        for cell in [0.1, 0.45] {
+            for shape in &shapes {
+                let primitives = (1..).zip(&places).map(|(id, place)| primitive(id, shape.clone(), *place)).collect();
+                let scene = scene(primitives);
+                let mut cloud = SurfelCloud::default();
+                cloud.update(&scene, cell);
+                let patches = &cloud.patches;
+                let (mut facing, mut all) = (0, 0);
+                for (index, primitive) in scene.primitives.iter().enumerate() {
+                    let group = cloud.place_of_primitive[index];
+                    let grid = cells_from_world(&cloud.places[group as usize], patches.size);
+                    for (point, normal) in points(primitive) {
+                        let turned = grid.transform_vector3(normal).normalize();
+                        let patch = patches.at(group, grid.transform_point3(point), turned).expect("a patch");
+                        let [first, count] = patches.ranges[patch as usize].map(|v| v as usize);
+                        let surfels = &cloud.surfels[first..first + count];
+                        assert!(surfels.iter().all(|surfel| surfel.group() == group as usize));
+                        let place = cloud.places[group as usize];
+                        let nearest = surfels.iter().map(|s| place.transform_point3(s.position.into()).distance(point));
+                        let nearest = nearest.fold(f32::INFINITY, f32::min);
+                        assert!(nearest < 5.0 * patches.size, "{nearest} m, patches of {} m", patches.size);
+                        let faces =
+                            surfels.iter().any(|s| crate::bvh::world_normal(&place, s.normal.into()).dot(normal) > 0.4);
+                        facing += u32::from(faces);
+                        all += 1;
+                    }
+                }
+                assert!(f64::from(facing) > 0.9 * f64::from(all), "{facing} of {all} face the same way");
+            }
+        }
+    }
+
+    #[test]
+    fn each_surfel_is_in_one_patch_and_objects_that_move_keep_theirs() {
+        let mut scene = scene(vec![primitive(1, Shape::Box { size: [1.0; 3] }, Affine3A::IDENTITY)]);
+        let mut cloud = SurfelCloud::default();
+        cloud.update(&scene, 0.2);
+        let mut next = 0;
+        for [first, count] in &cloud.patches.ranges {
+            assert!(*first == next && *count > 0);
+            next += count;
+        }
+        assert_eq!(next as usize, cloud.surfels.len());
+        let (ranges, table) = (cloud.patches.ranges.clone(), cloud.patches.table.clone());
+        scene.primitives[0].world_from_object = Affine3A::from_rotation_y(1.0) * Affine3A::from_translation(Vec3::ONE);
+        scene.revisions.geometry += 1;
+        cloud.update(&scene, 0.2);
+        assert!(cloud.patches.ranges == ranges && cloud.patches.table == table);
+    }
+}

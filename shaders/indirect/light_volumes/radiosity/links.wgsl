@@ -5,6 +5,7 @@
 //
 // What rays and shadow rays find of emissive surfaces and the sky depends on no lamp either, and is summed up at once.
 //   RAYS      rays of a surfel
+//   AT_ONCE   those of a dispatch
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
 #import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, even_reflectance}
@@ -28,6 +29,7 @@ struct Links {
     emitter_count: u32,
     seed: u32,
     first: u32,            // surfel of this dispatch
+    first_ray: u32,        // of each surfel
     before: f32,           // where links start before their surfel [m]
     far: f32,              // distance beyond which what is met is not of the surfel's own surroundings [m]
 }
@@ -44,6 +46,12 @@ struct Links {
 const RAYS: u32 = #{RAYS}u;
 #else
 const RAYS: u32 = 1u;
+#endif
+
+#ifdef AT_ONCE
+const AT_ONCE: u32 = #{AT_ONCE}u;
+#else
+const AT_ONCE: u32 = 1u;
 #endif
 
 const PI: f32 = 3.14159265358979;
@@ -102,7 +110,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     let surface = white_surface(surfels[index]);
     var light = vec3f(0.0);
     var far = 0u;
-    for (var i = 0u; i < RAYS; i++) {
+    for (var i = links.first_ray; i < links.first_ray + AT_ONCE; i++) {
         var random = Sampler(links.seed, index * RAYS + i, 0u);
         let direction = cosine_direction(surface.normal, next_pair(&random));
         light += sampled_light(surface, &random);
@@ -124,5 +132,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         surfel_links[index * RAYS + i] = link;
     }
-    shone_on[index] = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
+    let found = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
+    shone_on[index] = found + select(shone_on[index], vec4f(0.0), links.first_ray == 0u);
 }

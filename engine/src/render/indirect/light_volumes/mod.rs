@@ -13,9 +13,9 @@ mod volume;
 pub(crate) use diffusion::relight::RelightUniform;
 #[cfg(test)]
 pub(crate) use diffusion::{CameraSamplesUniform, PropagationUniform};
+pub(in crate::render) use method::LightVolumesMethod;
 #[cfg(test)]
 pub(crate) use radiosity::{FirstBounceUniform, LinksUniform};
-pub(in crate::render) use method::LightVolumesMethod;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 

@@ -1,5 +1,6 @@
 //! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
 
+use super::Rays;
 use super::links::Links;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
@@ -29,7 +30,7 @@ pub(super) fn declare<'a>(
     frame: &Frame<'a>,
     surfels: Handle<Buffer>,
     links: Links,
-    rays: u32,
+    rays: Rays,
 ) -> Handle<Buffer> {
     let count = frame.surfels.count();
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE);
@@ -41,12 +42,12 @@ pub(super) fn declare<'a>(
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        let samples = rays.min(MOST_SAMPLES);
+        let samples = rays.count.min(MOST_SAMPLES);
         let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
         cx.counts().paths += u64::from(count) * u64::from(samples);
         let key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
-            .def("RAYS", ShaderDef::Uint(rays))
+            .def("RAYS", ShaderDef::Uint(rays.count))
             .def("SAMPLES", ShaderDef::Uint(samples));
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
         for first in (0..count).step_by(surfels_a_submit as usize) {
@@ -55,7 +56,7 @@ pub(super) fn declare<'a>(
             let uniform = FirstBounceUniform {
                 root: scene.root(),
                 light_count: scene.light_count,
-                seed: 0x1656_67b1,
+                seed: rays.seed ^ 0x1656_67b1,
                 first,
                 before: frame.surfels.before(),
             };

@@ -1,5 +1,6 @@
 //! What surfels see. See `indirect/light_volumes/radiosity/links.wgsl`.
 
+use super::Rays;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -11,6 +12,9 @@ use wgpu::BufferUsages;
 
 /// Bytes of a link.
 pub(super) const LINK_BYTES: u64 = 16;
+/// Rays that a thread casts one after the other: lavapipe ends all loops of a thread after 65,535 turns together, without a
+/// word, and a ray takes some thousand of them in a large scene.
+const MOST_AT_ONCE: u32 = 8;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -23,6 +27,7 @@ pub(crate) struct LinksUniform {
     emitter_count: u32,
     seed: u32,
     first: u32,
+    first_ray: u32,
     before: f32,
     far: f32,
 }
@@ -37,10 +42,10 @@ pub(super) struct Links {
 }
 
 /// Declares the links of the surfels, so many rays each.
-pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Handle<Buffer>, rays: u32) -> Links {
+pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Handle<Buffer>, rays: Rays) -> Links {
     let count = frame.surfels.count();
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
-    let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays)));
+    let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
     let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16));
     let mut pass = graph.pass("surfel links");
     pass.read(surfels);
@@ -50,12 +55,14 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        cx.counts().paths += u64::from(count) * u64::from(rays);
-        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(rays)).max(64);
+        cx.counts().paths += u64::from(count) * u64::from(rays.count);
+        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(rays.count)).max(64);
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
-            cx.work(u64::from(surfels_now) * u64::from(rays), RAYS_A_SUBMIT);
-            dispatch(cx, &frame, scene, (surfels, found), rays, [first, surfels_now])?;
+            cx.work(u64::from(surfels_now) * u64::from(rays.count), RAYS_A_SUBMIT);
+            for first_ray in (0..rays.count).step_by(MOST_AT_ONCE as usize) {
+                dispatch(cx, &frame, scene, (surfels, found), rays, [first, surfels_now, first_ray])?;
+            }
         }
         Ok(())
     });
@@ -65,27 +72,29 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
 fn dispatch(
     cx: &mut PassContext,
     frame: &Frame,
-    rays: &RayScene,
+    scene_rays: &RayScene,
     (surfels, found): (Handle<Buffer>, Links),
-    count: u32,
-    [first, surfels_now]: [u32; 2],
+    rays: Rays,
+    [first, surfels_now, first_ray]: [u32; 3],
 ) -> Result<(), PassError> {
     let scene = frame.scene;
     let uniform = LinksUniform {
         sky: scene.sky,
         sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
-        root: rays.root(),
-        emitter_count: rays.emitter_count,
-        seed: 0x7f4a_7c15,
+        root: scene_rays.root(),
+        emitter_count: scene_rays.emitter_count,
+        seed: rays.seed,
         first,
+        first_ray,
         before: frame.surfels.before(),
         far: frame.surfels.patch_size(),
     };
     let uniform = cx.gpu.uniform("links", &uniform);
     let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());
-    let mut key = rays
+    let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
-        .def("RAYS", ShaderDef::Uint(count));
+        .def("RAYS", ShaderDef::Uint(rays.count))
+        .def("AT_ONCE", ShaderDef::Uint(rays.count.min(MOST_AT_ONCE)));
     let mut group = vec![
         ("links", Binding::Buffer(&uniform)),
         ("surfels", Binding::Buffer(&surfels)),
@@ -98,5 +107,5 @@ fn dispatch(
     } else {
         key = key.def("EVEN_SKY", ShaderDef::Flag(true));
     }
-    dispatch_rays(cx, &key, &group, rays, linear_groups(surfels_now))
+    dispatch_rays(cx, &key, &group, scene_rays, linear_groups(surfels_now))
 }

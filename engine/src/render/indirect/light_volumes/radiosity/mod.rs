@@ -64,16 +64,30 @@ impl BounceCount {
     }
 }
 
-/// Rays of a surfel: as many as the quality asks for, and as fit a storage binding.
-fn rays(settings: &Clpv, surfels: u32) -> u32 {
-    let wanted: u32 = match settings.quality {
-        Quality::Low => 8,
-        Quality::Medium | Quality::High => 16,
-        Quality::Ultra => 32,
-    };
-    let possible = (LARGEST_BINDING / links::LINK_BYTES / u64::from(surfels.max(1))).clamp(1, u64::from(wanted)) as u32;
-    // A power of two, of which the points of the sequence are evenly spread.
-    1 << possible.ilog2()
+/// Rays of the surfels in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Rays {
+    /// Of a surfel: a power of two, so that their directions are evenly spread.
+    count: u32,
+    /// Of their random numbers.
+    seed: u32,
+}
+
+impl Rays {
+    /// As many as the quality asks for, and as fit a storage binding. While objects move and frames are averaged, a quarter
+    /// of them do, other ones in each frame.
+    fn new(frame: &Frame, settings: &Clpv) -> Self {
+        let wanted: u32 = match settings.quality {
+            Quality::Low => 8,
+            Quality::Medium | Quality::High | Quality::Ultra => 16,
+        };
+        let (wanted, seed) = match frame.number().filter(|_| frame.surfels.is_moving()) {
+            Some(number) => (wanted / 4, number.wrapping_mul(0x85eb_ca6b)),
+            None => (wanted, 0x7f4a_7c15),
+        };
+        let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
+        Self { count: 1 << possible.clamp(1, u64::from(wanted)).ilog2(), seed }
+    }
 }
 
 /// Declares all passes. None if there is but one bounce, or the scene is not ready for rays: the reason is in the report then.
@@ -93,7 +107,7 @@ pub(super) fn declare<'a>(
         graph.skip("radiosity", "one bounce is asked for");
         return None;
     }
-    let rays = rays(settings, frame.surfels.count());
+    let rays = Rays::new(frame, settings);
     let links = links::declare(graph, frame, surfels, rays);
     let reflected = first_bounce::declare(graph, frame, surfels, links, rays);
     Some(solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces }))

@@ -1,7 +1,7 @@
 //! All bounces between patches. See `indirect/light_volumes/radiosity/solve.wgsl`.
 
 use super::links::Links;
-use super::{BounceCount, Radiosity};
+use super::{BounceCount, Radiosity, Rays};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -18,8 +18,7 @@ pub(super) struct Subject {
     pub links: Links,
     /// Irradiance of the surfels of the lights' first bounce.
     pub reflected: Handle<Buffer>,
-    /// Links of a surfel.
-    pub rays: u32,
+    pub rays: Rays,
     pub bounces: BounceCount,
 }
 
@@ -79,13 +78,14 @@ fn run(
     if bounce % 2 == 1 {
         (from, to) = (to, from);
     }
-    let handles = [subject.surfels, subject.links.links, subject.links.shone_on, subject.reflected, from, to, work.rest]
-        .map(|handle| cx.buffer(handle).clone());
+    let handles =
+        [subject.surfels, subject.links.links, subject.links.shone_on, subject.reflected, from, to, work.rest]
+            .map(|handle| cx.buffer(handle).clone());
     let results = [work.result.patches, work.result.surfels].map(|handle| cx.buffer(handle).clone());
     let names = ["surfels", "surfel_links", "shone_on", "reflected_light", "last_bounce", "this_bounce", "rest"];
     let mut key = ComputeKey::new(SHADER, entry);
     if entry == "bounce" {
-        key = key.def("RAYS", ShaderDef::Uint(subject.rays));
+        key = key.def("RAYS", ShaderDef::Uint(subject.rays.count));
     }
     let mut group = vec![("patches", cloud.patches().ranges())];
     group.extend(names.into_iter().zip(handles.iter().map(Binding::Buffer)));

@@ -41,8 +41,8 @@ pub(crate) use self::{
     transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
-use super::{Indirect, radiosity};
 use super::volume::Volume;
+use super::{Indirect, radiosity};
 use crate::graph::{Buffer, Graph, Handle};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
