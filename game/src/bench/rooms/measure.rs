@@ -93,8 +93,8 @@ pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomF
 /// Tells how many samples there shall be after those of an estimate; none: enough.
 type More<'a> = dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>> + 'a;
 
-/// Traces, sample by sample, until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many
-/// there shall be.
+/// Traces, sample by sample, until `more` asks for no more: it is given what there is and its samples, at first none, and
+/// tells how many there shall be.
 ///
 /// Mesa's software driver ends all loops of a shader's thread after 65,535 rounds together and says nothing. With sixteen
 /// samples in one dispatch, as the tracer takes them otherwise, that cut off paths among thin slanted things: a third of
