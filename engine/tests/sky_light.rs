@@ -115,6 +115,33 @@ fn as_integrated_by_methods_that_shoot_or_cast_into_the_sky() {
     }
 }
 
+/// A sky that turns keeps its mean, bit for bit, and all that it lights is drawn anew.
+#[test]
+fn turned_skies_are_drawn_anew() {
+    let gpu = gpu();
+    let mut stage = floor(0.5);
+    let wall = Affine3A::from_translation(Vec3::new(0.0, 0.3, -0.6));
+    stage.add(Shape::Box { size: [2.0, 0.6, 0.2] }, Vec3::splat(0.5), wall);
+    stage.scene.sky_light = true;
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Low, ..Clpv::default() });
+    stage.scene.vpl = Some(InstantRadiosity { particles: 64, ..InstantRadiosity::default() });
+    let visibility = LightVisibility::ShadowRays;
+    stage.scene.slc = Some(StochasticLightCulling { visibility, ..StochasticLightCulling::default() });
+    for gi in [GiMethod::NONE, GiMethod::CLPV, GiMethod::VPL, GiMethod::SLC] {
+        let mut kept = Renderer::new(&gpu);
+        let settings = RenderSettings { gi, only: Layer::Indirect, ..Default::default() };
+        set_sky(&mut stage, halves());
+        let (first, mean) = (stage.render_with(&gpu, &mut kept, &settings).0, stage.scene.sky);
+        let turned = halves().varied(1.0, 2.0);
+        assert_eq!(turned.mean(), mean);
+        set_sky(&mut stage, turned);
+        let second = stage.render_with(&gpu, &mut kept, &settings).0;
+        let fresh = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).0;
+        assert!(second.rgba == fresh.rgba, "{gi:?}: other than from nothing");
+        assert!(second.rgba != first.rgba, "{gi:?}: the turn does not show");
+    }
+}
+
 /// No sky is seen in a closed room, and its light does not get in.
 #[test]
 fn closed_rooms_stay_dark() {

@@ -69,7 +69,7 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
     let lamp =
         "(name: \"Lamp\", transform: (translation: (1, 2, 1)), light: (kind: Point, intensity: 3, rsm_size: 16)),";
     let camera = "(name: \"Camera\", transform: (translation: (0, 1, 3), look_at: (0, 0.5, 0)), camera: (fov: 45)),";
-    let methods = "(name: \"Methods\", clpv: (quality: Low), vpl: (particles: 16), slc: (rsm_size: 16)),";
+    let methods = "(name: \"Methods\", clpv: (quality: Low), vpl: (particles: 64), slc: (rsm_size: 16)),";
     let scene = |entities: &[&str]| format!("Scene(entities: [\n{}\n])\n", entities.join("\n"));
     let whole = |change: &str| scene(&[floor, ball, lamp, camera, methods, change]);
     let with_lamp = |kind: &str, intensity: &str| {
@@ -108,7 +108,7 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
         ("a scale of 1e30", Drawn, whole("(name: \"Huge\", transform: (scale: 1e30), mesh: Sphere(radius: 1)),")),
         (
             "a place of 1e30",
-            Lit,
+            Drawn,
             whole("(name: \"Far\", transform: (translation: (1e30, 0, 0)), mesh: Sphere(radius: 1)),"),
         ),
         ("a radius of 1e-30", Refused("lengths lie between"), whole("(name: \"Dot\", mesh: Sphere(radius: 1e-30)),")),
@@ -120,7 +120,7 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
             whole("(name: \"On\", transform: (translation: (0, 1, 3)), light: (kind: Point, intensity: 3)),"),
         ),
         ("a camera in an object", Drawn, with_camera("(0, 0.5, 0)", "fov: 45")),
-        ("a camera at a lamp", Lit, with_camera("(1, 2, 1)", "fov: 45")),
+        ("a camera at a lamp", Black, with_camera("(1, 2, 1)", "fov: 45")),
         ("a field of view of 0", Refused("between 0 and 180 degrees"), with_camera("(0, 1, 3)", "fov: 0")),
         ("a field of view of 180", Refused("between 0 and 180 degrees"), with_camera("(0, 1, 3)", "fov: 180")),
         ("a near plane of 0", Refused("use a distance above zero"), with_camera("(0, 1, 3)", "fov: 45, near: 0")),
