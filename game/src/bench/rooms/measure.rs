@@ -93,12 +93,8 @@ pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomF
 /// Tells how many samples there shall be after those of an estimate; none: enough.
 type More<'a> = dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>> + 'a;
 
-/// Traces, sample by sample, until `more` asks for no more: it is given what there is and its samples, at first none, and
-/// tells how many there shall be.
-///
-/// Mesa's software driver ends all loops of a shader's thread after 65,535 rounds together and says nothing. With sixteen
-/// samples in one dispatch, as the tracer takes them otherwise, that cut off paths among thin slanted things: a third of
-/// the light of a room was missing.
+/// Traces until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many there
+/// shall be.
 fn trace(lab: &mut Lab, course: &Course, bounces: Option<u32>, more: &mut More) -> Result<Estimate> {
     let session = lab.tracer();
     let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };
@@ -107,9 +103,7 @@ fn trace(lab: &mut Lab, course: &Course, bounces: Option<u32>, more: &mut More) 
     let (mut tracing, _) = session.begin_trace(&view, &settings)?;
     let mut estimate = None;
     while let Some(samples) = more(estimate.as_ref(), estimate.as_ref().map_or(0, |estimate| estimate.samples))? {
-        for done in tracing.tracer.samples()..samples {
-            tracing.advance_to(done + 1, &mut |_| {})?;
-        }
+        tracing.advance_to(samples, &mut |_| {})?;
         estimate = Some(tracing.estimate()?);
     }
     estimate.context("nothing was traced")
