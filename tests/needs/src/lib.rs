@@ -1,6 +1,6 @@
 //! Tests that need what a machine may lack.
 //!
-//! ```ignore
+//! ```text
 //! #[needs("LIGHTWELL_MODELS", "ffmpeg")]
 //! fn sponza_is_filmed() { … }
 //! ```
