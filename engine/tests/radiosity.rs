@@ -105,7 +105,7 @@ fn each_bounce_is_that_of_the_path_tracer() {
 #[test]
 fn glossy_walls_send_light_on() {
     let gpu = gpu();
-    let metal = Material { metallic: 1.0, roughness: 0.6, ..Material::default() };
+    let metal = Material { metallic: 1.0, roughness: 0.6, ..Material::new("metal") };
     let stage = turned_room(metal, Clpv { quality: Quality::Medium, ..Default::default() });
     let expected = traced(&gpu, &stage, None, 1024);
     let found = averaged(&gpu, stage);

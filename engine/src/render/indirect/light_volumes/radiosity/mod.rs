@@ -3,9 +3,8 @@
 //! out.
 //!
 //! ```text
-//! surfels ─┬─ links (rays, while nothing moves) ──┐
-//!                    first bounce (shadow rays) ── solve, bounce by bounce ── light of patches ── gather
-//!                                                                     └── light of surfels ── sweep
+//! surfels ── links (rays, while nothing moves) ─┬─ first bounce (shadow rays) ── solve ─┬─ light of patches ── gather
+//!                                               └──────── further bounces ──────┘      └─ light of surfels ── sweep
 //! ```
 //! A surfel's links are Monte Carlo form factors: its irradiance is the mean of what the patches at their ends send back. The
 //! weights of the links are at most one together, so that no bounce gains light, without any calibration; and where only

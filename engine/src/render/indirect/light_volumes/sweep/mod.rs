@@ -3,16 +3,18 @@
 //! ```text
 //! the scene's surfaces:  walls ──┬── opacity ─── white (emit, sweep, receive)
 //!            surfels ────────────┴── links            │
-//! its light: rsm (a light) ── emit ── sweep ── receive ── emit ── sweep ── … ── relight, or gather
-//!                 └── lit points ───────────────────────────────────────────────────────────┘
+//! its light: rsm (a light) ── emit ── sweep ── relight, probes, blended surfaces
+//!                 ├── radiosity ┘
+//!                 └── lit points, light of patches ── gather
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`, with what closes whole faces of cells,
 //! `walls`), and from the second bounce on they are its sources; those of the first are the texels of reflective shadow maps,
-//! whose flux is exact, and emissive surfels. `links` tells which cells a surfel has to do with, and `white` what it has
-//! of light that is even everywhere, by which all other is calibrated. All lengths in the shaders are in cells.
+//! whose flux is exact, and emissive surfels. `links` tells which cells a surfel has to do with. All lengths in the shaders are
+//! in cells.
 //!
-//! Where the grid is fine, all bounces but the last are swept in a coarser one (`further`): it tells what the surfaces send
-//! out, and one sweep of the fine grid brings all of that and the first bounce's light.
+//! What the surfels send out is known from [`radiosity`](super::radiosity), so that one sweep is enough. A scene that is too
+//! large for rays has all bounces swept instead: `white` is then what a surfel has of light that is even everywhere, by which
+//! all other is calibrated, and where the grid is fine, all bounces but the last are swept in a coarser one (`further`).
 
 mod directions;
 mod emit;
