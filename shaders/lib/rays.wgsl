@@ -9,6 +9,7 @@
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
 //   DARK        no material emits light
+//   MOVERS      (the other way around) something moves
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
 
 #import lightwell::gbuffer::decode_octahedral
@@ -230,7 +231,9 @@ struct Walk {
     offset: vec3f,
     next: u32,             // box to be looked at
     end: u32,              // of the list
+#ifdef MOVERS
     movers: u32,           // where those of what moves begin, if they are still to be looked at; else 0
+#endif
     kind: u32,
     hit: Hit,              // so far
 }
@@ -253,10 +256,16 @@ fn begin_walk(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
     let next = select(end, first, reach > 0.0);
     let hit = Hit(reach, NONE, vec2f(0.0));
 #ifdef EXACT_BOXES
-    return Walk(ray, inverse, ray.origin, next, end, frame.movers, kind, hit);
+    let scale = inverse;
+    let offset = ray.origin;
 #else
+    let scale = frame.unit * inverse;
     let offset = (frame.origin - ray.origin) * inverse;
-    return Walk(ray, frame.unit * inverse, offset, next, end, frame.movers, kind, hit);
+#endif
+#ifdef MOVERS
+    return Walk(ray, scale, offset, next, end, frame.movers, kind, hit);
+#else
+    return Walk(ray, scale, offset, next, end, kind, hit);
 #endif
 }
 
@@ -266,6 +275,7 @@ fn octant(direction: vec3f) -> u32 {
     return negative.x + 2u * negative.y + 4u * negative.z;
 }
 
+#ifdef MOVERS
 // The list of what moves, after that of what is static.
 fn go_on_with_movers(walk: ptr<function, Walk>) {
     let place = (*walk).movers;
@@ -283,6 +293,7 @@ fn go_on_with_movers(walk: ptr<function, Walk>) {
     (*walk).end = (*walk).next + boxes;
     (*walk).movers = 0u;
 }
+#endif
 
 // Boxes that the two texels before the lists take.
 #ifdef EXACT_BOXES
@@ -421,19 +432,6 @@ fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
     return materials[material].emissive * emission_color(materials[material].uv_rows[7], at.color) * texel;
 }
 
-// Whether a triangle counts rather than another one that the ray meets at the same distance, whatever their order in
-// the lists.
-fn is_before(index: u32, barycentric: vec2f, other: Hit) -> bool {
-    if other.triangle == NONE {
-        return false;
-    }
-    let own = primitive_of(index);
-    let primitive = primitive_of(other.triangle);
-    let is_first = barycentric.x < other.barycentric.x
-        || (barycentric.x == other.barycentric.x && barycentric.y < other.barycentric.y);
-    return own < primitive || (own == primitive && is_first);
-}
-
 // Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle.
 fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
     let triangle = load_triangle(index);
@@ -453,10 +451,12 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
         determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
         is_camera,
     );
-    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t <= hit.t;
-    if met && t == hit.t {
-        met = is_before(index, vec2f(u, v), hit);
-    }
+    // Where two triangles are met at the same distance, the point on them says which counts: their order depends on the
+    // frames before, and on which of them moves.
+    let is_tie_won = t == hit.t && hit.triangle != NONE
+        && (u < hit.barycentric.x || (u == hit.barycentric.x && v < hit.barycentric.y));
+    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
+        && (t < hit.t || is_tie_won);
 #ifndef OPAQUE
     if met && (triangle.flags & ALPHA_TESTED) != 0u {
         met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
@@ -513,9 +513,12 @@ fn go_on(walk: ptr<function, Walk>) {
     }
     if (*walk).kind == SHADOW && (*walk).hit.triangle != NONE {
         (*walk).next = (*walk).end;
-    } else if (*walk).next >= (*walk).end && (*walk).movers != 0u {
+    }
+#ifdef MOVERS
+    else if (*walk).next >= (*walk).end && (*walk).movers != 0u {
         go_on_with_movers(walk);
     }
+#endif
 }
 
 fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {

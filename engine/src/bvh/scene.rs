@@ -2,7 +2,7 @@
 //!
 //! Objects have no level of their own: rays that cross many overlapping objects are twice as fast, and every static
 //! triangle is transformed once. Moved objects have the boxes above them fitted anew, which leaves the static part as it
-//! is. Of hits at the same distance the one with the lower index counts, so that no hit depends on the trees.
+//! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
 
 use super::{Bvh, Ray, intersect_triangle};
 use crate::assets::AssetId;

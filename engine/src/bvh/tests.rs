@@ -251,7 +251,10 @@ proptest! {
             for ray in &rays {
                 for kind in [RayKind::Camera, RayKind::Light] {
                     let expected = bvh.closest_hit_by_brute_force(ray, f32::INFINITY, kind);
-                    prop_assert_eq!(bvh.closest_hit(ray, f32::INFINITY, kind), expected, "{:?}", ray);
+                    // Of two triangles at one place a box may hide the one whose index is lower, by rounding.
+                    let surface = |hit: SceneHit| (hit.t, hit.barycentric, bvh.triangles[hit.triangle as usize].corners);
+                    let found = bvh.closest_hit(ray, f32::INFINITY, kind);
+                    prop_assert_eq!(found.map(surface), expected.map(surface), "{:?}", ray);
                     if kind == RayKind::Light {
                         prop_assert_eq!(bvh.is_blocked(ray, f32::INFINITY), expected.is_some());
                     }

@@ -208,6 +208,7 @@ impl RayScene {
             ("UNTEXTURED", !self.atlas.holds_textures()),
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
+            ("MOVERS", self.bvh.moving_triangles() > 0),
             ("UNLIT", self.emitter_count == 0),
             ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
