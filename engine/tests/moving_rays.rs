@@ -82,7 +82,7 @@ fn what_followed_is_what_is_made_from_nothing() {
         if step == 2 {
             // The panel emits from a larger area.
             let panel = &mut stage.scene.primitives[PANEL].world_from_object;
-            *panel = *panel * Affine3A::from_scale(Vec3::splat(1.5));
+            *panel *= Affine3A::from_scale(Vec3::splat(1.5));
         }
         stage.scene.revisions.geometry += 1;
         let followed = trace(&gpu, &mut follower, &stage);

@@ -85,8 +85,7 @@ impl GpuGeometry {
         let exact = boxes::are_exact(if statics.nodes.is_empty() { movers } else { statics });
         let row = ROW as usize;
         let is_passage = statics.nodes.is_empty() && moving > 0;
-        let box_rows =
-            boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact).next_multiple_of(row) / row;
+        let box_rows = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact).div_ceil(row);
         let moving_box_rows = match moving {
             0 => 0,
             _ => boxes::texel_count(boxes::most_boxes(moving), exact).div_ceil(row),
