@@ -9,6 +9,7 @@
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
 //   DARK        no material emits light
+//   MOVERS      (the other way around) something moves
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
 
 #import lightwell::gbuffer::decode_octahedral
@@ -57,8 +58,10 @@ struct RayLight {
 // corners in 16 bits each, in units of the frame (x, y, z of the lower, then of the upper corner), and the link: the texel of
 // the next box that does not lie in this one; or for a leaf its first triangle, below LEAF and their number less one.
 // One box more lies behind all lists, so that there is always one behind the box that a ray is at.
-// Two texels come first: the frame's origin and the boxes of a list; the frame's unit.
-//   EXACT_BOXES  instead: lower corner and link, upper corner and an unused word; links count boxes
+// Two texels come first: the frame's origin and the boxes of a list; the frame's unit and the place of a second part.
+// What moves is such a part, with a frame, lists and triangles of its own: a ray that is through with what is static goes
+// on with what moves, as far as it still reaches.
+//   EXACT_BOXES  instead: lower corner and link, upper corner and an unused word; places count boxes
 @group(1) @binding(0) var nodes: texture_storage_2d<rgba32uint, read>;
 // Three texels a triangle: a corner in world space [m], and a word: material and flags; emitter or NONE; primitive.
 @group(1) @binding(1) var triangles: texture_storage_2d<rgba32uint, read>;
@@ -207,16 +210,17 @@ struct Frame {
     origin: vec3f,
     unit: vec3f,
     boxes: u32,            // of a list
+    movers: u32,           // where those of what moves begin; 0: nothing does
 }
 
-// `boxes` is the number of boxes of a list, which the host knows.
+// `boxes` is the number of boxes of a list of what is static, which the host knows.
 fn load_frame(boxes: u32) -> Frame {
+    let second = textureLoad(nodes, vec2u(1u, 0u));
 #ifdef EXACT_BOXES
-    return Frame(vec3f(0.0), vec3f(1.0), boxes);
+    return Frame(vec3f(0.0), vec3f(1.0), boxes, second.w);
 #else
     let origin = bitcast<vec3f>(textureLoad(nodes, vec2u(0u, 0u)).xyz);
-    let unit = bitcast<vec3f>(textureLoad(nodes, vec2u(1u, 0u)).xyz);
-    return Frame(origin, unit, boxes);
+    return Frame(origin, bitcast<vec3f>(second.xyz), boxes, second.w);
 #endif
 }
 
@@ -227,6 +231,9 @@ struct Walk {
     offset: vec3f,
     next: u32,             // box to be looked at
     end: u32,              // of the list
+#ifdef MOVERS
+    movers: u32,           // where those of what moves begin, if they are still to be looked at; else 0
+#endif
     kind: u32,
     hit: Hit,              // so far
 }
@@ -244,20 +251,53 @@ fn box_texel(index: u32) -> vec2u {
 // A ray at its start; one without reach is over already.
 fn begin_walk(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
     let inverse = inverse_direction(ray.direction);
-    let negative = vec3u(ray.direction < vec3f(0.0));
-    let first = HEADER + (negative.x + 2u * negative.y + 4u * negative.z) * frame.boxes;
+    let first = HEADER + octant(ray.direction) * frame.boxes;
     let end = first + frame.boxes;
     let next = select(end, first, reach > 0.0);
     let hit = Hit(reach, NONE, vec2f(0.0));
 #ifdef EXACT_BOXES
-    return Walk(ray, inverse, ray.origin, next, end, kind, hit);
+    let scale = inverse;
+    let offset = ray.origin;
 #else
-    return Walk(ray, frame.unit * inverse, (frame.origin - ray.origin) * inverse, next, end, kind, hit);
+    let scale = frame.unit * inverse;
+    let offset = (frame.origin - ray.origin) * inverse;
+#endif
+#ifdef MOVERS
+    return Walk(ray, scale, offset, next, end, frame.movers, kind, hit);
+#else
+    return Walk(ray, scale, offset, next, end, kind, hit);
 #endif
 }
 
+// Which of the eight lists is that of a direction.
+fn octant(direction: vec3f) -> u32 {
+    let negative = vec3u(direction < vec3f(0.0));
+    return negative.x + 2u * negative.y + 4u * negative.z;
+}
+
+#ifdef MOVERS
+// The list of what moves, after that of what is static.
+fn go_on_with_movers(walk: ptr<function, Walk>) {
+    let place = (*walk).movers;
 #ifdef EXACT_BOXES
-const HEADER: u32 = 0u;
+    let boxes = textureLoad(nodes, box_texel(2u * place)).w;
+#else
+    let header = textureLoad(nodes, box_texel(place));
+    let boxes = header.w;
+    let unit = bitcast<vec3f>(textureLoad(nodes, box_texel(place + 1u)).xyz);
+    let inverse = inverse_direction((*walk).ray.direction);
+    (*walk).scale = unit * inverse;
+    (*walk).offset = (bitcast<vec3f>(header.xyz) - (*walk).ray.origin) * inverse;
+#endif
+    (*walk).next = place + HEADER + octant((*walk).ray.direction) * boxes;
+    (*walk).end = (*walk).next + boxes;
+    (*walk).movers = 0u;
+}
+#endif
+
+// Boxes that the two texels before the lists take.
+#ifdef EXACT_BOXES
+const HEADER: u32 = 1u;
 #else
 const HEADER: u32 = 2u;
 #endif
@@ -411,7 +451,12 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
         determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
         is_camera,
     );
-    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < hit.t;
+    // Where two triangles are met at the same distance, the point on them says which counts: their order depends on the
+    // frames before, and on which of them moves.
+    let is_tie_won = t == hit.t && hit.triangle != NONE
+        && (u < hit.barycentric.x || (u == hit.barycentric.x && v < hit.barycentric.y));
+    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
+        && (t < hit.t || is_tie_won);
 #ifndef OPAQUE
     if met && (triangle.flags & ALPHA_TESTED) != 0u {
         met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
@@ -469,6 +514,11 @@ fn go_on(walk: ptr<function, Walk>) {
     if (*walk).kind == SHADOW && (*walk).hit.triangle != NONE {
         (*walk).next = (*walk).end;
     }
+#ifdef MOVERS
+    else if (*walk).next >= (*walk).end && (*walk).movers != 0u {
+        go_on_with_movers(walk);
+    }
+#endif
 }
 
 fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchies: which of many boxes a ray may meet.
 //!
 //! Built on the CPU with the surface area heuristic, over the triangles of a mesh ([`MeshBvh`], in object space) or of
-//! a whole scene ([`SceneBvh`], in world space, where moved objects have the boxes fitted anew). Used on the CPU and,
-//! with the same boxes, on the device.
+//! a whole scene ([`SceneBvh`], in world space: a hierarchy of what is static and one of what moves, which has its boxes
+//! fitted anew). Used on the CPU and, with the same boxes, on the device.
 
 mod build;
 mod mesh;
@@ -13,8 +13,8 @@ mod tests;
 
 pub use mesh::{MeshBvh, MeshHit};
 pub use ray::{Ray, intersect_triangle};
-pub use scene::{RayKind, SceneBvh, SceneHit, SceneTriangle, Updated};
-pub(crate) use scene::{vertex_indices, world_normal};
+pub use scene::{RayKind, SceneBvh, SceneHit, ScenePart, SceneTriangle, Updated};
+pub(crate) use scene::{is_nearer, vertex_indices, world_normal};
 
 use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};
@@ -75,11 +75,16 @@ impl Bvh {
     ///
     /// The tree stays correct whatever moved, but slows down where neighbours have parted: see [`Bvh::cost`].
     pub fn refit(&mut self, boxes: &[Aabb]) {
+        self.refit_by(|index| boxes[index as usize]);
+    }
+
+    /// The same with a function that gives the box of an index.
+    pub fn refit_by(&mut self, bounds_of: impl Fn(u32) -> Aabb) {
         for index in (0..self.nodes.len()).rev() {
             let node = self.nodes[index];
             let bounds = if node.count > 0 {
                 let entries = &self.order[node.first as usize..][..node.count as usize];
-                entries.iter().fold(Aabb::EMPTY, |sum, &entry| sum.union(&boxes[entry as usize]))
+                entries.iter().fold(Aabb::EMPTY, |sum, &entry| sum.union(&bounds_of(entry)))
             } else {
                 // Children come after their parents, and are fitted already.
                 self.nodes[node.first as usize].bounds().union(&self.nodes[node.first as usize + 1].bounds())

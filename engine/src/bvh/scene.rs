@@ -1,12 +1,14 @@
-//! The hierarchy over all triangles of a scene, in world space.
+//! The hierarchies over all triangles of a scene, in world space: one of static primitives, one of moving primitives.
 //!
-//! One level, not two: rays that cross many overlapping objects are twice as fast, and every static triangle is
-//! transformed once. Moved objects have the boxes above them fitted anew.
+//! Objects have no level of their own: rays that cross many overlapping objects are twice as fast, and every static
+//! triangle is transformed once. Moved objects have the boxes above them fitted anew, which leaves the static part as it
+//! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
 
 use super::{Bvh, Ray, intersect_triangle};
 use crate::assets::AssetId;
 use crate::scene::{Aabb, Primitive, Scene, SceneId};
 use glam::{Affine3A, Vec3};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Most triangles of a leaf.
@@ -46,15 +48,27 @@ pub struct SceneHit {
 }
 
 /// What the last [`SceneBvh::update`] did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Updated {
     /// Nothing had changed.
     #[default]
     Nothing,
     /// Boxes were fitted to moved triangles.
     Refitted,
-    /// The tree was built.
+    /// A tree was built.
     Built,
+}
+
+/// The triangles of some primitives, with a hierarchy of their own.
+#[derive(Debug, Default)]
+pub struct ScenePart {
+    /// The hierarchy over indices in [`SceneBvh::triangles`].
+    pub bvh: Bvh,
+    /// Changes with the hierarchy, and with anything that rays meet in it.
+    pub(crate) version: u64,
+    /// Indices in [`Scene::primitives`].
+    primitives: Vec<usize>,
+    built_cost: f32,
 }
 
 /// All surfaces of a scene, ready for rays.
@@ -62,13 +76,19 @@ pub enum Updated {
 pub struct SceneBvh {
     /// Triangles, in the order of the scene's primitives and of their meshes.
     pub triangles: Vec<SceneTriangle>,
-    /// The hierarchy over them.
-    pub bvh: Bvh,
+    /// Those of primitives that are not [moving](Primitive::moving).
+    pub statics: ScenePart,
+    /// Those of primitives that are.
+    pub movers: ScenePart,
     /// How long the last update took.
     pub update_time: Duration,
+    /// Changes with which primitives there are in which part, and with their materials.
+    pub(crate) surfaces_version: u64,
     flags: Vec<Flags>,
     sources: Vec<Source>,
-    built_cost: f32,
+    /// Identity and statics revision of the last scene, if it tells.
+    told: Option<[u64; 2]>,
+    versions: u64,
 }
 
 /// Per primitive: what rays may do with it.
@@ -78,135 +98,267 @@ struct Flags {
     double_sided: bool,
 }
 
+impl Flags {
+    fn of(primitive: &Primitive) -> Self {
+        Self { casts_shadow: primitive.casts_shadow, double_sided: primitive.material.double_sided }
+    }
+}
+
 /// Where the triangles of a primitive come from.
 #[derive(Clone, Debug, PartialEq)]
 struct Source {
     id: SceneId,
     mesh: AssetId,
     topology: AssetId,
+    material: AssetId,
+    is_moving: bool,
     world_from_object: Affine3A,
     first: usize,
+    count: usize,
+}
+
+impl Source {
+    /// Whether the primitive can differ in nothing but place, pose and surface.
+    fn is_of(&self, primitive: &Primitive) -> bool {
+        self.id == primitive.id
+            && self.topology == primitive.mesh.topology()
+            && self.is_moving == primitive.moving
+            && self.count == primitive.mesh.triangle_count()
+    }
 }
 
 impl SceneBvh {
-    /// The hierarchy of a scene.
+    /// The hierarchies of a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut bvh = Self::default();
         bvh.update(scene);
         bvh
     }
 
-    /// Brings everything up to date with the scene. If the same primitives have only moved, the tree is kept and its
-    /// boxes are fitted to them, unless that has made it too slow.
+    /// Brings everything up to date with the scene. If the same primitives have only moved, the trees are kept and
+    /// their boxes are fitted to them, unless that has made them too slow. A part in which nothing moved stays as it is.
     pub fn update(&mut self, scene: &Scene) -> Updated {
         let start = Instant::now();
-        let flags = |p: &Primitive| Flags { casts_shadow: p.casts_shadow, double_sided: p.material.double_sided };
-        self.flags = scene.primitives.iter().map(flags).collect();
+        let statics = scene.revisions.statics;
+        let told = (statics != 0).then_some([scene.identity, statics]);
+        let are_statics_kept = told.is_some() && told == self.told;
+        let fits = |index: usize| self.sources[index].is_of(&scene.primitives[index]);
         let same = self.sources.len() == scene.primitives.len()
-            && self.sources.iter().zip(&scene.primitives).all(|(s, p)| s.id == p.id && s.topology == p.mesh.topology());
-        let updated = if same && !self.sources.is_empty() { self.refit(scene) } else { self.rebuild(scene) };
+            && if are_statics_kept {
+                self.movers.primitives.iter().all(|&index| fits(index))
+            } else {
+                (0..self.sources.len()).all(fits)
+            };
+        let updated = if !same || self.sources.is_empty() {
+            self.rebuild(scene)
+        } else if are_statics_kept {
+            self.follow(scene, true)
+        } else {
+            self.follow(scene, false).max(self.follow(scene, true))
+        };
+        self.told = told;
         self.update_time = start.elapsed();
         updated
     }
 
+    /// The hierarchies of both parts: what is static, and what moves. Rays go through them in turn.
+    pub fn trees(&self) -> [&Bvh; 2] {
+        [&self.statics.bvh, &self.movers.bvh]
+    }
+
+    /// Number of triangles of moving primitives, with those that have no box and so are in no tree.
+    pub(crate) fn moving_triangles(&self) -> usize {
+        self.movers.primitives.iter().map(|&index| self.sources[index].count).sum()
+    }
+
+    /// Indices of the triangles of a primitive.
+    pub(crate) fn triangles_of(&self, primitive: usize) -> Range<usize> {
+        let source = &self.sources[primitive];
+        source.first..source.first + source.count
+    }
+
+    fn next_version(&mut self) -> u64 {
+        self.versions += 1;
+        self.versions
+    }
+
     fn rebuild(&mut self, scene: &Scene) -> Updated {
-        self.triangles.clear();
+        self.flags = scene.primitives.iter().map(Flags::of).collect();
         self.sources.clear();
+        self.triangles.clear();
+        let parts = [&mut self.statics, &mut self.movers];
+        for part in parts {
+            part.primitives.clear();
+        }
         for (primitive, index) in scene.primitives.iter().zip(0..) {
+            let count = primitive.mesh.triangle_count();
             self.sources.push(Source {
                 id: primitive.id,
                 mesh: primitive.mesh.id,
                 topology: primitive.mesh.topology(),
+                material: primitive.material.id,
+                is_moving: primitive.moving,
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
+                count,
             });
-            let count = primitive.mesh.triangle_count() as u32;
-            self.triangles.extend((0..count).map(|triangle| SceneTriangle {
+            let part = if primitive.moving { &mut self.movers } else { &mut self.statics };
+            part.primitives.push(index as usize);
+            self.triangles.extend((0..count as u32).map(|triangle| SceneTriangle {
                 corners: world_corners(primitive, triangle),
                 primitive: index,
                 triangle,
             }));
         }
-        self.build()
-    }
-
-    fn build(&mut self) -> Updated {
-        self.bvh = Bvh::new(&self.boxes(), LEAF_SIZE);
-        self.built_cost = self.bvh.cost();
+        self.surfaces_version = self.next_version();
+        for is_moving in [false, true] {
+            let version = self.next_version();
+            let (part, triangles) = self.part(is_moving);
+            part.version = version;
+            part.build(triangles);
+        }
         Updated::Built
     }
 
-    fn refit(&mut self, scene: &Scene) -> Updated {
-        let mut moved = false;
-        for (source, primitive) in self.sources.iter_mut().zip(&scene.primitives) {
+    /// A part, and what it needs to be built: its triangles.
+    fn part(&mut self, is_moving: bool) -> (&mut ScenePart, PartTriangles<'_>) {
+        let part = if is_moving { &mut self.movers } else { &mut self.statics };
+        (part, PartTriangles { all: &self.triangles, sources: &self.sources })
+    }
+
+    /// Brings one part up to date where the same primitives have moved or have other surfaces.
+    fn follow(&mut self, scene: &Scene, is_moving: bool) -> Updated {
+        let (mut moved, mut has_other_surfaces, mut has_other_flags) = (false, false, false);
+        let part = if is_moving { &self.movers } else { &self.statics };
+        for &index in &part.primitives {
+            let (source, primitive) = (&mut self.sources[index], &scene.primitives[index]);
+            let flags = Flags::of(primitive);
+            has_other_flags |= flags != self.flags[index];
+            self.flags[index] = flags;
+            has_other_surfaces |= source.material != primitive.material.id;
+            source.material = primitive.material.id;
             if source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id {
                 continue;
             }
             moved = true;
             source.mesh = primitive.mesh.id;
             source.world_from_object = primitive.world_from_object;
-            let count = primitive.mesh.triangle_count();
-            for triangle in &mut self.triangles[source.first..source.first + count] {
+            for triangle in &mut self.triangles[source.first..source.first + source.count] {
                 triangle.corners = world_corners(primitive, triangle.triangle);
             }
         }
-        if !moved {
-            return Updated::Nothing;
+        if has_other_surfaces {
+            self.surfaces_version = self.next_version();
         }
-        let boxes = self.boxes();
-        // Boxes that were empty at the building are in no leaf.
-        let placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
-        if placed != self.bvh.order.len() {
-            return self.build();
+        if moved || has_other_surfaces || has_other_flags {
+            let version = self.next_version();
+            let (part, triangles) = self.part(is_moving);
+            part.version = version;
+            return if moved { part.refit(triangles) } else { Updated::Nothing };
         }
-        self.bvh.refit(&boxes);
-        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build() } else { Updated::Refitted }
-    }
-
-    fn boxes(&self) -> Vec<Aabb> {
-        let bounds = |triangle: &SceneTriangle| {
-            if triangle.corners.iter().all(|corner| corner.is_finite()) {
-                Aabb::from_points(triangle.corners)
-            } else {
-                Aabb::EMPTY
-            }
-        };
-        self.triangles.iter().map(bounds).collect()
+        Updated::Nothing
     }
 
     /// The nearest surface that the ray meets before `t_max`. Alpha is not looked at.
     pub fn closest_hit(&self, ray: &Ray, t_max: f32, kind: RayKind) -> Option<SceneHit> {
         let mut closest: Option<SceneHit> = None;
-        self.bvh.traverse(ray, t_max, |index, bound| match self.meets(ray, index, bound, kind) {
-            Some(hit) => {
-                closest = Some(hit);
-                hit.t
-            }
-            None => bound,
-        });
+        for bvh in self.trees() {
+            let bound = closest.map_or(t_max, |hit| hit.t);
+            bvh.traverse(ray, bound, |index, bound| match self.meets(ray, index, kind) {
+                Some(hit) if is_nearer(hit.t, index, bound, closest.map(|best| (best.t, best.triangle))) => {
+                    closest = Some(hit);
+                    hit.t
+                }
+                _ => bound,
+            });
+        }
+        closest
+    }
+
+    /// The same by trying every triangle: what the hierarchies are tested against.
+    pub fn closest_hit_by_brute_force(&self, ray: &Ray, t_max: f32, kind: RayKind) -> Option<SceneHit> {
+        let mut closest: Option<SceneHit> = None;
+        for index in 0..self.triangles.len() as u32 {
+            let bound = closest.map_or(t_max, |hit| hit.t);
+            closest = self.meets(ray, index, kind).filter(|hit| hit.t < bound).or(closest);
+        }
         closest
     }
 
     /// Whether anything that casts shadows lies on the ray before `t_max`.
     pub fn is_blocked(&self, ray: &Ray, t_max: f32) -> bool {
         let mut blocked = false;
-        self.bvh.traverse(ray, t_max, |index, bound| {
-            blocked |= self.meets(ray, index, bound, RayKind::Light).is_some();
-            // Nothing lies before the ray's start: a bound below it ends the search.
-            if blocked { -1.0 } else { bound }
-        });
-        blocked
+        for bvh in self.trees() {
+            bvh.traverse(ray, t_max, |index, bound| {
+                blocked |= self.meets(ray, index, RayKind::Light).is_some_and(|hit| hit.t < bound);
+                // Nothing lies before the ray's start: a bound below it ends the search.
+                if blocked { -1.0 } else { bound }
+            });
+            if blocked {
+                return true;
+            }
+        }
+        false
     }
 
-    fn meets(&self, ray: &Ray, index: u32, bound: f32, kind: RayKind) -> Option<SceneHit> {
+    fn meets(&self, ray: &Ray, index: u32, kind: RayKind) -> Option<SceneHit> {
         let triangle = &self.triangles[index as usize];
-        let (t, u, v) = intersect_triangle(ray, triangle.corners, bound)?;
+        let (t, u, v) = intersect_triangle(ray, triangle.corners, f32::INFINITY)?;
         let flags = self.flags[triangle.primitive as usize];
         let counts = match kind {
             RayKind::Light => flags.casts_shadow,
             RayKind::Camera => flags.double_sided || triangle.is_front(ray),
         };
         counts.then_some(SceneHit { t, triangle: index, barycentric: [u, v] })
+    }
+}
+
+/// Whether a hit at `t` counts rather than the closest one so far (its distance and triangle): where two triangles are
+/// met at the same distance the lower index wins, whatever the order of the trees.
+pub(crate) fn is_nearer(t: f32, triangle: u32, bound: f32, closest: Option<(f32, u32)>) -> bool {
+    t < bound || closest.is_some_and(|best| t == best.0 && triangle < best.1)
+}
+
+/// All triangles of a scene, and where those of each primitive lie.
+#[derive(Clone, Copy)]
+struct PartTriangles<'a> {
+    all: &'a [SceneTriangle],
+    sources: &'a [Source],
+}
+
+impl PartTriangles<'_> {
+    fn bounds(&self, index: usize) -> Aabb {
+        let corners = self.all[index].corners;
+        if corners.iter().all(|corner| corner.is_finite()) { Aabb::from_points(corners) } else { Aabb::EMPTY }
+    }
+}
+
+impl ScenePart {
+    /// Indices of its triangles.
+    fn indices<'a>(&'a self, triangles: PartTriangles<'a>) -> impl Iterator<Item = usize> + 'a {
+        let sources = self.primitives.iter().map(move |&index| &triangles.sources[index]);
+        sources.flat_map(|source| source.first..source.first + source.count)
+    }
+
+    fn build(&mut self, triangles: PartTriangles) -> Updated {
+        let indices: Vec<usize> = self.indices(triangles).collect();
+        let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
+        self.bvh = Bvh::new(&boxes, LEAF_SIZE);
+        for entry in &mut self.bvh.order {
+            *entry = indices[*entry as usize] as u32;
+        }
+        self.built_cost = self.bvh.cost();
+        Updated::Built
+    }
+
+    fn refit(&mut self, triangles: PartTriangles) -> Updated {
+        // Boxes that were empty at the building are in no leaf.
+        let placed = self.indices(triangles).filter(|&index| !triangles.bounds(index).is_empty()).count();
+        if placed != self.bvh.order.len() {
+            return self.build(triangles);
+        }
+        self.bvh.refit_by(|index| triangles.bounds(index as usize));
+        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles) } else { Updated::Refitted }
     }
 }
 

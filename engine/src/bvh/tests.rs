@@ -205,3 +205,64 @@ fn moved_objects_are_refitted_until_that_is_too_slow() {
     assert_eq!(bvh.update(&scene), Updated::Built);
     assert_eq!(bvh.triangles.len(), 19 * 12);
 }
+
+#[test]
+fn what_moves_is_followed_and_what_is_static_stays() {
+    let cube = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().unwrap());
+    let place = |i: u64| Affine3A::from_translation(Vec3::X * 3.0 * i as f32);
+    let primitives = (0..20).map(|i| primitive(i, &cube, place(i))).collect();
+    let mut scene = Scene { primitives, ..Scene::default() };
+    scene.primitives[3].moving = true;
+    let mut bvh = SceneBvh::new(&scene);
+    assert_eq!((bvh.statics.bvh.order.len(), bvh.movers.bvh.order.len()), (19 * 12, 12));
+    let versions = |bvh: &SceneBvh| [bvh.statics.version, bvh.movers.version];
+    let before = versions(&bvh);
+    assert_eq!((bvh.update(&scene), versions(&bvh)), (Updated::Nothing, before));
+    scene.primitives[3].world_from_object.translation.y += 100.0;
+    assert_eq!(bvh.update(&scene), Updated::Refitted);
+    assert!(versions(&bvh)[0] == before[0] && versions(&bvh)[1] > before[1]);
+    let down = Ray::new(Vec3::new(9.0, 105.0, 0.1), Vec3::NEG_Y);
+    assert_eq!(bvh.closest_hit(&down, f32::INFINITY, RayKind::Light).map(|hit| hit.t), Some(4.5));
+    assert!(bvh.is_blocked(&down, 5.0) && !bvh.is_blocked(&down, 4.0));
+    // What begins to move changes its part.
+    scene.primitives[7].moving = true;
+    assert_eq!(bvh.update(&scene), Updated::Built);
+    assert_eq!((bvh.statics.bvh.order.len(), bvh.movers.bvh.order.len()), (18 * 12, 24));
+}
+
+proptest! {
+    #[test]
+    fn hits_are_those_of_brute_force_whatever_moves(
+        places in prop::collection::vec((point(2.0), any::<bool>()), 1..12),
+        shift in point(1.0),
+        rays in prop::collection::vec(ray(), 1..20),
+    ) {
+        let cube = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().unwrap());
+        // Each is there twice, so that rays meet two triangles at the same distance.
+        let twice = places.iter().flat_map(|place| [place, place]);
+        let primitives = twice.zip(0..).map(|((at, is_moving), index)| Primitive {
+            moving: *is_moving ^ (index % 4 == 1),
+            ..primitive(index, &cube, Affine3A::from_translation(*at))
+        });
+        let mut scene = Scene { primitives: primitives.collect(), ..Scene::default() };
+        let mut bvh = SceneBvh::new(&scene);
+        for _ in 0..2 {
+            bvh.update(&scene);
+            for ray in &rays {
+                for kind in [RayKind::Camera, RayKind::Light] {
+                    let expected = bvh.closest_hit_by_brute_force(ray, f32::INFINITY, kind);
+                    // Of two triangles at one place a box may hide the one whose index is lower, by rounding.
+                    let surface = |hit: SceneHit| (hit.t, hit.barycentric, bvh.triangles[hit.triangle as usize].corners);
+                    let found = bvh.closest_hit(ray, f32::INFINITY, kind);
+                    prop_assert_eq!(found.map(surface), expected.map(surface), "{:?}", ray);
+                    if kind == RayKind::Light {
+                        prop_assert_eq!(bvh.is_blocked(ray, f32::INFINITY), expected.is_some());
+                    }
+                }
+            }
+            for primitive in scene.primitives.iter_mut().filter(|primitive| primitive.moving) {
+                primitive.world_from_object.translation += glam::Vec3A::from(shift);
+            }
+        }
+    }
+}

@@ -17,44 +17,100 @@ const MARGIN: f32 = 1.0 / 32.0;
 /// A leaf that rounding makes so many times as long is coarse.
 const COARSE: f32 = 1.5;
 
+/// Half a unit is more than what a ray's start that lies far outside of a small frame costs, as long as the frame's unit
+/// is [`FAR_UNIT`] of the whole scene or more.
+const FAR_MARGIN: f32 = 0.5;
+const FAR_UNIT: f32 = 1.0 / (1 << 20) as f32;
+
+/// Where the boxes of a part lie, and its triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    /// Its first box.
+    pub(super) box_index: u32,
+    /// Its first triangle.
+    pub(super) triangle: u32,
+    /// First box of the part that a ray goes on to; 0 if there is none.
+    pub(super) next: u32,
+    /// Edge of the whole scene \[m\], where the part is but some of it.
+    pub(super) scene_size: f32,
+}
+
 /// A list of boxes for each of the eight signs of a direction.
 pub(super) struct BoxLists {
     /// All lists, after the frame.
     pub(super) texels: Vec<Texel>,
     /// Boxes of one list.
     pub(super) box_count: u32,
-    /// Whether boxes are kept in floats, two texels each: for scenes in which most things are smaller than a unit of
-    /// the frame, such as a room on a plain of 100 km.
-    pub(super) exact: bool,
+}
+
+/// Texels that the lists of so many boxes take.
+pub(super) fn texel_count(boxes: usize, exact: bool) -> usize {
+    HEADER + 8 * boxes * texels_of_box(exact) + END
+}
+
+/// Texels before the lists, and after them.
+const HEADER: usize = 2;
+const END: usize = 2;
+
+/// Texels of a box.
+pub(super) fn texels_of_box(exact: bool) -> usize {
+    if exact { 2 } else { 1 }
+}
+
+/// Most boxes that a hierarchy over so many triangles has.
+pub(super) fn most_boxes(triangles: usize) -> usize {
+    (2 * triangles).saturating_sub(1)
+}
+
+/// Whether boxes are best kept in floats, two texels each: in scenes in which most things are smaller than a unit of
+/// the frame, such as a room on a plain of 100 km.
+pub(super) fn are_exact(bvh: &Bvh) -> bool {
+    bvh.nodes.first().is_some_and(|root| is_coarse(bvh, &Frame::new(&root.bounds(), 0.0)))
 }
 
 impl BoxLists {
     /// The lists of a hierarchy.
-    pub(super) fn new(bvh: &Bvh) -> Self {
-        let Some(root) = bvh.nodes.first() else { return Self { texels: Vec::new(), box_count: 0, exact: false } };
-        let frame = Frame::new(&root.bounds());
-        let exact = is_coarse(bvh, &frame);
+    pub(super) fn new(bvh: &Bvh, exact: bool, place: Place) -> Self {
+        let boxes = bvh.nodes.len();
+        let frame = bvh.nodes.first().map(|root| Frame::new(&root.bounds(), place.scene_size));
+        let mut texels = Vec::with_capacity(texel_count(boxes, exact));
+        texels.extend(frame.as_ref().filter(|_| !exact).map_or([[0; 4]; 2], Frame::texels));
+        (texels[0][3], texels[1][3]) = (boxes as u32, place.next);
         let sizes = subtree_sizes(bvh);
-        let mut texels = if exact { Vec::new() } else { frame.texels(bvh.nodes.len()).to_vec() };
-        let mut first = texels.len() as u32;
-        for octant in 0..8 {
+        let mut first = place.box_index + (HEADER / texels_of_box(exact)) as u32;
+        for octant in (0..8).filter(|_| boxes > 0) {
             for (node, skip) in order(bvh, &sizes, octant) {
-                let link =
-                    if node.count > 0 { LEAF | (node.count - 1) << COUNT_BITS | node.first } else { first + skip };
-                if exact {
-                    texels.extend(exact_texels(&node, link));
-                } else {
-                    texels.push(frame.texel(&node.bounds(), link));
+                let leaf = LEAF | (node.count.wrapping_sub(1)) << COUNT_BITS | (place.triangle + node.first);
+                let link = if node.count > 0 { leaf } else { first + skip };
+                match &frame {
+                    Some(frame) if !exact => texels.push(frame.texel(&node.bounds(), link)),
+                    _ => texels.extend(exact_texels(&node, link)),
                 }
             }
-            first += bvh.nodes.len() as u32;
+            first += boxes as u32;
         }
         // Rays look at two boxes at once: after the last one of the last list comes one that leads nowhere.
-        let nowhere = LEAF - 1;
-        texels.extend([[0, 0, 0, nowhere]; 2]);
-        Self { texels, box_count: bvh.nodes.len() as u32, exact }
+        texels.extend([[0, 0, 0, NOWHERE]; END]);
+        Self { texels, box_count: boxes as u32 }
+    }
+
+    /// Lists of one box that holds nothing, from which rays go on to the next part.
+    pub(super) fn passage(exact: bool, next: u32) -> Self {
+        let header = (HEADER / texels_of_box(exact)) as u32;
+        let mut texels = vec![[0, 0, 0, 1], [0, 0, 0, next]];
+        for octant in 0..8 {
+            texels.push([0, 0, 0, header + octant + 1]);
+            if exact {
+                texels.push([0; 4]);
+            }
+        }
+        texels.extend([[0, 0, 0, NOWHERE]; END]);
+        Self { texels, box_count: 1 }
     }
 }
+
+/// A link that ends all lists.
+const NOWHERE: u32 = LEAF - 1;
 
 /// All nodes in the order in which rays of these signs meet them, each with the place in the list of the next node that
 /// does not lie below it.
@@ -103,26 +159,28 @@ fn exact_texels(node: &Node, link: u32) -> [Texel; 2] {
 struct Frame {
     origin: Vec3,
     unit: Vec3,
+    margin: f32,
 }
 
 impl Frame {
-    fn new(bounds: &Aabb) -> Self {
+    fn new(bounds: &Aabb, scene_size: f32) -> Self {
         // A flat scene has a thin frame, not none.
         let size = bounds.size();
         let least = (size.max_element() * 1e-6).max(1e-25);
-        let unit = size.max(Vec3::splat(least)) / UNITS;
-        Self { origin: bounds.min - 2.0 * unit, unit }
+        let unit = (size.max(Vec3::splat(least)) / UNITS).max(Vec3::splat(scene_size * FAR_UNIT));
+        let margin = if scene_size > 0.0 { FAR_MARGIN } else { MARGIN };
+        Self { origin: bounds.min - 2.0 * unit, unit, margin }
     }
 
-    fn texels(&self, boxes: usize) -> [Texel; 2] {
-        let words = |v: Vec3, word: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), word];
-        [words(self.origin, boxes as u32), words(self.unit, 0)]
+    fn texels(&self) -> [Texel; 2] {
+        let words = |v: Vec3| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), 0];
+        [words(self.origin), words(self.unit)]
     }
 
     /// Corners in units, lower ones rounded down and upper ones up.
     fn corners(&self, bounds: &Aabb) -> [[u32; 3]; 2] {
-        let low = ((bounds.min - self.origin) / self.unit - MARGIN).floor();
-        let high = ((bounds.max - self.origin) / self.unit + MARGIN).ceil();
+        let low = ((bounds.min - self.origin) / self.unit - self.margin).floor();
+        let high = ((bounds.max - self.origin) / self.unit + self.margin).ceil();
         [low, high].map(|corner| corner.to_array().map(|units| units as u16 as u32))
     }
 
@@ -163,7 +221,6 @@ mod tests {
     /// Leaves in the order of a list, as `go_on` of `lib/rays.wgsl` goes: into all boxes that `meets` says yes to, two
     /// boxes at once.
     fn walk(lists: &BoxLists, octant: u32, mut meets: impl FnMut(&Texel) -> bool) -> Vec<u32> {
-        assert!(!lists.exact, "these boxes are rounded");
         let first = 2 + octant * lists.box_count;
         let end = first + lists.box_count;
         let mut next = first;
@@ -188,7 +245,7 @@ mod tests {
         #[test]
         fn every_list_has_every_leaf_once(boxes in boxes(60, 20.0), octant in 0..8_u32) {
             let bvh = Bvh::new(&boxes, 2);
-            let lists = BoxLists::new(&bvh);
+            let lists = BoxLists::new(&bvh, false, Place::default());
             let mut leaves = walk(&lists, octant, |_| true);
             leaves.sort_unstable();
             if bvh.nodes.len() == 1 {
@@ -205,11 +262,36 @@ mod tests {
 
         #[test]
         fn rounded_boxes_hold_what_they_round(boxes in boxes(20, 1e3)) {
-            let frame = Frame::new(&boxes.iter().fold(Aabb::EMPTY, |sum, bounds| sum.union(bounds)));
-            for bounds in &boxes {
-                let rounded = frame.rounded(bounds);
-                prop_assert!(rounded.min.cmple(bounds.min).all() && rounded.max.cmpge(bounds.max).all());
+            let whole = boxes.iter().fold(Aabb::EMPTY, |sum, bounds| sum.union(bounds));
+            for scene_size in [0.0, 1.0, 1e6] {
+                let frame = Frame::new(&whole, scene_size);
+                for bounds in &boxes {
+                    let rounded = frame.rounded(bounds);
+                    prop_assert!(rounded.min.cmple(bounds.min).all() && rounded.max.cmpge(bounds.max).all());
+                }
             }
+        }
+    }
+
+    #[test]
+    fn lists_take_the_room_that_is_reserved_for_them_and_lead_to_their_own_place() {
+        let things = (0..64).map(|i| Aabb { min: Vec3::splat(i as f32), max: Vec3::splat(i as f32 + 0.5) });
+        let bvh = Bvh::new(&things.collect::<Vec<_>>(), 1);
+        assert!(bvh.nodes.len() <= most_boxes(64));
+        for exact in [false, true] {
+            let place = Place { box_index: 4096, triangle: 8192, next: 0, scene_size: 1.0 };
+            let lists = BoxLists::new(&bvh, exact, place);
+            assert_eq!(lists.texels.len(), texel_count(bvh.nodes.len(), exact));
+            assert_eq!((lists.texels[0][3], lists.texels[1][3]), (bvh.nodes.len() as u32, 0));
+            let end = 4096 + (lists.texels.len() / texels_of_box(exact)) as u32;
+            for texel in lists.texels[HEADER..lists.texels.len() - END].iter().step_by(texels_of_box(exact)) {
+                let (link, triangle) = (texel[3], texel[3] & ((1 << COUNT_BITS) - 1));
+                let is_own =
+                    if link >= LEAF { (8192..8192 + 64).contains(&triangle) } else { (4096..end).contains(&link) };
+                assert!(is_own, "{link:x}");
+            }
+            assert_eq!(BoxLists::passage(exact, 4096).texels.len(), texel_count(1, exact));
+            assert_eq!(BoxLists::new(&Bvh::default(), exact, place).texels.len(), texel_count(0, exact));
         }
     }
 
@@ -221,8 +303,8 @@ mod tests {
             Aabb { min, max: min + 0.2 }
         });
         let wide: Vec<Aabb> = things.clone().chain([plain]).collect();
-        assert!(BoxLists::new(&Bvh::new(&wide, 2)).exact);
-        assert!(!BoxLists::new(&Bvh::new(&things.collect::<Vec<_>>(), 2)).exact);
-        assert_eq!(BoxLists::new(&Bvh::default()).box_count, 0);
+        assert!(are_exact(&Bvh::new(&wide, 2)));
+        assert!(!are_exact(&Bvh::new(&things.collect::<Vec<_>>(), 2)));
+        assert_eq!(BoxLists::new(&Bvh::default(), false, Place::default()).box_count, 0);
     }
 }

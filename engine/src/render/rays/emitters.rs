@@ -2,7 +2,7 @@
 
 use super::geometry::NONE;
 use crate::assets::{AssetId, Texture};
-use crate::bvh::SceneBvh;
+use crate::bvh::{Bvh, SceneBvh};
 use crate::scene::{Primitive, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -17,49 +17,108 @@ pub(crate) struct Emitter {
     cumulative: f32,
     /// Chance of this triangle over its area [1/m²].
     density: f32,
-    /// Place of the triangle in the order of the leaves.
+    /// Index of the triangle on the device.
     triangle: u32,
     padding: u32,
 }
 
-/// All emitters of a scene.
-pub(super) struct Emitters {
-    /// In the order of the scene: that of the leaves depends on the frames before, and the same frame would draw others.
-    pub(super) list: Vec<Emitter>,
-    /// For each triangle in the order of the leaves its emitter, or [`NONE`].
-    pub(super) of_triangle: Vec<u32>,
+/// A primitive that emits light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Source {
+    primitive: usize,
+    is_moving: bool,
+    /// Mean radiance.
+    radiance: f32,
+    /// The emitter of its first triangle.
+    first: usize,
 }
 
-/// Finds them; each is chosen in proportion to the flux that it sends out, area times mean radiance. `mean_colors`
-/// keeps what takes its time to find.
-pub(super) fn collect(scene: &Scene, bvh: &SceneBvh, mean_colors: &mut HashMap<AssetId, Vec3>) -> Emitters {
-    let radiance: Vec<f32> = scene.primitives.iter().map(|p| mean_radiance(p, mean_colors)).collect();
-    let mut found = Vec::new();
-    let mut of_triangle = vec![NONE; bvh.bvh.order.len()];
-    let mut total = 0.0_f64;
-    let mut places = vec![None; bvh.triangles.len()];
-    for (place, &index) in bvh.bvh.order.iter().enumerate() {
-        places[index as usize] = Some(place);
+/// All triangles of primitives that emit light, in the order of the scene: that of the leaves depends on the frames
+/// before, and the same frame would draw others. Those without flux are never drawn.
+#[derive(Default)]
+pub(super) struct Emitters {
+    sources: Vec<Source>,
+    /// Flux and area of each.
+    sizes: Vec<[f64; 2]>,
+    /// Mean colour of emissive textures, which takes its time to find.
+    mean_colors: HashMap<AssetId, Vec3>,
+    /// For each triangle of the scene its emitter, or [`NONE`]. Empty if nothing emits light.
+    of_triangle: Vec<u32>,
+}
+
+impl Emitters {
+    /// Finds them. True if triangles of static primitives have other emitters than before.
+    pub(super) fn collect(&mut self, scene: &Scene, bvh: &SceneBvh) -> bool {
+        let mut sources = Vec::new();
+        let mut first = 0;
+        for (index, primitive) in scene.primitives.iter().enumerate() {
+            let radiance = mean_radiance(primitive, &mut self.mean_colors);
+            if radiance > 0.0 {
+                sources.push(Source { primitive: index, is_moving: primitive.moving, radiance, first });
+                first += bvh.triangles_of(index).len();
+            }
+        }
+        let statics = |sources: &[Source]| -> Vec<[usize; 2]> {
+            sources.iter().filter(|s| !s.is_moving).map(|s| [s.primitive, s.first]).collect()
+        };
+        let are_others = statics(&sources) != statics(&self.sources);
+        self.sources = sources;
+        self.sizes = vec![[0.0; 2]; first];
+        self.of_triangle = if first > 0 { vec![NONE; bvh.triangles.len()] } else { Vec::new() };
+        for index in 0..self.sources.len() {
+            self.measure(self.sources[index], bvh);
+        }
+        are_others
     }
-    for (triangle, place) in bvh.triangles.iter().zip(places) {
-        let Some(place) = place else { continue };
-        let area = 0.5 * triangle.area_normal().length();
-        let radiance = radiance[triangle.primitive as usize];
-        let flux = f64::from(radiance) * f64::from(area);
-        // Without area there is nothing to sample, and the density has no meaning.
-        if flux > 0.0 && flux.is_finite() {
-            total += flux;
-            of_triangle[place] = found.len() as u32;
-            found.push((flux, f64::from(area), total, place as u32));
+
+    /// Takes the new sizes of what moves. False if nothing of that emits light.
+    pub(super) fn follow(&mut self, bvh: &SceneBvh) -> bool {
+        let moving: Vec<Source> = self.sources.iter().filter(|source| source.is_moving).copied().collect();
+        for source in &moving {
+            self.measure(*source, bvh);
+        }
+        !moving.is_empty()
+    }
+
+    fn measure(&mut self, source: Source, bvh: &SceneBvh) {
+        for (index, emitter) in bvh.triangles_of(source.primitive).zip(source.first..) {
+            let area = f64::from(0.5 * bvh.triangles[index].area_normal().length());
+            let flux = f64::from(source.radiance) * area;
+            // Without area there is nothing to sample, and the density has no meaning.
+            let is_sampled = flux > 0.0 && flux.is_finite();
+            self.sizes[emitter] = if is_sampled { [flux, area] } else { [0.0; 2] };
+            self.of_triangle[index] = if is_sampled { emitter as u32 } else { NONE };
         }
     }
-    let emitter = |(flux, area, sum, triangle): (f64, f64, f64, u32)| Emitter {
-        cumulative: (sum / total) as f32,
-        density: (flux / total / area) as f32,
-        triangle,
-        padding: 0,
-    };
-    Emitters { list: found.into_iter().map(emitter).collect(), of_triangle }
+
+    /// The emitter of a triangle of the scene, or [`NONE`].
+    pub(super) fn of(&self, triangle: u32) -> u32 {
+        self.of_triangle.get(triangle as usize).copied().unwrap_or(NONE)
+    }
+
+    /// The list for the device; each is chosen in proportion to the flux that it sends out, area times mean radiance.
+    /// `trees` are the hierarchies, each with the index of its first triangle on the device.
+    pub(super) fn list(&self, trees: [(&Bvh, u32); 2]) -> Vec<Emitter> {
+        let total: f64 = self.sizes.iter().map(|[flux, _]| flux).sum();
+        if !(total > 0.0) {
+            return Vec::new();
+        }
+        let mut sum = 0.0;
+        let emitter = |&[flux, area]: &[f64; 2]| {
+            sum += flux;
+            let density = if area > 0.0 { flux / total / area } else { 0.0 };
+            Emitter { cumulative: (sum / total) as f32, density: density as f32, triangle: 0, padding: 0 }
+        };
+        let mut list: Vec<Emitter> = self.sizes.iter().map(emitter).collect();
+        for (tree, first) in trees {
+            for (&index, place) in tree.order.iter().zip(first..) {
+                if let Some(emitter) = list.get_mut(self.of(index) as usize) {
+                    emitter.triangle = place;
+                }
+            }
+        }
+        list
+    }
 }
 
 /// Largest channel of the mean emitted radiance; zero for what only the camera sees. Bounded so that sums over all

@@ -1,13 +1,14 @@
 //! Nodes and triangles in the layouts of `lib/rays.wgsl`.
 
 use super::RayError;
-use super::boxes::BoxLists;
+use super::boxes::{self, BoxLists, Place};
+use super::emitters::Emitters;
 use super::materials::GpuMaterials;
 use super::words::{ROW, Texel, Words};
 use crate::assets::VertexExtra;
-use crate::bvh::{SceneBvh, vertex_indices, world_normal};
+use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
-use crate::scene::Scene;
+use crate::scene::{Aabb, Scene};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Flags of a triangle, above the index of its material.
@@ -18,16 +19,28 @@ const MASKED: u32 = 1 << 31;
 /// Stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Geometry on the device.
+/// Geometry on the device: first what is static, then what moves, in rows of its own.
 pub(super) struct GpuGeometry {
     nodes: Words,
     triangles: Words,
     attributes: Words,
     extras: Words,
-    /// Boxes of a list.
+    /// Where what moves begins.
+    movers: Place,
+    has_extras: bool,
+    /// Boxes of a list of what is static.
     pub(super) box_count: u32,
     /// Whether the boxes are stored as they are: see [`boxes`].
     pub(super) exact_boxes: bool,
+}
+
+/// What the geometry is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Surfaces<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) bvh: &'a SceneBvh,
+    pub(super) materials: &'a GpuMaterials,
+    pub(super) emitters: &'a Emitters,
 }
 
 impl GpuGeometry {
@@ -37,6 +50,8 @@ impl GpuGeometry {
             triangles: Words::new(gpu, "ray triangles", 1),
             attributes: Words::new(gpu, "ray attributes", 1),
             extras: Words::new(gpu, "ray extras", 1),
+            movers: Place::default(),
+            has_extras: false,
             box_count: 0,
             exact_boxes: false,
         }
@@ -58,23 +73,67 @@ impl GpuGeometry {
         self.extras.view()
     }
 
-    /// Uploads all triangles in the order of the leaves. `emitters` gives each its emitter, or [`NONE`].
-    pub(super) fn update(
-        &mut self,
-        gpu: &Gpu,
-        scene: &Scene,
-        bvh: &SceneBvh,
-        materials: &GpuMaterials,
-        emitters: &[u32],
-    ) -> Result<(), RayError> {
-        let mut lists = BoxLists::new(&bvh.bvh);
-        self.nodes.upload(gpu, "ray boxes", "hierarchies", &mut lists.texels)?;
-        (self.box_count, self.exact_boxes) = (lists.box_count, lists.exact);
-        let mut triangles = triangle_rows(bvh.bvh.order.len());
+    /// The hierarchies, each with the index of its first triangle.
+    pub(super) fn trees<'a>(&self, bvh: &'a SceneBvh) -> [(&'a Bvh, u32); 2] {
+        [(&bvh.statics.bvh, 0), (&bvh.movers.bvh, self.movers.triangle)]
+    }
+
+    /// Uploads all that is static, and makes room for what moves, which is to be uploaded next.
+    pub(super) fn update_statics(&mut self, gpu: &Gpu, surfaces: Surfaces) -> Result<(), RayError> {
+        let (statics, movers) = (&surfaces.bvh.statics.bvh, &surfaces.bvh.movers.bvh);
+        let moving = surfaces.bvh.moving_triangles();
+        let exact = boxes::are_exact(if statics.nodes.is_empty() { movers } else { statics });
+        let row = ROW as usize;
+        let is_passage = statics.nodes.is_empty() && moving > 0;
+        let box_rows = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact).div_ceil(row);
+        let moving_box_rows = match moving {
+            0 => 0,
+            _ => boxes::texel_count(boxes::most_boxes(moving), exact).div_ceil(row),
+        };
+        self.nodes.reserve(gpu, "ray boxes", "hierarchies", box_rows + moving_box_rows)?;
+        let first_box = (box_rows * row / boxes::texels_of_box(exact)) as u32;
+        let groups = statics.order.len().div_ceil(row);
+        let triangle_rows = 3 * (groups + moving.div_ceil(row));
+        self.has_extras = !surfaces.materials.is_plain();
+        self.triangles.reserve(gpu, "ray triangles", "triangles", triangle_rows)?;
+        self.attributes.reserve(gpu, "ray attributes", "triangles", triangle_rows)?;
+        self.extras.reserve(gpu, "ray extras", "triangles", if self.has_extras { triangle_rows } else { 0 })?;
+        self.movers = Place { box_index: first_box, triangle: (groups * row) as u32, next: 0, scene_size: 0.0 };
+        let next = if moving > 0 { first_box } else { 0 };
+        let lists = match is_passage {
+            true => BoxLists::passage(exact, next),
+            false => BoxLists::new(statics, exact, Place { next, ..Place::default() }),
+        };
+        self.nodes.write(gpu, 0, 1, &lists.texels);
+        (self.box_count, self.exact_boxes) = (lists.box_count, exact);
+        self.write_triangles(gpu, surfaces, statics, 0);
+        Ok(())
+    }
+
+    /// Uploads all that moves.
+    pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces) {
+        if surfaces.bvh.moving_triangles() == 0 {
+            return;
+        }
+        let roots = surfaces.bvh.trees().map(|tree| tree.nodes.first().map_or(Aabb::EMPTY, Node::bounds));
+        let scene_size = roots[0].union(&roots[1]).size().max_element();
+        let place = Place { scene_size: scene_size.max(f32::MIN_POSITIVE), ..self.movers };
+        let movers = &surfaces.bvh.movers.bvh;
+        let lists = BoxLists::new(movers, self.exact_boxes, place);
+        let row = place.box_index as usize * boxes::texels_of_box(self.exact_boxes) / ROW as usize;
+        self.nodes.write(gpu, row, 1, &lists.texels);
+        self.write_triangles(gpu, surfaces, movers, place.triangle as usize / ROW as usize * 3);
+    }
+
+    /// Uploads triangles in the order of the leaves of their hierarchy.
+    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, bvh: &Bvh, row: usize) {
+        let Surfaces { scene, bvh: SceneBvh { triangles: all, .. }, materials, emitters } = surfaces;
+        let count = bvh.order.len();
+        let mut triangles = vec![Texel::default(); 3 * count];
         let mut attributes = triangles.clone();
-        let mut extras = triangle_rows(if materials.is_plain() { 0 } else { bvh.bvh.order.len() });
-        for (place, (&index, &emitter)) in bvh.bvh.order.iter().zip(emitters).enumerate() {
-            let triangle = &bvh.triangles[index as usize];
+        let mut extras = vec![Texel::default(); if self.has_extras { 3 * count } else { 0 }];
+        for (place, &index) in bvh.order.iter().enumerate() {
+            let triangle = &all[index as usize];
             let primitive = &scene.primitives[triangle.primitive as usize];
             let material = materials.index(primitive.material.id);
             let flag = |set: bool, flag: u32| if set { flag } else { 0 };
@@ -82,7 +141,7 @@ impl GpuGeometry {
                 | flag(primitive.casts_shadow, CASTS_SHADOW)
                 | flag(primitive.material.double_sided, DOUBLE_SIDED)
                 | flag(materials.is_masked(material), MASKED);
-            let words = [head, emitter, triangle.primitive];
+            let words = [head, emitters.of(index), triangle.primitive];
             let indices = vertex_indices(primitive, triangle.triangle);
             let vertices = indices.map(|vertex| &primitive.mesh.vertices[vertex]);
             let transform = &primitive.world_from_object;
@@ -91,7 +150,7 @@ impl GpuGeometry {
                 let vertex = vertices[corner];
                 let normal = encode_direction(world_normal(transform, vertex.normal.into()));
                 let [u, v] = vertex.uv.map(f32::to_bits);
-                let texel = triangle_texel(place, corner);
+                let texel = triangle_texel(place, corner, count);
                 triangles[texel] = [x, y, z, words[corner]];
                 attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
                 if !extras.is_empty() {
@@ -99,9 +158,9 @@ impl GpuGeometry {
                 }
             }
         }
-        self.triangles.upload(gpu, "ray triangles", "triangles", &mut triangles)?;
-        self.extras.upload(gpu, "ray extras", "triangles", &mut extras)?;
-        self.attributes.upload(gpu, "ray attributes", "triangles", &mut attributes)
+        self.triangles.write(gpu, row, 3, &triangles);
+        self.attributes.write(gpu, row, 3, &attributes);
+        self.extras.write(gpu, row, 3, &extras);
     }
 }
 
@@ -111,15 +170,12 @@ fn encode_extra(extra: &VertexExtra) -> Texel {
     [u, v, r | g << 16, b | a << 16]
 }
 
-/// Room for so many triangles, in whole rows.
-fn triangle_rows(triangles: usize) -> Vec<Texel> {
-    vec![Texel::default(); triangles.div_ceil(ROW as usize) * 3 * ROW as usize]
-}
-
-/// Where a corner of a triangle lies: three rows hold the corners of 4096 triangles.
-fn triangle_texel(triangle: usize, corner: usize) -> usize {
+/// Where a corner of one of so many triangles lies: three rows hold the corners of 4096 triangles, and the rows of the
+/// last ones are as long as these are many.
+fn triangle_texel(triangle: usize, corner: usize, count: usize) -> usize {
     let row = ROW as usize;
-    (triangle / row * 3 + corner) * row + triangle % row
+    let (before, width) = (triangle / row * row, row.min(count - triangle / row * row));
+    3 * before + corner * width + triangle - before
 }
 
 /// Octahedral coordinates of a unit vector (Cigolle et al. 2014) in −1..1.

@@ -66,7 +66,7 @@ impl GpuMaterials {
         Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, emissive: false, plain: true }
     }
 
-    /// Uploads all materials of the scene.
+    /// Uploads all materials of the scene, those of what moves last: the indices of the others do not depend on them.
     pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
         self.indices.clear();
         self.masked.clear();
@@ -74,7 +74,8 @@ impl GpuMaterials {
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         let mut list = Vec::new();
-        for primitive in &scene.primitives {
+        let of_kind = |is_moving: bool| scene.primitives.iter().filter(move |p| p.moving == is_moving);
+        for primitive in of_kind(false).chain(of_kind(true)) {
             let material = &primitive.material;
             self.indices.entry(material.id).or_insert_with(|| {
                 list.push(RayMaterial::new(material, atlas));

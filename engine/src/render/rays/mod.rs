@@ -1,5 +1,8 @@
 //! The scene as rays see it on the device: hierarchies, triangles, materials, textures, lights and emitters.
 //!
+//! What moves has boxes and triangles of its own, behind those of what is static: a frame in which something moved
+//! encodes and uploads that alone.
+//!
 //! Passes that cast rays import `lightwell::rays` and bind group 1 by [`RayScene::bind`].
 
 mod atlas;
@@ -10,15 +13,13 @@ mod lights;
 mod materials;
 mod words;
 
-use crate::assets::AssetId;
 use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
 use crate::scene::Scene;
 use atlas::Atlas;
-use geometry::GpuGeometry;
-use glam::Vec3;
+use emitters::Emitters;
+use geometry::{GpuGeometry, Surfaces};
 use materials::GpuMaterials;
-use std::collections::HashMap;
 use words::Words;
 
 #[cfg(test)]
@@ -51,6 +52,49 @@ pub enum RayError {
     },
 }
 
+/// Which state of a scene the device holds.
+#[derive(Clone, Copy, Debug)]
+struct Synced {
+    /// Identity, and revisions of geometry, materials, lights and statics.
+    revisions: [u64; 5],
+    /// Of the static part, of the moving part, and of their surfaces.
+    versions: [u64; 3],
+    is_plain: bool,
+}
+
+impl Synced {
+    /// The scene's state; what is not known yet of its surfaces is that of an earlier one.
+    fn new(scene: &Scene, then: Option<Self>) -> Self {
+        let (versions, is_plain) = then.map_or(([0; 3], false), |then| (then.versions, then.is_plain));
+        Self { revisions: Self::revisions_of(scene), versions, is_plain }
+    }
+
+    fn revisions_of(scene: &Scene) -> [u64; 5] {
+        let revisions = &scene.revisions;
+        [scene.identity, revisions.geometry, revisions.materials, revisions.lights, revisions.statics]
+    }
+
+    /// Changes with all that rays meet.
+    fn surfaces(&self) -> [u64; 4] {
+        let [identity, geometry, materials, _, statics] = self.revisions;
+        [identity, geometry, materials, statics]
+    }
+
+    /// Changes with the lights.
+    fn lights(&self) -> [u64; 2] {
+        [self.revisions[0], self.revisions[3]]
+    }
+
+    fn has_materials_of(&self, other: &Self) -> bool {
+        self.revisions[2] == other.revisions[2]
+    }
+
+    /// Whether the two states of a scene, which tells, differ by nothing but moving primitives.
+    fn has_statics_of(&self, other: &Self) -> bool {
+        self.revisions[4] != 0 && self.revisions[4] == other.revisions[4]
+    }
+}
+
 /// A scene on the device, ready for rays.
 pub struct RayScene {
     /// The same hierarchies on the CPU.
@@ -60,9 +104,8 @@ pub struct RayScene {
     atlas: Atlas,
     lights: Words,
     emitters: wgpu::Buffer,
-    /// Mean colour of emissive textures, which takes its time to find.
-    mean_colors: HashMap<AssetId, Vec3>,
-    synced: Option<[u64; 4]>,
+    emissive: Emitters,
+    synced: Option<Synced>,
     /// Number of lights.
     pub light_count: u32,
     /// Number of triangles that emit light.
@@ -79,41 +122,81 @@ impl RayScene {
             atlas: Atlas::new(gpu),
             lights: Words::new(gpu, "ray lights", 1),
             emitters: gpu.storage("emitters", &[0.0_f32; 4], wgpu::BufferUsages::empty()),
-            mean_colors: HashMap::new(),
+            emissive: Emitters::default(),
             synced: None,
             light_count: 0,
             emitter_count: 0,
         }
     }
 
-    /// Brings the device up to date with the scene. Costs nothing if nothing changed.
+    /// Brings the device up to date with the scene. Costs nothing if nothing changed, and follows what moves alone if
+    /// nothing else changed.
     ///
     /// # Errors
     /// If the scene is larger than the device can bind.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RayError> {
-        let revisions = &scene.revisions;
-        let state = [scene.identity, revisions.geometry, revisions.materials, revisions.lights];
-        if self.synced == Some(state) {
+        let then = self.synced;
+        if then.is_some_and(|then| then.revisions == Synced::revisions_of(scene)) {
             return Ok(());
         }
-        let surfaces_changed = self.synced.is_none_or(|synced| synced[..3] != state[..3]);
         self.synced = None;
-        if surfaces_changed {
-            self.bvh.update(scene);
-            self.atlas.update(gpu, scene)?;
-            self.materials.update(gpu, scene, &self.atlas)?;
-            let emitters = emitters::collect(scene, &self.bvh, &mut self.mean_colors);
-            self.geometry.update(gpu, scene, &self.bvh, &self.materials, &emitters.of_triangle)?;
-            self.emitter_count = emitters.list.len() as u32;
-            self.emitters = gpu.storage("emitters", &emitters.list, wgpu::BufferUsages::empty());
+        let mut now = Synced::new(scene, then);
+        if then.is_none_or(|then| then.surfaces() != now.surfaces()) {
+            self.update_surfaces(gpu, scene, then, &mut now)?;
         }
-        self.light_count = scene.lights.len() as u32;
-        self.lights.upload(gpu, "ray lights", "lights", &mut lights::texels(&scene.lights))?;
-        self.synced = Some(state);
+        if then.is_none_or(|then| then.lights() != now.lights()) {
+            self.light_count = scene.lights.len() as u32;
+            let texels = lights::texels(&scene.lights);
+            self.lights.reserve(gpu, "ray lights", "lights", texels.len().div_ceil(words::ROW as usize))?;
+            self.lights.write(gpu, 0, 1, &texels);
+        }
+        self.synced = Some(now);
         Ok(())
     }
 
-    /// What `trace` of `lib/rays.wgsl` is to know: the boxes of the hierarchy; 0 if there is nothing to meet.
+    fn update_surfaces(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        then: Option<Synced>,
+        now: &mut Synced,
+    ) -> Result<(), RayError> {
+        self.bvh.update(scene);
+        let bvh = &self.bvh;
+        let versions = [bvh.statics.version, bvh.movers.version, bvh.surfaces_version];
+        let then = then.filter(|then| then.revisions[0] == now.revisions[0]);
+        let has_materials = then.is_some_and(|then| then.has_materials_of(now) && then.versions[2] == versions[2]);
+        if !has_materials {
+            self.atlas.update(gpu, scene)?;
+            self.materials.update(gpu, scene, &self.atlas)?;
+        }
+        now.versions = versions;
+        now.is_plain = self.materials.is_plain();
+        let has_other_emitters = !has_materials && self.emissive.collect(scene, bvh);
+        let keeps = |then: Synced| {
+            (then.has_materials_of(now) || then.has_statics_of(now))
+                && then.versions[0] == versions[0]
+                && then.is_plain == now.is_plain
+        };
+        let keeps_statics = then.is_some_and(keeps) && !has_other_emitters;
+        if !keeps_statics && has_materials {
+            self.emissive.collect(scene, bvh);
+        }
+        let has_moving_emitters = keeps_statics && has_materials && self.emissive.follow(bvh);
+        let surfaces = Surfaces { scene, bvh, materials: &self.materials, emitters: &self.emissive };
+        if !keeps_statics {
+            self.geometry.update_statics(gpu, surfaces)?;
+        }
+        self.geometry.update_movers(gpu, surfaces);
+        if !keeps_statics || !has_materials || has_moving_emitters {
+            let list = self.emissive.list(self.geometry.trees(bvh));
+            self.emitter_count = list.len() as u32;
+            self.emitters = gpu.storage("emitters", &list, wgpu::BufferUsages::empty());
+        }
+        Ok(())
+    }
+
+    /// What `trace` of `lib/rays.wgsl` is to know: the boxes of the first hierarchy; 0 if there is nothing to meet.
     pub fn root(&self) -> u32 {
         self.geometry.box_count
     }
@@ -125,6 +208,7 @@ impl RayScene {
             ("UNTEXTURED", !self.atlas.holds_textures()),
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
+            ("MOVERS", self.bvh.moving_triangles() > 0),
             ("UNLIT", self.emitter_count == 0),
             ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
@@ -147,7 +231,7 @@ impl RayScene {
 
     /// Changes with what is bound under that name.
     fn content(&self, name: &str) -> Option<[u64; 3]> {
-        let [identity, geometry, materials, lights] = self.synced?;
+        let [identity, geometry, materials, lights, _] = self.synced?.revisions;
         Some(match name {
             "lights" => [identity, lights, 0],
             "nodes" => [identity, geometry, 0],

@@ -39,30 +39,45 @@ impl Words {
         &self.view
     }
 
-    /// Writes all of it; makes it anew if it is of another size.
-    pub(super) fn upload(
-        &mut self,
-        gpu: &Gpu,
-        label: &str,
-        what: &'static str,
-        texels: &mut Vec<Texel>,
-    ) -> Result<(), RayError> {
-        texels.resize(texels.len().next_multiple_of(ROW as usize).max(ROW as usize), Texel::default());
-        let rows = texels.len() as u32 / ROW;
+    /// Makes room for so many rows. What was written before is lost if there is another number of them.
+    ///
+    /// # Errors
+    /// If a texture cannot have so many.
+    pub(super) fn reserve(&mut self, gpu: &Gpu, label: &str, what: &'static str, rows: usize) -> Result<(), RayError> {
         let limit = gpu.limits.max_texture_dimension_2d;
-        if rows > limit {
-            let mebibytes = |rows: u32| (16 * u64::from(ROW) * u64::from(rows)).div_ceil(1 << 20);
-            return Err(RayError::TooLarge { what, needed: mebibytes(rows), limit: mebibytes(limit) });
+        if rows > limit as usize {
+            let mebibytes = |rows: usize| (16 * u64::from(ROW) * rows as u64).div_ceil(1 << 20);
+            return Err(RayError::TooLarge { what, needed: mebibytes(rows), limit: mebibytes(limit as usize) });
         }
+        let rows = rows.max(1) as u32;
         if self.texture.height() != rows {
             *self = Self::new(gpu, label, rows);
         }
-        gpu.write_texture(
-            self.texture.as_image_copy(),
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW), rows_per_image: Some(rows) },
-            wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
-        );
         Ok(())
+    }
+
+    /// Writes texels from a row on, and nothing behind them. They come in groups of so many whole rows; the rows of the
+    /// last group may be shorter.
+    pub(super) fn write(&self, gpu: &Gpu, row: usize, group: usize, texels: &[Texel]) {
+        let whole = texels.len() / (group * ROW as usize) * group;
+        let (all, rest) = texels.split_at(whole * ROW as usize);
+        self.write_rows(gpu, row, whole, all);
+        self.write_rows(gpu, row + whole, group, rest);
+    }
+
+    fn write_rows(&self, gpu: &Gpu, row: usize, rows: usize, texels: &[Texel]) {
+        if texels.is_empty() {
+            return;
+        }
+        let (width, rows) = ((texels.len() / rows) as u32, rows as u32);
+        gpu.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y: row as u32, z: 0 },
+                ..self.texture.as_image_copy()
+            },
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: Some(rows) },
+            wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
+        );
     }
 }

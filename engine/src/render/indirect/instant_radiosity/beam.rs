@@ -1,7 +1,7 @@
 //! Where particles of a directional light start: side by side before the scene, and only where something is in their way.
 
 use super::random::frame;
-use crate::bvh::SceneBvh;
+use crate::bvh::{Bvh, SceneBvh};
 use crate::scene::Aabb;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
@@ -47,11 +47,17 @@ impl Beam {
         beam
     }
 
-    /// Marks the cells before all triangles: from the root of the hierarchy to boxes that are no larger than a cell.
+    /// Marks the cells before all triangles: from the roots of the hierarchies to boxes that are no larger than a cell.
     fn find_cells(&mut self, bvh: &SceneBvh, to_cells: &dyn Fn(Vec3) -> Vec2) {
-        let mut stack: Vec<u32> = (0..bvh.bvh.nodes.len().min(1) as u32).collect();
+        for tree in bvh.trees() {
+            self.find_cells_of(tree, bvh, to_cells);
+        }
+    }
+
+    fn find_cells_of(&mut self, tree: &Bvh, bvh: &SceneBvh, to_cells: &dyn Fn(Vec3) -> Vec2) {
+        let mut stack: Vec<u32> = (0..tree.nodes.len().min(1) as u32).collect();
         while let Some(index) = stack.pop() {
-            let node = &bvh.bvh.nodes[index as usize];
+            let node = &tree.nodes[index as usize];
             let corners = node.bounds().corners().map(to_cells);
             let low = corners.iter().copied().reduce(Vec2::min).unwrap_or_default();
             let high = corners.iter().copied().reduce(Vec2::max).unwrap_or_default();
@@ -60,7 +66,7 @@ impl Beam {
             } else if node.count == 0 {
                 stack.extend([node.first, node.first + 1]);
             } else {
-                for &triangle in &bvh.bvh.order[node.first as usize..][..node.count as usize] {
+                for &triangle in &tree.order[node.first as usize..][..node.count as usize] {
                     self.mark_triangle(bvh.triangles[triangle as usize].corners.map(to_cells));
                 }
             }

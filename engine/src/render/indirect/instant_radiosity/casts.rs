@@ -1,7 +1,7 @@
 //! How particles find what they hit: through the hierarchy, or object by object in local space as the report does.
 
 use super::surface::is_cut_out;
-use crate::bvh::{MAX_DEPTH, MeshBvh, Ray, SceneBvh, intersect_triangle, vertex_indices};
+use crate::bvh::{Bvh, MAX_DEPTH, MeshBvh, Ray, SceneBvh, intersect_triangle, is_nearer, vertex_indices};
 use crate::scene::{Primitive, Scene};
 use crate::world::ParticleCasts;
 use glam::{Affine3A, Vec3};
@@ -118,9 +118,16 @@ impl<'a> Caster<'a> {
     }
 
     fn through_hierarchy(&self, ray: &Ray, counts: &mut CastCounts) -> Option<CastHit> {
-        let (nodes, order) = (&self.bvh.bvh.nodes, &self.bvh.bvh.order);
-        let mut closest: Option<CastHit> = None;
-        let mut bound = f32::INFINITY;
+        let mut closest = None;
+        for tree in self.bvh.trees() {
+            self.through_tree(tree, ray, &mut closest, counts);
+        }
+        closest
+    }
+
+    fn through_tree(&self, tree: &Bvh, ray: &Ray, closest: &mut Option<CastHit>, counts: &mut CastCounts) {
+        let (nodes, order) = (&tree.nodes, &tree.order);
+        let mut bound = closest.map_or(f32::INFINITY, |hit| hit.t);
         let mut stack = [0_u32; 2 * (MAX_DEPTH as usize + 32)];
         let mut top = usize::from(!nodes.is_empty());
         while top > 0 {
@@ -141,19 +148,19 @@ impl<'a> Caster<'a> {
             }
             for &index in &order[node.first as usize..][..node.count as usize] {
                 counts.triangles += 1;
-                if let Some(hit) = self.meet(ray, index, bound) {
+                if let Some(hit) = self.meet(ray, index, bound, *closest) {
                     bound = hit.t;
-                    closest = Some(hit);
+                    *closest = Some(hit);
                 }
             }
         }
-        closest
     }
 
-    fn meet(&self, ray: &Ray, index: u32, bound: f32) -> Option<CastHit> {
+    fn meet(&self, ray: &Ray, index: u32, bound: f32, closest: Option<CastHit>) -> Option<CastHit> {
         let triangle = &self.bvh.triangles[index as usize];
-        let (t, u, v) = intersect_triangle(ray, triangle.corners, bound)?;
-        let counts = self.scene.primitives[triangle.primitive as usize].casts_shadow
+        let (t, u, v) = intersect_triangle(ray, triangle.corners, f32::INFINITY)?;
+        let counts = is_nearer(t, index, bound, closest.map(|best| (best.t, best.triangle)))
+            && self.scene.primitives[triangle.primitive as usize].casts_shadow
             && !is_cut_out(self.scene, self.bvh, index, [u, v]);
         counts.then_some(CastHit { t, triangle: index, barycentric: [u, v] })
     }
