@@ -97,7 +97,7 @@ fn a_frame_like_the_one_before_makes_and_uploads_nothing() {
     let before = image(&gpu, &renderer);
     let report = draw(&gpu, &stage, &mut renderer);
     let host = report.host;
-    assert!(host.dispatches > 50, "the frame does something: {host}");
+    assert!(host.dispatches > 20, "the frame does something: {host}");
     assert_eq!((host.bind_groups, host.buffers, host.uploaded, host.waits), (0, 0, 0, 0), "{host}");
     assert!(host.compute_passes < host.dispatches / 2, "dispatches share passes: {host}");
     assert!(image(&gpu, &renderer) == before, "the same bits");

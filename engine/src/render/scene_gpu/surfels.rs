@@ -1,7 +1,7 @@
 //! The scene's surfels on the device.
 
 use crate::gpu::{Binding, Gpu};
-use crate::scene::{NO_PATCH, Scene, Surfel, SurfelCloud, cells_from_world};
+use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
 use glam::{Affine3A, Vec3};
 use wgpu::BufferUsages;
 
@@ -24,7 +24,7 @@ impl GpuPatches {
         let empty = |label: &str| gpu.storage(label, &[[0_u32; 12]], BufferUsages::empty());
         Self {
             ranges: empty("patches"),
-            table: gpu.storage("patch table", &[[NO_PATCH; 8]; 2], BufferUsages::empty()),
+            table: gpu.storage("patch table", &[[0_u32; 8]; 2], BufferUsages::empty()),
             place_of_primitive: empty("places of primitives"),
             grids: empty("patch grids"),
         }

@@ -2,8 +2,10 @@
 // links end. Points of a patch differ in this light, which has borders, and not in that of further bounces.
 //   RAYS     links of a surfel
 //   SAMPLES  how many of them are looked at, the first ones
+//   IN_TURNS so many lights, of which each link looks at another one: a light that is bright but out of sight takes no
+//            samples from the others. Without it there are more, and each link chooses one by what it would bring
 
-#import lightwell::next_event::{bounded, sample_light}
+#import lightwell::next_event::{bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
@@ -34,6 +36,10 @@ const SAMPLES: u32 = #{SAMPLES}u;
 const SAMPLES: u32 = 1u;
 #endif
 
+#ifdef IN_TURNS
+const IN_TURNS: u32 = #{IN_TURNS}u;
+#endif
+
 const PI: f32 = 3.14159265358979;
 
 @compute @workgroup_size(64)
@@ -43,6 +49,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         return;
     }
     let position = link_start(surfels[index], first_bounce.before);
+    // All of them. Where a loop hangs on a uniform alone, Mesa's software driver (22.3) makes the shader anew in every frame,
+    // and keeps all.
+    let light_count = min(first_bounce.light_count, 0xffffu + index);
     var light = vec3f(0.0);
     for (var i = 0u; i < SAMPLES; i++) {
         let hit = link_hit(surfel_links[index * RAYS + i], position);
@@ -51,12 +60,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         let direction = hit.direction;
         let surface = surface_at(hit.hit, direction);
-        var pick = 0.0;
-        if first_bounce.light_count > 1u {
-            var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
-            pick = next_pair(&random).x;
-        }
-        let sample = sample_light(surface, -direction, first_bounce.light_count, false, pick);
+#ifdef IN_TURNS
+        var sample = sample_one_light(surface, -direction, (index + i) % IN_TURNS);
+        sample.light *= f32(IN_TURNS);
+#else
+        var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
+        let sample = sample_light(surface, -direction, light_count, false, next_pair(&random).x);
+#endif
         var is_lit = true;
         if sample.reach > 0.0 {
             is_lit = trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle == NONE;
