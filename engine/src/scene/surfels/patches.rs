@@ -158,9 +158,7 @@ impl Arranged {
             surfels[first..first + count].iter().all(Surfel::is_hidden)
         };
         let is_hidden: Vec<bool> = ranges.iter().map(hidden).collect();
-        // Two sides of a sheet share their cells, and one must not answer for the other.
-        let has_sheets = surfels.iter().any(|surfel| surfel.thickness <= 0.0);
-        let cells = with_neighbors(&own, &is_hidden, has_sheets);
+        let cells = with_neighbors(&own, &is_hidden);
         Self { source, size: size.to_bits(), surfels, ranges, cells }
     }
 }
@@ -213,22 +211,18 @@ impl Cells {
     }
 }
 
-/// The cells of all patches and those around them, with a patch for each of the six ways, if nothing about it has two sides. What lies in cracks answers only
+/// The cells of all patches and those around them, with a patch for each of the six ways. What lies in cracks answers only
 /// where nothing else does: it is dark, and what is seen of a surface is not.
-fn with_neighbors(own: &[Cell], is_hidden: &[bool], has_sheets: bool) -> Vec<([i32; 3], Faces)> {
+fn with_neighbors(own: &[Cell], is_hidden: &[bool]) -> Vec<([i32; 3], Faces)> {
     let patches = |hidden: bool| -> Vec<(Cell, u32)> {
         let all = own.iter().copied().zip(0..).zip(is_hidden);
         all.filter(|(_, is_hidden)| **is_hidden == hidden).map(|(patch, _)| patch).collect()
     };
     let mut cells = Cells::default();
     cells.add(&patches(false));
-    if !has_sheets {
-        cells.fill(false);
-    }
+    cells.fill(false);
     cells.add(&patches(true));
-    if !has_sheets {
-        cells.fill(true);
-    }
+    cells.fill(true);
     cells.cells
 }
 
