@@ -2,10 +2,10 @@
 // links end. Points of a patch differ in this light, which has borders, and not in that of further bounces.
 //   RAYS     links of a surfel
 //   SAMPLES  how many of them are looked at, the first ones
-//   IN_TURNS so many lights, of which each link looks at another one: a light that is bright but out of sight takes no
-//            samples from the others. Without it there are more, and each link chooses one by what it would bring
+//   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
+//            others. Without it there are more, and each link chooses one by what it would bring
 
-#import lightwell::next_event::{bounded, sample_light, sample_one_light}
+#import lightwell::next_event::{LightSample, bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
@@ -36,11 +36,19 @@ const SAMPLES: u32 = #{SAMPLES}u;
 const SAMPLES: u32 = 1u;
 #endif
 
-#ifdef IN_TURNS
-const IN_TURNS: u32 = #{IN_TURNS}u;
+#ifdef LIGHTS
+const LIGHTS: u32 = #{LIGHTS}u;
 #endif
 
 const PI: f32 = 3.14159265358979;
+
+// Light of a lamp, unless something is in its way.
+fn arriving(sample: LightSample) -> vec3f {
+    if sample.reach > 0.0 && trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
+        return vec3f(0.0);
+    }
+    return bounded(sample.light);
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -60,18 +68,14 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         let direction = hit.direction;
         let surface = surface_at(hit.hit, direction);
-#ifdef IN_TURNS
-        var sample = sample_one_light(surface, -direction, (index + i) % IN_TURNS);
-        sample.light *= f32(IN_TURNS);
+#ifdef LIGHTS
+        for (var k = 0u; k < LIGHTS; k++) {
+            light += arriving(sample_one_light(surface, -direction, k));
+        }
 #else
         var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
-        let sample = sample_light(surface, -direction, light_count, false, next_pair(&random).x);
+        light += arriving(sample_light(surface, -direction, light_count, false, next_pair(&random).x));
 #endif
-        var is_lit = true;
-        if sample.reach > 0.0 {
-            is_lit = trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle == NONE;
-        }
-        light += select(vec3f(0.0), bounded(sample.light), is_lit);
     }
     reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);
 }

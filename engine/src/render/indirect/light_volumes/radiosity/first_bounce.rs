@@ -9,10 +9,10 @@ use crate::render::indirect::path_tracer::dispatch_rays;
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
-/// Links of a surfel whose ends are looked at for a light.
-const SAMPLES_A_LIGHT: u32 = 8;
-/// Lights up to which links look at one after the other.
-const MOST_IN_TURNS: u32 = 4;
+/// Most links of a surfel whose ends are looked at.
+const MOST_SAMPLES: u32 = 8;
+/// Lights up to which links look at all of them.
+const FEW_LIGHTS: u32 = 4;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -45,15 +45,15 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let lights = scene.light_count;
-        let samples = rays.count.min(SAMPLES_A_LIGHT * lights.max(1));
+        let samples = rays.count.min(MOST_SAMPLES);
         let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
         cx.counts().paths += u64::from(count) * u64::from(samples);
         let mut key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(rays.count))
             .def("SAMPLES", ShaderDef::Uint(samples));
-        if (1..=MOST_IN_TURNS).contains(&lights) {
-            key = key.def("IN_TURNS", ShaderDef::Uint(lights));
+        if (1..=FEW_LIGHTS).contains(&lights) {
+            key = key.def("LIGHTS", ShaderDef::Uint(lights));
         }
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
         for first in (0..count).step_by(surfels_a_submit as usize) {
