@@ -69,9 +69,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let direction = hit.direction;
         let surface = surface_at(hit.hit, direction);
 #ifdef LIGHTS
+        var of_all = vec3f(0.0);
         for (var k = 0u; k < LIGHTS; k++) {
-            light += arriving(sample_one_light(surface, -direction, k));
+            of_all += arriving(sample_one_light(surface, -direction, k));
         }
+        light += of_all;
 #else
         var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
         light += arriving(sample_light(surface, -direction, light_count, false, next_pair(&random).x));
