@@ -12,7 +12,7 @@
 //! whose flux is exact, and emissive surfels. `links` tells which cells a surfel has to do with. All lengths in the shaders are
 //! in cells.
 //!
-//! What the surfels send out is known from [`radiosity`](super::radiosity), so that one sweep is enough. A scene that is too
+//! What the surfels send out is known from `radiosity` beside it, so that one sweep is enough. A scene that is too
 //! large for rays has all bounces swept instead: `white` is then what a surfel has of light that is even everywhere, by which
 //! all other is calibrated, and where the grid is fine, all bounces but the last are swept in a coarser one (`further`).
 
