@@ -3,9 +3,22 @@
 // al. 2007). With n frames before, the new one counts 1/(n + 1): the mean of all. That number is bounded where light
 // changes, which makes the mean an exponential one.
 //
+// Light that changes is followed in two ways. Where the light of patches is known, what is remembered changes as theirs does.
+// And a quick mean over few frames runs beside the long one, which may not leave it by more than its noise explains: what
+// patches do not resolve, such as the shadow of contact of something that moves (cf. the fast history of Zhdan 2021, "ReBLUR:
+// a hierarchical recurrent denoiser").
+//
 // What is kept is light over reflectance, so that textures stay sharp where the camera moves.
+//   MOVED    there are objects that are elsewhere than in the frame before
+//   PATCHES  the light of patches is known
 
-#import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance, world_position}
+#import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance, decode_radiance, encode_radiance, world_position}
+#ifdef MOVED
+#import lightwell::motion::place_before
+#endif
+#ifdef PATCHES
+#import lightwell::patches::{NO_PATCH, patch_at}
+#endif
 #import lightwell::view::View
 
 struct Average {
@@ -16,6 +29,7 @@ struct Average {
     most_glossy: f32,      // the same for what mirrors
     is_first: u32,         // there is no frame before
     is_still: u32,         // the camera is where it was
+    tolerance: f32,        // how far the long mean may be from the quick one [deviations of a frame]
 }
 
 @group(0) @binding(0) var<uniform> average: Average;
@@ -23,66 +37,201 @@ struct Average {
 @group(0) @binding(2) var normal: texture_2d<u32>;
 @group(0) @binding(3) var object: texture_2d<u32>;
 @group(0) @binding(4) var depth: texture_depth_2d;
+// Radiance [W/(m² sr)], and how much it counts beside that of other frames.
 @group(0) @binding(5) var indirect: texture_2d<f32>;
-// Light over reflectance [W/(m² sr)] with the number of frames in it; depth and octahedral normal.
-@group(0) @binding(6) var light_before: texture_2d<f32>;
+// Light over reflectance [W/(m² sr)] with shared exponent; the bits of the luminance of its quick mean; the patch in 20 bits
+// and the number of frames times 32 in 12.
+@group(0) @binding(6) var light_before: texture_2d<u32>;
+// Bits of the depth; octahedral normal; bits of the mean deviation of a frame's luminance.
 @group(0) @binding(7) var surface_before: texture_2d<u32>;
-@group(0) @binding(8) var light_now: texture_storage_2d<rgba32float, write>;
-@group(0) @binding(9) var surface_now: texture_storage_2d<rg32uint, write>;
+@group(0) @binding(8) var light_now: texture_storage_2d<rgba32uint, write>;
+@group(0) @binding(9) var surface_now: texture_storage_2d<rgba32uint, write>;
 @group(0) @binding(10) var averaged: texture_storage_2d<rgba32float, write>;
+#ifdef PATCHES
+// See `light_volumes/radiosity/change.wgsl`.
+@group(0) @binding(11) var<storage, read> patch_change: array<vec4f>;
+// Of the scene's primitives, in their order.
+@group(0) @binding(12) var<storage, read> primitive_ids: array<u32>;
+#endif
 
 // Least reflectance that light is divided by.
 const LEAST: f32 = 0.01;
 // Roughness below which a surface shows an image, which does not stay where it is when the camera moves.
 const GLOSSY: f32 = 0.5;
 // How far off the plane of a surface, in pixels at its distance, a point still belongs to it; and the least cosine
-// between their normals, 6°: an object that turns by more from frame to frame has light of its own in each.
+// between their normals, 6°: an object that bends by more from frame to frame has light of its own in each.
 const OFF_PLANE: f32 = 1.5;
 const LEAST_COSINE: f32 = 0.995;
+// Least share of a new frame in the quick mean, and in the mean deviation.
+const QUICK: f32 = 0.3;
+const STEADY: f32 = 0.1;
+// Of the quick mean, beside its noise: how far the long one may be from it.
+const LEAST_TOLERANCE: f32 = 0.02;
+// Frames that count where the long mean had to follow the quick one.
+const AFTER_CHANGE: f32 = 1.0 / QUICK - 1.0;
+// How many mean deviations above the quick mean a frame's light may be that is no stray, and the least of them, of that mean;
+// where so many frames are known.
+const STRAY: f32 = 4.0;
+const LEAST_SPREAD: f32 = 0.25;
+const FEW: f32 = 2.0;
+// Steps of the number of frames that is kept, and the most of it.
+const STEPS: f32 = 32.0;
+const MOST_KEPT: f32 = 127.0;
 
-// What was seen before: light, and the number of frames in it; none: 0.
-fn recalled(at: vec2i, position: vec3f, n: vec3f, pixel: f32) -> vec4f {
-    if any(at < vec2i(0)) || any(at >= vec2i(average.view.size)) {
-        return vec4f(0.0);
+struct Past {
+    light: vec3f,
+    frames: f32,           // in it; 0: nothing is known
+    quick: f32,            // luminance of the quick mean
+    spread: f32,           // mean deviation of a frame's luminance
+}
+
+fn nothing() -> Past {
+    return Past(vec3f(0.0), 0.0, 0.0, 0.0);
+}
+
+fn luminance(c: vec3f) -> f32 {
+    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// What was kept of a pixel, in the light of now.
+fn kept(at: vec2i, spread: f32) -> Past {
+    let texel = textureLoad(light_before, at, 0);
+    var past = Past(decode_radiance(texel.xy), f32(texel.w >> 20u) / STEPS, bitcast<f32>(texel.z), spread);
+#ifdef PATCHES
+    let patch_index = texel.w & NO_PATCH;
+    if patch_index != NO_PATCH {
+        let change = patch_change[patch_index];
+        let was = luminance(past.light);
+        past.light *= change.rgb;
+        let factor = luminance(past.light) / max(was, 1e-37);
+        past.quick *= factor;
+        past.spread *= factor;
+        past.frames *= change.a;
     }
-    let surface = textureLoad(surface_before, at, 0).xy;
+#endif
+    return past;
+}
+
+// What is remembered of a point of a surface at a pixel of the frame before.
+fn recalled(at: vec2i, position: vec3f, n: vec3f, footprint: f32) -> Past {
+    if any(at < vec2i(0)) || any(at >= vec2i(average.view.size)) {
+        return nothing();
+    }
+    let surface = textureLoad(surface_before, at, 0);
     let z = bitcast<f32>(surface.x);
     if z <= 0.0 {
-        return vec4f(0.0);
+        return nothing();
     }
     let other = world_position(vec2u(at), average.view.size, z, average.world_from_clip_before);
     let other_n = decode_normal(vec4u(surface.y & 0xffffu, surface.y >> 16u, 0u, 0u));
-    let is_same = abs(dot(other - position, n)) <= OFF_PLANE * pixel && dot(other_n, n) >= LEAST_COSINE;
-    return select(vec4f(0.0), textureLoad(light_before, at, 0), is_same);
+    let is_same = abs(dot(other - position, n)) <= OFF_PLANE * footprint && dot(other_n, n) >= LEAST_COSINE;
+    if !is_same {
+        return nothing();
+    }
+    return kept(at, bitcast<f32>(surface.z));
 }
 
-// Light of a point in the last frame, from the four pixels around it.
-fn history(pixel: vec2u, position: vec3f, n: vec3f, footprint: f32) -> vec4f {
-    if average.is_still != 0u {
-        return recalled(vec2i(pixel), position, n, footprint);
-    }
+// What is remembered of a point, from the four pixels around where it was.
+fn around(position: vec3f, n: vec3f, footprint: f32) -> Past {
     let clip = average.clip_from_world_before * vec4f(position, 1.0);
     if clip.w <= 0.0 {
-        return vec4f(0.0);
+        return nothing();
     }
     let ndc = clip.xy / clip.w;
     if any(abs(ndc) > vec2f(1.1)) {
-        return vec4f(0.0);
+        return nothing();
     }
     let at = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * vec2f(average.view.size) - 0.5;
     let low = floor(at);
     let part = at - low;
-    var sum = vec4f(0.0);
+    var sum = nothing();
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2i(i & 1, i >> 1);
         let share = select(1.0 - part, part, corner == vec2i(1));
         let found = recalled(vec2i(low) + corner, position, n, footprint);
-        let weight = select(0.0, share.x * share.y, found.a > 0.0);
-        sum += weight * found;
+        let weight = select(0.0, share.x * share.y, found.frames > 0.0);
+        sum.light += weight * found.light;
+        sum.frames += weight * found.frames;
+        sum.quick += weight * found.quick;
+        sum.spread += weight * found.spread;
         weights += weight;
     }
-    return select(vec4f(0.0), sum / max(weights, 1e-20), weights > 0.01);
+    if weights <= 0.01 {
+        return nothing();
+    }
+    let scale = 1.0 / weights;
+    return Past(scale * sum.light, scale * sum.frames, scale * sum.quick, scale * sum.spread);
+}
+
+// What is remembered of the point that a pixel shows.
+fn history(pixel: vec2u, id: u32, position: vec3f, n: vec3f, footprint: f32) -> Past {
+    if average.is_first != 0u {
+        return nothing();
+    }
+#ifdef MOVED
+    let place = place_before(id, position, n);
+    if place.is_moved {
+        return around(place.position, place.normal, footprint);
+    }
+#endif
+    if average.is_still != 0u {
+        let same = recalled(vec2i(pixel), position, n, footprint);
+        if same.frames > 0.0 {
+            return same;
+        }
+    }
+    return around(position, n, footprint);
+}
+
+// A frame's light, without what only a stray sample explains: a single path to something small and bright. Light that does
+// change raises the limit with every frame.
+fn without_strays(past: Past, light: vec3f) -> vec3f {
+    let limit = past.quick + STRAY * max(past.spread, LEAST_SPREAD * past.quick);
+    let found = luminance(light);
+    return select(light, light * (limit / max(found, 1e-37)), past.frames > FEW && found > limit);
+}
+
+// The new means, from what is remembered and a frame's light that counts so much.
+fn updated(past: Past, all: vec3f, count: f32, most: f32) -> Past {
+    let light = without_strays(past, all);
+    let frames = min(past.frames, most);
+    let share = count / (frames + count);
+    let fresh = luminance(light);
+    let deviation = select(0.5 * fresh, abs(fresh - luminance(past.light)), frames > 0.0);
+    var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread);
+    now.quick = mix(past.quick, fresh, max(min(1.0, QUICK * count), share));
+    now.spread = mix(past.spread, deviation, max(min(1.0, STEADY * count), share));
+    let mean = luminance(now.light);
+    let allowed = average.tolerance * now.spread + LEAST_TOLERANCE * now.quick;
+    let bounded = clamp(mean, now.quick - allowed, now.quick + allowed);
+    if bounded != mean && average.tolerance < 1e3 {
+        // What was next to black has no colour to go by.
+        now.light = select(light, now.light * (bounded / max(mean, 1e-37)), mean > 1e-3 * bounded);
+        now.frames = min(now.frames, AFTER_CHANGE + count);
+    }
+    return now;
+}
+
+fn patch_of(id: u32, position: vec3f, n: vec3f) -> u32 {
+#ifdef PATCHES
+    var low = 0u;
+    var high = arrayLength(&primitive_ids);
+    while low < high {
+        let middle = (low + high) / 2u;
+        if primitive_ids[middle] < id {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    if low < arrayLength(&primitive_ids) && primitive_ids[low] == id {
+        return patch_at(low, position, n);
+    }
+    return NO_PATCH;
+#else
+    return 0xfffffu;
+#endif
 }
 
 @compute @workgroup_size(8, 8)
@@ -93,25 +242,26 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     }
     let z = textureLoad(depth, pixel, 0);
     let drawn = textureLoad(normal, pixel, 0);
-    var mean = vec4f(0.0);
+    var now = nothing();
+    var patch_index = 0xfffffu;
     var reflectance = vec3f(0.0);
     if z > 0.0 {
         let size = average.view.size;
         let position = world_position(pixel, size, z, average.view.world_from_clip);
         let n = decode_normal(drawn);
-        let beside = world_position(pixel + vec2u(1u, 0u), size, z, average.view.world_from_clip);
+        let footprint = distance(world_position(pixel + vec2u(1u, 0u), size, z, average.view.world_from_clip), position);
+        let surface = textureLoad(object, pixel, 0).xy;
         let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
-        reflectance = max(albedo + decode_normal_reflectance(textureLoad(object, pixel, 0).xy), vec3f(LEAST));
-        let light = textureLoad(indirect, pixel, 0).rgb / reflectance;
-        var before = vec4f(0.0);
-        if average.is_first == 0u {
-            before = history(pixel, position, n, distance(beside, position));
-        }
-        let is_glossy = f32(drawn.z) / 65535.0 < GLOSSY;
-        let frames = min(before.a, select(average.most, average.most_glossy, is_glossy));
-        mean = vec4f(mix(before.rgb, light, 1.0 / (frames + 1.0)), frames + 1.0);
+        reflectance = max(albedo + decode_normal_reflectance(surface), vec3f(LEAST));
+        let found = textureLoad(indirect, pixel, 0);
+        let most = select(average.most, average.most_glossy, f32(drawn.z) / 65535.0 < GLOSSY);
+        let past = history(pixel, surface.x, position, n, footprint);
+        now = updated(past, found.rgb / reflectance, found.a, most);
+        patch_index = patch_of(surface.x, position, n);
     }
-    textureStore(light_now, pixel, mean);
-    textureStore(surface_now, pixel, vec4u(bitcast<u32>(z), drawn.x | (drawn.y << 16u), 0u, 0u));
-    textureStore(averaged, pixel, vec4f(mean.rgb * reflectance, 1.0));
+    let frames = u32(min(now.frames, MOST_KEPT) * STEPS);
+    let code = encode_radiance(now.light);
+    textureStore(light_now, pixel, vec4u(code, bitcast<u32>(now.quick), patch_index | (frames << 20u)));
+    textureStore(surface_now, pixel, vec4u(bitcast<u32>(z), drawn.x | (drawn.y << 16u), bitcast<u32>(now.spread), 0u));
+    textureStore(averaged, pixel, vec4f(now.light * reflectance, 1.0));
 }

@@ -48,6 +48,11 @@ fn patch_at(primitive: u32, position: vec3f, normal: vec3f) -> u32 {
     if place == 0xffffffffu {
         return NO_PATCH;
     }
+    return patch_of_object(place, position, normal);
+}
+
+// The same by the index of the object.
+fn patch_of_object(place: u32, position: vec3f, normal: vec3f) -> u32 {
     let a = patch_grids[place].rows[0];
     let b = patch_grids[place].rows[1];
     let c = patch_grids[place].rows[2];

@@ -28,13 +28,16 @@ pub struct Counts {
     pub merges: u64,
     /// Light paths traced.
     pub paths: u64,
+    /// Rays cast into the scene for indirect light, shadow rays among them, where their number is known beforehand: those
+    /// of path tracing are not counted. Near surfaces may cost some more.
+    pub rays: u64,
     /// Bytes uploaded or copied.
     pub bytes: u64,
 }
 
 impl Counts {
     /// All counts with their names.
-    pub fn named(&self) -> [(&'static str, u64); 10] {
+    pub fn named(&self) -> [(&'static str, u64); 11] {
         [
             ("draws", self.draws),
             ("dispatches", self.dispatches),
@@ -45,6 +48,7 @@ impl Counts {
             ("injections", self.injections),
             ("merges", self.merges),
             ("paths", self.paths),
+            ("rays", self.rays),
             ("bytes", self.bytes),
         ]
     }
@@ -61,6 +65,7 @@ impl AddAssign for Counts {
         self.injections += other.injections;
         self.merges += other.merges;
         self.paths += other.paths;
+        self.rays += other.rays;
         self.bytes += other.bytes;
     }
 }

@@ -45,6 +45,8 @@ pub struct Frame<'a> {
     pub probes: &'a [ProbePoint],
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
+    /// Whether the frame before has left the links of these surfels, see `light_volumes/radiosity`.
+    pub(in crate::render) has_links: bool,
     /// The frames before, whose light this one's is averaged with.
     pub(in crate::render) history: &'a History,
 }

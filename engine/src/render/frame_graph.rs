@@ -45,8 +45,10 @@ pub(super) fn declare<'a>(
     let has_blended = blend::is_needed(graph, frame);
     let (direct, lamps) = declare_direct(graph, frame, &gbuffer, method, has_blended);
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
-    let (indirect, field) = indirect.map_or((None, None), |light| (Some(light.radiance), light.field));
-    let indirect = indirect.map(|light| accumulate::declare(graph, frame, &gbuffer, light));
+    let (indirect, field) = match indirect {
+        Some(light) => (Some(accumulate::declare(graph, frame, &gbuffer, &light)), light.field),
+        None => (None, None),
+    };
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
     let mut lights = Lights { direct, indirect, sky: sky.as_ref().map(|sky| sky.radiance), blended: None };
     if has_blended {

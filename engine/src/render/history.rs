@@ -1,6 +1,9 @@
 //! The frames before: which of them this one goes on with, and how much they count. Where light or objects move, older
 //! frames count for little: [`MOST_WHILE_CHANGING`].
 
+use super::geometry::motion::Motions;
+use super::post::temporal_antialiasing;
+use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
 use crate::gpu::Gpu;
 use crate::scene::{Scene, SceneView};
@@ -10,6 +13,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// Frames of a view that rests that are averaged.
 pub const MOST_FRAMES: u32 = 64;
 
+/// The same where the light of patches tells how it changes, so that frames count that were drawn in other light.
+const MOST_WHILE_FOLLOWED: f32 = 24.0;
+/// How far the long mean may be from the quick one, in mean deviations of a frame, while light or objects change. The quick
+/// mean takes 0.3 of each frame, so that 0.3/(2 − 0.3) of a frame's variance is left in it; a mean deviation is √(2/π) of a
+/// standard one; and three standard deviations are noise: 3·√0.176·√(π/2).
+const TOLERANCE: f32 = 1.6;
 /// Frames before that count at most while light or objects change: in the mean 0.7ⁿ of the light of n frames ago is left,
 /// 6 % after eight.
 const MOST_WHILE_CHANGING: f32 = 7.0 / 3.0;
@@ -27,12 +36,20 @@ pub(crate) struct Step {
     pub rested: u32,
     /// Frames before that count at most.
     pub most: f32,
+    /// The same where it is known how the light of patches changed.
+    pub most_followed: f32,
     /// The same of what mirrors.
     pub most_glossy: f32,
     /// Whether the camera is where it was.
     pub is_still: bool,
+    /// How far the long mean may be from the quick one, in mean deviations of a frame.
+    pub tolerance: f32,
     pub clip_from_world_before: Mat4,
     pub world_from_clip_before: Mat4,
+    /// Shift of the pixel grid in pixels, each in −½..½: another one in each frame where the mean over frames smooths edges.
+    pub jitter: [f32; 2],
+    /// Clip from world space without that shift, now and in the frame before.
+    pub unshifted: [Mat4; 2],
 }
 
 /// The light of the frames before, and what is known of the last.
@@ -48,6 +65,43 @@ pub(crate) struct History {
     is_idle: bool,
     /// Written in turns: this frame's, and that of the frame before.
     targets: Option<[Target; 2]>,
+    motions: Motions,
+    /// Irradiance of the patches of surfels of a revision [W/m²].
+    patches: Option<(u64, InTurns<wgpu::Buffer>)>,
+    /// Radiance with smooth edges [W/(m² sr)], see `post/temporal_antialiasing.wgsl`.
+    colors: Option<InTurns<wgpu::TextureView>>,
+}
+
+/// Two of something that frames write in turns: what this one writes, and what the one before did.
+pub(crate) struct InTurns<T> {
+    /// The frame that it is for.
+    number: u32,
+    is_known: bool,
+    pair: [T; 2],
+}
+
+impl<T> InTurns<T> {
+    fn new(number: u32, pair: [T; 2]) -> Self {
+        Self { number, is_known: false, pair }
+    }
+
+    fn go_on(&mut self, number: u32) {
+        if self.number != number {
+            self.is_known = self.number.wrapping_add(1) == number;
+            self.number = number;
+        }
+    }
+
+    /// Whether the frame before has written it.
+    pub fn is_known(&self) -> bool {
+        self.is_known
+    }
+
+    /// Where this frame writes, and where the one before did.
+    pub fn now_and_before(&self) -> [&T; 2] {
+        let now = (self.number % 2) as usize;
+        [&self.pair[now], &self.pair[1 - now]]
+    }
 }
 
 /// What a frame was made of.
@@ -59,12 +113,14 @@ struct Seen {
     light: u64,
     clip_from_world: Mat4,
     world_from_clip: Mat4,
+    /// Without the shift by part of a pixel.
+    unshifted: Mat4,
 }
 
 pub(crate) struct Target {
-    /// What a white surface reflects [W/(m² sr)], and how many frames are in it.
+    /// What a white surface reflects [W/(m² sr)], and how many frames are in it: rgba32uint, see `accumulate.wgsl`.
     pub light: wgpu::TextureView,
-    /// Bits of the depth, and the normal.
+    /// Depth and normal, and how much a frame's light deviates.
     pub surface: wgpu::TextureView,
 }
 
@@ -72,29 +128,49 @@ impl History {
     /// Begins a frame whose light is averaged with that of the frames before.
     pub fn begin(&mut self, gpu: &Gpu, scene: &Scene, view: &SceneView, settings: &RenderSettings) {
         self.is_idle = false;
-        let seen = Seen::new(scene, view, settings, gpu.shaders.revision());
-        let before = self.last.filter(|last| last.subject == seen.subject).zip(self.step);
-        let Some((last, step)) = before.filter(|_| self.targets.is_some()) else {
-            self.targets = Some([(); 2].map(|()| Target::new(gpu, view.size)));
-            self.start(seen);
-            return;
-        };
-        let is_still = last.clip_from_world == seen.clip_from_world;
+        self.motions.update(gpu, scene);
+        let subject = subject(scene, view, settings, gpu.shaders.revision());
+        let before = self.last.filter(|last| last.subject == subject).zip(self.step);
+        let before = before.filter(|_| self.targets.is_some());
+        let is_smooth = temporal_antialiasing::is_possible(settings, view);
+        let number = before.map_or(0, |(_, step)| step.number.wrapping_add(1));
+        let jitter = if is_smooth { temporal_antialiasing::jitter(number) } else { view.jitter };
+        let seen = Seen::new(subject, scene, view, jitter);
+        match before {
+            Some((last, step)) => self.go_on(last, seen, step, jitter),
+            None => {
+                self.targets = Some([(); 2].map(|()| Target::new(gpu, view.size)));
+                self.start(seen, jitter);
+            }
+        }
+        if is_smooth {
+            self.keep_colors(gpu, view.size);
+        }
+    }
+
+    fn go_on(&mut self, last: Seen, seen: Seen, step: Step, jitter: [f32; 2]) {
+        let is_still = last.unshifted == seen.unshifted;
         self.even = if last.light == seen.light { self.even.saturating_add(1) } else { 0 };
         self.rested = if is_still && self.even > 0 { self.rested.saturating_add(1) } else { 0 };
         if self.is_at_rest() {
             return;
         }
-        let most = if self.even < UNREST { MOST_WHILE_CHANGING } else { (MOST_FRAMES - 1) as f32 };
+        let is_changing = self.even < UNREST;
+        let all = (MOST_FRAMES - 1) as f32;
+        let most = if is_changing { MOST_WHILE_CHANGING } else { all };
         self.step = Some(Step {
             number: step.number.wrapping_add(1),
             row: self.row,
             rested: self.rested,
             most,
+            most_followed: if is_changing { MOST_WHILE_FOLLOWED } else { all },
             most_glossy: if is_still { most } else { MOST_WHILE_CHANGING },
             is_still,
+            tolerance: if is_changing { TOLERANCE } else { f32::MAX },
             clip_from_world_before: last.clip_from_world,
             world_from_clip_before: last.world_from_clip,
+            jitter,
+            unshifted: [seen.unshifted, last.unshifted],
         });
         self.last = Some(seen);
     }
@@ -114,6 +190,53 @@ impl History {
         self.targets.as_ref()
     }
 
+    /// Where objects that moved stood a frame ago.
+    pub fn motions(&self) -> &Motions {
+        &self.motions
+    }
+
+    /// Makes room for the light of the surfels' patches, if the frame is averaged.
+    pub fn keep_patches(&mut self, gpu: &Gpu, surfels: &GpuSurfels) {
+        let Some(number) = self.step.map(|step| step.number) else { return };
+        match self.patches.as_mut().filter(|(revision, _)| *revision == surfels.revision()) {
+            Some((_, known)) => known.go_on(number),
+            None => {
+                let size = 16 * u64::from(surfels.patch_count().max(1));
+                let buffer = |()| {
+                    gpu.create_buffer(&wgpu::BufferDescriptor {
+                        label: Some("light of patches of earlier frames"),
+                        size,
+                        usage: wgpu::BufferUsages::STORAGE,
+                        mapped_at_creation: false,
+                    })
+                };
+                self.patches = Some((surfels.revision(), InTurns::new(number, [(); 2].map(buffer))));
+            }
+        }
+    }
+
+    /// The light of the patches; none: the frame is not averaged, or has none.
+    pub fn patches(&self) -> Option<&InTurns<wgpu::Buffer>> {
+        self.step.and(self.patches.as_ref()).map(|(_, patches)| patches)
+    }
+
+    fn keep_colors(&mut self, gpu: &Gpu, size: [u32; 2]) {
+        let Some(number) = self.step.map(|step| step.number) else { return };
+        match &mut self.colors {
+            Some(known) => known.go_on(number),
+            None => {
+                let texture = |()| target(gpu, "smooth radiance of earlier frames", size);
+                self.colors = Some(InTurns::new(number, [(); 2].map(texture)));
+            }
+        }
+    }
+
+    /// The radiance whose edges the mean over frames smooths; none: that is not wanted.
+    pub fn colors(&self) -> Option<&InTurns<wgpu::TextureView>> {
+        let number = self.step?.number;
+        self.colors.as_ref().filter(|colors| colors.number == number)
+    }
+
     /// Whether more frames would make the picture better.
     pub fn is_settling(&self) -> bool {
         self.step.is_some() && !self.is_idle && !self.is_at_rest()
@@ -124,18 +247,23 @@ impl History {
         *self = Self { row: self.row, ..Self::default() };
     }
 
-    fn start(&mut self, seen: Seen) {
+    fn start(&mut self, seen: Seen, jitter: [f32; 2]) {
         self.row += 1;
+        (self.patches, self.colors) = (None, None);
         (self.rested, self.even) = (0, UNREST);
         self.step = Some(Step {
             number: 0,
             row: self.row,
             rested: 0,
             most: 0.0,
+            most_followed: 0.0,
             most_glossy: 0.0,
             is_still: false,
+            tolerance: f32::MAX,
             clip_from_world_before: seen.clip_from_world,
             world_from_clip_before: seen.world_from_clip,
+            jitter,
+            unshifted: [seen.unshifted; 2],
         });
         self.last = Some(seen);
     }
@@ -145,46 +273,54 @@ impl History {
     }
 }
 
+fn hash_of(value: impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// What must be the same for two frames to have anything to do with each other.
+fn subject(scene: &Scene, view: &SceneView, settings: &RenderSettings, shaders: u64) -> u64 {
+    // Where the origin moves, places of before mean nothing.
+    let origin = scene.origin.to_array().map(f64::to_bits);
+    hash_of((scene.identity, origin, view.size, settings.gi, settings.virtual_light, shaders))
+}
+
 impl Seen {
-    fn new(scene: &Scene, view: &SceneView, settings: &RenderSettings, shaders: u64) -> Self {
-        let hash = |value: &dyn Fn(&mut DefaultHasher)| {
-            let mut hasher = DefaultHasher::new();
-            value(&mut hasher);
-            hasher.finish()
-        };
+    fn new(subject: u64, scene: &Scene, view: &SceneView, jitter: [f32; 2]) -> Self {
         let revisions = scene.revisions;
         let methods = format!("{:?} {:?} {:?}", scene.clpv, scene.vpl, scene.slc);
-        // Where the origin moves, places of before mean nothing.
-        let origin = scene.origin.to_array().map(f64::to_bits);
-        let subject = (scene.identity, origin, view.size, settings.gi, settings.virtual_light, shaders);
-        let light = (revisions.geometry, revisions.materials, revisions.lights, revisions.settings, methods);
+        let shifted = SceneView { jitter, ..view.clone() };
         Self {
-            subject: hash(&|hasher| subject.hash(hasher)),
-            light: hash(&|hasher| light.hash(hasher)),
-            clip_from_world: view.clip_from_world(),
-            world_from_clip: view.world_from_clip(),
+            subject,
+            light: hash_of((revisions.geometry, revisions.materials, revisions.lights, revisions.settings, methods)),
+            clip_from_world: shifted.clip_from_world(),
+            world_from_clip: shifted.world_from_clip(),
+            unshifted: view.clip_from_world(),
         }
     }
 }
 
+/// A texture of four whole numbers a pixel that passes write and later frames read.
+fn target(gpu: &Gpu, label: &str, [width, height]: [u32; 2]) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Uint,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
+}
+
 impl Target {
-    fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
-        let make = |label, format| {
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
-        };
+    fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         Self {
-            light: make("light of earlier frames", wgpu::TextureFormat::Rgba32Float),
-            surface: make("surfaces of earlier frames", wgpu::TextureFormat::Rg32Uint),
+            light: target(gpu, "light of earlier frames", size),
+            surface: target(gpu, "surfaces of earlier frames", size),
         }
     }
 }

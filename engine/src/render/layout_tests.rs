@@ -10,7 +10,8 @@ use super::indirect::instant_radiosity::{
 };
 use super::indirect::light_culling::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 use super::indirect::light_volumes::sweep::{
-    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, SumUniform,
+    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, ReachUniform, SumUniform,
+    UpsampleUniform,
 };
 use super::indirect::light_volumes::{
     CameraSamplesUniform, FirstBounceUniform, LinksUniform, PropagationUniform, RelightUniform, VolumeUniform,
@@ -19,6 +20,7 @@ use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
 use super::indirect::sky_reflection::ReflectionUniform;
 use super::post::compare::CompareUniform;
 use super::post::compose::ComposeUniform;
+use super::post::temporal_antialiasing::SmoothUniform;
 use super::post::tone_map::ToneMapUniform;
 use super::rays::{Emitter, RayMaterial};
 use super::scene_gpu::light_uniform::LightUniform;
@@ -76,6 +78,8 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, RelightUniform::min_size().get(), "indirect/light_volumes/diffusion/relight.wgsl", "Relight");
     check(&gpu, TraceUniform::min_size().get(), "indirect/path_tracer/path_trace.wgsl", "Trace");
     check(&gpu, GatherUniform::min_size().get(), "indirect/light_volumes/sweep/gather.wgsl", "Gather");
+    check(&gpu, ReachUniform::min_size().get(), "indirect/light_volumes/sweep/gather_filter.wgsl", "Reach");
+    check(&gpu, UpsampleUniform::min_size().get(), "indirect/light_volumes/sweep/gather_upsample.wgsl", "Upsample");
     check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/lit_points.wgsl", "Draw");
     check(&gpu, ResolveUniform::min_size().get(), "indirect/path_tracer/resolve.wgsl", "Resolve");
     let rays = "indirect/path_tracer/path_trace.wgsl";
@@ -111,5 +115,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, CellsUniform::min_size().get(), "debug/cells.wgsl", "Cells");
     check(&gpu, CoverageUniform::min_size().get(), "debug/coverage.wgsl", "Coverage");
     check(&gpu, PointsUniform::min_size().get(), "debug/points.wgsl", "Points");
+    check(&gpu, SmoothUniform::min_size().get(), "post/temporal_antialiasing.wgsl", "Smooth");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

@@ -7,11 +7,12 @@ use super::error::RenderError;
 use super::frame::Frame;
 use super::frame_graph::{self, Drawn};
 use super::history::History;
-use super::indirect::light_volumes::sweep;
+use super::indirect::light_volumes::{radiosity, sweep};
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::sky_reflection;
 use super::indirect::{IndirectMethod, Methods, RayUse, Subject};
 use super::post::compose::RADIANCE;
+use super::post::temporal_antialiasing;
 use super::post::tone_map::DISPLAY;
 use super::probe_light::PendingProbes;
 use super::rays::RayScene;
@@ -22,7 +23,7 @@ use super::sky::sky_light;
 use super::transparency::blend;
 use super::views::Views;
 use crate::gpu::{Gpu, ReadbackError, begin_read_buffer};
-use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, TargetCache, Texture, Timing};
+use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, PassState, TargetCache, Texture, Timing};
 use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -50,6 +51,8 @@ pub struct Renderer {
     has_probe_light: bool,
     extra: Vec<ExtraPass>,
     history: History,
+    /// The surfels whose links the last frame has left.
+    linked: Option<u64>,
     /// Warnings of the last frame.
     warned: Vec<String>,
 }
@@ -71,6 +74,7 @@ impl Renderer {
             has_probe_light: false,
             extra: Vec::new(),
             history: History::default(),
+            linked: None,
             warned: Vec::new(),
         }
     }
@@ -161,7 +165,10 @@ impl Renderer {
                 report.host = gpu.counts().since(&before);
                 report.host_ms = start.elapsed().as_secs_f64() * 1e3;
             }
-            Err(_) => self.history.forget(),
+            Err(_) => {
+                self.history.forget();
+                self.linked = None;
+            }
         }
         result
     }
@@ -194,7 +201,12 @@ impl Renderer {
         if is_whole_frame {
             return self.render_reference(gpu, scene, view, settings);
         }
-        let bounds = self.update(gpu, scene, view, settings)?;
+        let steady = view;
+        let is_averaged = settings.average && method.varies(scene) && settings.only.shows_indirect();
+        let step = self.history.step().filter(|_| is_averaged);
+        let shifted = step.map(|step| SceneView { jitter: step.jitter, ..view.clone() });
+        let view = shifted.as_ref().unwrap_or(view);
+        let bounds = self.update(gpu, scene, steady, settings)?;
         let method = self.methods.get(settings.gi)?;
         let casts_rays = self.ray_use(scene, settings)? != RayUse::None;
         let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| casts_rays);
@@ -218,23 +230,32 @@ impl Renderer {
             bounds,
             probes: &self.probes,
             views: &self.views,
+            has_links: self.linked == Some(self.surfels.revision()) && !settings.no_cache && !self.targets.is_audited(),
             history: &self.history,
         };
         let mut graph = Graph::new(seed(gpu));
         let Drawn { gbuffer, radiance, has_blended } = frame_graph::declare(&mut graph, &frame, method, gpu)?;
+        let mut is_smooth = false;
         let shown = match (beside, tracer) {
             (Some(beside), Some(tracer)) => {
                 frame_graph::declare_beside(&mut graph, settings, radiance, tracer, &beside)
             }
             _ if settings.display && settings.only == Layer::Total => {
-                custom_passes::declare(&mut graph, &self.extra, &gbuffer, radiance, view.size)
+                let smooth = temporal_antialiasing::declare(&mut graph, &frame, &gbuffer, radiance);
+                is_smooth = smooth.is_some();
+                custom_passes::declare(&mut graph, &self.extra, &gbuffer, smooth.unwrap_or(radiance), view.size)
             }
             _ => radiance,
         };
+        let settings = &RenderSettings { mlaa: settings.mlaa && !is_smooth, ..settings.clone() };
         frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
-        execute(gpu, graph, &mut self.targets, settings)
+        let report = execute(gpu, graph, &mut self.targets, settings)?;
+        let has_links =
+            report.pass(radiosity::LINKS).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
+        self.linked = has_links.then(|| self.surfels.revision());
+        Ok(report)
     }
 
     /// Brings everything on the device up to date that the frame needs; the bounds of the scene.
@@ -269,6 +290,7 @@ impl Renderer {
         };
         if let Some(spacing) = spacing {
             self.surfels.update(gpu, scene, spacing);
+            self.history.keep_patches(gpu, &self.surfels);
         }
         Ok(bounds)
     }

@@ -23,7 +23,7 @@ use super::frame::Frame;
 use super::geometry::GBuffer;
 use super::settings::{GiMethod, RenderSettings};
 use crate::gpu::Gpu;
-use crate::graph::{Graph, Handle, Texture};
+use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
 use light_volumes::Field;
 use std::any::Any;
@@ -58,12 +58,15 @@ pub struct IndirectLight {
     pub radiance: Handle<Texture>,
     /// Light to look up at any point, for blended surfaces; without it they take that of the pixels behind them.
     pub(crate) field: Option<Field>,
+    /// How the light of the surfels' patches changed since the frame before, where frames are averaged and it is known: see
+    /// `light_volumes/radiosity/change.wgsl`.
+    pub(crate) change: Option<Handle<Buffer>>,
 }
 
 impl IndirectLight {
     /// Light that is known at the pixels of opaque surfaces alone.
     pub fn at_pixels(radiance: Handle<Texture>) -> Self {
-        Self { radiance, field: None }
+        Self { radiance, field: None, change: None }
     }
 }
 

@@ -5,4 +5,5 @@ mod auto_exposure;
 pub mod compare;
 pub mod compose;
 pub mod mlaa;
+pub(in crate::render) mod temporal_antialiasing;
 pub mod tone_map;

@@ -69,6 +69,9 @@ pub struct GpuSurfels {
     patches: GpuPatches,
     uploaded: u64,
     placed: Vec<Affine3A>,
+    /// Of the scene's primitives, in their order, here and on the device.
+    ids: Vec<u32>,
+    primitive_ids: wgpu::Buffer,
     is_moving: bool,
     emitted: Vec3,
 }
@@ -84,6 +87,8 @@ impl GpuSurfels {
             uploaded: 0,
             is_moving: false,
             placed: Vec::new(),
+            ids: Vec::new(),
+            primitive_ids: gpu.storage("ids of primitives", &[0_u32; 4], BufferUsages::empty()),
             emitted: Vec3::ZERO,
         }
     }
@@ -92,6 +97,7 @@ impl GpuSurfels {
     /// changed; an object that only moved costs its transform.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
         self.cloud.update(scene, finest_cell);
+        self.name_primitives(gpu, scene);
         self.is_moving = self.uploaded != self.cloud.revision || self.placed != self.cloud.places;
         if self.uploaded != self.cloud.revision {
             self.uploaded = self.cloud.revision;
@@ -108,6 +114,22 @@ impl GpuSurfels {
             self.places = gpu.storage("surfel places", &places, BufferUsages::empty());
             self.patches.place(gpu, &self.cloud);
         }
+    }
+
+    /// Tells the device the identities of the primitives, in their order.
+    fn name_primitives(&mut self, gpu: &Gpu, scene: &Scene) {
+        let ids = || scene.primitives.iter().map(|primitive| primitive.id.0 as u32);
+        if !ids().eq(self.ids.iter().copied()) {
+            self.ids = ids().collect();
+            let none = [0];
+            let named = if self.ids.is_empty() { &none[..] } else { &self.ids };
+            self.primitive_ids = gpu.storage("ids of primitives", named, BufferUsages::empty());
+        }
+    }
+
+    /// Low 32 bits of the identities of the scene's primitives, in their order, which is that of these numbers.
+    pub(in crate::render) fn primitive_ids(&self) -> Binding<'_> {
+        Binding::Buffer(&self.primitive_ids)
     }
 
     /// Number of surfels in the buffer: at least one.

@@ -42,12 +42,13 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     });
     let look = &mut *stage.look;
     let mut smooth = !look.no_mlaa;
-    ui.checkbox(&mut smooth, "Smooth edges").on_hover_text("morphological anti-aliasing of the picture");
+    ui.checkbox(&mut smooth, "Smooth edges").on_hover_text("smooths edges over frames where those are averaged and nothing is drawn over the picture, or else in each picture by \
+         itself (morphological anti-aliasing)");
     look.no_mlaa = !smooth;
     let mut averages = look.average == Some(Switch::On);
     ui.checkbox(&mut averages, "Average frames").on_hover_text(
-        "averages indirect light with that of the frames before: a view that rests loses its noise within 64 frames, and \
-         light that moves is followed within 8",
+        "averages light with that of the frames before, which takes few rays: light that goes is gone within three frames, \
+         and a view that rests loses its noise within 64",
     );
     look.average = Some(if averages { Switch::On } else { Switch::Off });
     let shown = word_of(look.mlaa_edges);

@@ -38,8 +38,10 @@ struct Links {
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
 // See `lib/radiosity.wgsl`: those of a surfel follow each other.
 @group(0) @binding(2) var<storage, read_write> surfel_links: array<Link>;
-// Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far.
+// Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far: of all rays, and of those of each
+// dispatch, PARTS a surfel.
 @group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> shone_on_by: array<vec4f>;
 @group(0) @binding(4) var sky: texture_2d<f32>;
 
 #ifdef RAYS
@@ -53,6 +55,7 @@ const AT_ONCE: u32 = #{AT_ONCE}u;
 #else
 const AT_ONCE: u32 = 1u;
 #endif
+const PARTS: u32 = RAYS / AT_ONCE;
 
 const PI: f32 = 3.14159265358979;
 
@@ -132,6 +135,10 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         surfel_links[index * RAYS + i] = link;
     }
-    let found = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
-    shone_on[index] = found + select(shone_on[index], vec4f(0.0), links.first_ray == 0u);
+    shone_on_by[index * PARTS + links.first_ray / AT_ONCE] = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
+    var all = vec4f(0.0);
+    for (var part = index * PARTS; part < (index + 1u) * PARTS; part++) {
+        all += shone_on_by[part];
+    }
+    shone_on[index] = all;
 }

@@ -20,6 +20,7 @@
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #import lightwell::sky::sky_radiance
 #endif
+#import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::nearness::{encode_nearness, nearness_around}
 #ifndef ONE_BOUNCE
 #import lightwell::patches::{NO_PATCH, patch_at}
@@ -40,11 +41,12 @@ struct Gather {
     light_count: u32,
     emitter_count: u32,
     seed: u32,
-    first_row: u32,        // of this dispatch
+    first_row: u32,        // of this dispatch [texels]
     nearest: f32,          // distance below which the light of patches is not known [m]
     points_low: vec3f,     // box that the lit points lie in [m]
     point_count: u32,
     points_high: vec3f,
+    @align(16) interleave: Interleave,
 }
 
 @group(0) @binding(0) var<uniform> gather: Gather;
@@ -359,10 +361,11 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
-    let pixel = vec2u(thread.x, thread.y + gather.first_row);
-    if any(pixel >= gather.view.size) {
+    let texel = vec2u(thread.x, thread.y + gather.first_row);
+    if any(texel >= gather.interleave.texels) {
         return;
     }
+    let pixel = pixel_of(gather.interleave, texel, gather.view.size);
     let z = textureLoad(depth, pixel, 0);
     var sums: Sums;
     var nearness = vec2f(0.0);
@@ -371,6 +374,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         sums = gathered(pixel, seen);
         nearness = encode_nearness(nearness_around(sums.toward, sums.nearness, seen.start.surface.normal));
     }
-    textureStore(diffuse, pixel, vec4f(sums.diffuse, nearness.x));
-    textureStore(specular, pixel, vec4f(sums.specular, nearness.y));
+    textureStore(diffuse, texel, vec4f(sums.diffuse, nearness.x));
+    textureStore(specular, texel, vec4f(sums.specular, nearness.y));
 }

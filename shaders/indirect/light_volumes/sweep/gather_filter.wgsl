@@ -9,6 +9,7 @@
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::nearness::{decode_nearness, encode_nearness}
 #import lightwell::sampling::basis
 #import lightwell::view::View
@@ -26,8 +27,9 @@
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
 
 struct Reach {
-    // Pixels, the one in the middle among them.
-    radius: i32,
+    radius: i32,           // the one in the middle among them [texels]
+    weight: f32,           // how much the frame counts among others
+    @align(16) interleave: Interleave,
 }
 
 // d/R at which a neighbour's weight has fallen to 1/e, towards near surfaces and along them; but within LEAST pixels all
@@ -35,19 +37,29 @@ struct Reach {
 const TOLERANCE: f32 = 0.15;
 const TOLERANCE_ALONG: f32 = 0.8;
 const LEAST: f32 = 2.0;
+const STRAY: f32 = 2.0;
+
+fn luminance(c: vec3f) -> f32 {
+    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
+}
 
 struct Filtered {
     diffuse: vec3f,
     specular: vec3f,
 }
 
+fn pixel_at(texel: vec2i) -> vec2u {
+    return pixel_of(reach.interleave, vec2u(texel), view.size);
+}
+
 // How near and to which side is what the pixels around see: that of few rays is noise. See lib/nearness.wgsl.
-fn mean_nearness(pixel: vec2u) -> vec3f {
+fn mean_nearness(texel: vec2u) -> vec3f {
     var sum = vec3f(0.0);
     var count = 0.0;
     for (var i = 0; i < 25; i++) {
-        let at = clamp(vec2i(pixel) + 2 * vec2i(i % 5 - 2, i / 5 - 2), vec2i(0), vec2i(view.size) - 1);
-        if textureLoad(depth, at, 0) > 0.0 {
+        let around = vec2i(texel) + 2 * vec2i(i % 5 - 2, i / 5 - 2);
+        let at = clamp(around, vec2i(0), vec2i(reach.interleave.texels) - 1);
+        if textureLoad(depth, pixel_at(at), 0) > 0.0 {
             let code = vec2f(textureLoad(diffuse, at, 0).a, textureLoad(specular, at, 0).a);
             sum += decode_nearness(code);
             count += 1.0;
@@ -56,7 +68,8 @@ fn mean_nearness(pixel: vec2u) -> vec3f {
     return sum / max(count, 1.0);
 }
 
-fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
+fn filtered(center: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
+    let pixel = pixel_at(vec2i(center));
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let texel = textureLoad(normal, pixel, 0);
     let n = decode_normal(texel);
@@ -64,14 +77,16 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
     let roughness = f32(texel.z) / 65535.0;
     // Of the specular lobe: about its width over that of the diffuse one.
     let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(reach.radius));
-    var sum = Filtered(textureLoad(diffuse, pixel, 0).rgb, textureLoad(specular, pixel, 0).rgb);
+    var sum = Filtered(textureLoad(diffuse, center, 0).rgb, textureLoad(specular, center, 0).rgb);
+    let pixels = f32(reach.interleave.stride) / LEAST;
+    let least = pixels * pixels;
     var weights = vec2f(1.0);
     for (var d = 1 - reach.radius; d < reach.radius; d++) {
-        let at = vec2i(pixel) + d * along;
-        if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(view.size)) {
+        let at = vec2i(center) + d * along;
+        if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(reach.interleave.texels)) {
             continue;
         }
-        let other = vec2u(at);
+        let other = pixel_at(at);
         let other_z = textureLoad(depth, other, 0);
         if other_z <= 0.0 {
             continue;
@@ -81,30 +96,74 @@ fn filtered(pixel: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
         let off = other_position - position;
         let across = dot(off, toward_near);
         let any_way = length(off) * (nearness.z / TOLERANCE_ALONG);
-        let near = exp(-min(across * across + any_way * any_way, f32(d * d) / (LEAST * LEAST)));
+        let near = exp(-min(across * across + any_way * any_way, f32(d * d) * least));
         let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
-        sum.diffuse += weight.x * textureLoad(diffuse, other, 0).rgb;
-        sum.specular += weight.y * textureLoad(specular, other, 0).rgb;
+        sum.diffuse += weight.x * textureLoad(diffuse, at, 0).rgb;
+        sum.specular += weight.y * textureLoad(specular, at, 0).rgb;
         weights += weight;
     }
     return Filtered(sum.diffuse / weights.x, sum.specular / weights.y);
 }
 
+fn store_filtered(texel: vec2u, light: Filtered, nearness: vec3f) {
+    let code = encode_nearness(nearness);
+    textureStore(diffuse_out, texel, vec4f(light.diffuse, code.x));
+    textureStore(specular_out, texel, vec4f(light.specular, code.y));
+}
+
 @compute @workgroup_size(8, 8)
 fn horizontal(@builtin(global_invocation_id) thread: vec3u) {
-    if any(thread.xy >= view.size) {
+    let texel = thread.xy;
+    if any(texel >= reach.interleave.texels) {
         return;
     }
-    let z = textureLoad(depth, thread.xy, 0);
+    let z = textureLoad(depth, pixel_at(vec2i(texel)), 0);
     var result = Filtered(vec3f(0.0), vec3f(0.0));
     var nearness = vec3f(0.0);
     if z > 0.0 {
-        nearness = mean_nearness(thread.xy);
-        result = filtered(thread.xy, z, vec2i(1, 0), nearness);
+        nearness = mean_nearness(texel);
+        result = filtered(texel, z, vec2i(1, 0), nearness);
     }
-    let code = encode_nearness(nearness);
-    textureStore(diffuse_out, thread.xy, vec4f(result.diffuse, code.x));
-    textureStore(specular_out, thread.xy, vec4f(result.specular, code.y));
+    store_filtered(texel, result, nearness);
+}
+
+fn filtered_vertically(texel: vec2u, z: f32) -> Filtered {
+    let code = vec2f(textureLoad(diffuse, texel, 0).a, textureLoad(specular, texel, 0).a);
+    return filtered(texel, z, vec2i(0, 1), decode_nearness(code));
+}
+
+// Luminance of the brightest light next to a texel: of diffuse and of specular light.
+fn brightest_beside(texel: vec2u) -> vec2f {
+    var brightest = vec2f(0.0);
+    for (var i = 0; i < 9; i++) {
+        let at = clamp(vec2i(texel) + vec2i(i % 3 - 1, i / 3 - 1), vec2i(0), vec2i(reach.interleave.texels) - 1);
+        let light = vec2f(luminance(textureLoad(diffuse, at, 0).rgb), luminance(textureLoad(specular, at, 0).rgb));
+        brightest = select(max(brightest, light), brightest, i == 4);
+    }
+    return brightest;
+}
+
+fn limited(light: vec3f, limit: f32) -> vec3f {
+    let found = luminance(light);
+    return select(light, light * (limit / max(found, 1e-37)), found > limit);
+}
+
+// What is left of the light of one pixel in four, for `gather_upsample`. Of the few rays of a frame a single one may meet
+// something small and bright: no light is more than STRAY times as bright as all that is next to it.
+@compute @workgroup_size(8, 8)
+fn vertical_sparse(@builtin(global_invocation_id) thread: vec3u) {
+    let texel = thread.xy;
+    if any(texel >= reach.interleave.texels) {
+        return;
+    }
+    let z = textureLoad(depth, pixel_at(vec2i(texel)), 0);
+    var result = Filtered(vec3f(0.0), vec3f(0.0));
+    if z > 0.0 {
+        let light = filtered_vertically(texel, z);
+        let limit = STRAY * brightest_beside(texel);
+        result = Filtered(limited(light.diffuse, limit.x), limited(light.specular, limit.y));
+    }
+    store_filtered(texel, result, vec3f(0.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -115,10 +174,9 @@ fn vertical(@builtin(global_invocation_id) thread: vec3u) {
     let z = textureLoad(depth, thread.xy, 0);
     var radiance = vec3f(0.0);
     if z > 0.0 {
-        let code = vec2f(textureLoad(diffuse, thread.xy, 0).a, textureLoad(specular, thread.xy, 0).a);
-        let light = filtered(thread.xy, z, vec2i(0, 1), decode_nearness(code));
+        let light = filtered_vertically(thread.xy, z);
         let albedo = decode_albedo(textureLoad(base_color, thread.xy, 0));
         radiance = min(albedo * light.diffuse + light.specular, vec3f(1e32));
     }
-    textureStore(indirect, thread.xy, vec4f(radiance, 1.0));
+    textureStore(indirect, thread.xy, vec4f(radiance, reach.weight));
 }

@@ -5,7 +5,7 @@
 
 mod diffusion;
 mod method;
-mod radiosity;
+pub(in crate::render) mod radiosity;
 pub mod sweep;
 mod texels;
 mod volume;
@@ -32,6 +32,8 @@ pub(crate) struct Indirect {
     pub field: Field,
     /// The same of the sky's light alone, if that is wanted.
     pub sky: Option<Field>,
+    /// How the light of patches changed since the frame before, where that is followed.
+    pub change: Option<Handle<Buffer>>,
 }
 
 /// Volumes of indirect light, as `lib/sweep_lookup.wgsl` and `lib/relight.wgsl` read them.

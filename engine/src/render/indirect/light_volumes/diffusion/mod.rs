@@ -61,5 +61,11 @@ pub(super) fn declare<'a>(
     }
     let uniform = relight::uniform(settings, &volumes);
     let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
-    Ok(Some(Indirect { radiance, is_glossy: false, field: Field::Propagated { uniform, lit }, sky: None }))
+    Ok(Some(Indirect {
+        radiance,
+        is_glossy: false,
+        field: Field::Propagated { uniform, lit },
+        sky: None,
+        change: None,
+    }))
 }

@@ -1,7 +1,7 @@
 //! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
 
-use super::Rays;
 use super::links::Links;
+use super::{Rays, SEED};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -48,6 +48,8 @@ pub(super) fn declare<'a>(
         let samples = rays.count.min(MOST_SAMPLES);
         let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
         cx.counts().paths += u64::from(count) * u64::from(samples);
+        let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
+        cx.counts().rays += u64::from(count) * u64::from(samples * casts);
         let mut key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(rays.count))
@@ -62,7 +64,7 @@ pub(super) fn declare<'a>(
             let uniform = FirstBounceUniform {
                 root: scene.root(),
                 light_count: scene.light_count,
-                seed: rays.seed ^ 0x1656_67b1,
+                seed: SEED ^ 0x1656_67b1,
                 first,
                 before: frame.surfels.before(),
             };

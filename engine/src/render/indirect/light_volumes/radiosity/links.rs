@@ -1,6 +1,6 @@
 //! What surfels see. See `indirect/light_volumes/radiosity/links.wgsl`.
 
-use super::Rays;
+use super::{LINKS, Rays, SEED};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -12,9 +12,6 @@ use wgpu::BufferUsages;
 
 /// Bytes of a link.
 pub(super) const LINK_BYTES: u64 = 16;
-/// Rays that a thread casts one after the other: lavapipe ends all loops of a thread after 65,535 turns together, without a
-/// word, and a ray takes some thousand of them in a large scene.
-const MOST_AT_ONCE: u32 = 8;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -47,21 +44,28 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
     let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
     let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16));
-    let mut pass = graph.pass("surfel links");
+    let parts = graph.retained_buffer("emitted light at surfels, in parts", buffer(16 * u64::from(rays.parts())));
+    let mut pass = graph.pass(LINKS);
     pass.read(surfels);
     let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
+    let parts = pass.write(parts);
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        cx.counts().paths += u64::from(count) * u64::from(rays.count);
-        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(rays.count)).max(64);
+        let cast = rays.cast();
+        let rays_a_surfel = u64::from(cast.end - cast.start);
+        cx.counts().paths += u64::from(count) * rays_a_surfel;
+        let casts = 1 + u64::from(scene.emitter_count > 0) + u64::from(frame.scene.sky_map.is_some());
+        cx.counts().rays += u64::from(count) * rays_a_surfel * casts;
+        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_surfel).max(64);
+        let written = Written { surfels, found, parts };
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
-            cx.work(u64::from(surfels_now) * u64::from(rays.count), RAYS_A_SUBMIT);
-            for first_ray in (0..rays.count).step_by(MOST_AT_ONCE as usize) {
-                dispatch(cx, &frame, scene, (surfels, found), rays, [first, surfels_now, first_ray])?;
+            cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT);
+            for first_ray in cast.clone().step_by(rays.at_once() as usize) {
+                dispatch(cx, &frame, scene, written, rays, [first, surfels_now, first_ray])?;
             }
         }
         Ok(())
@@ -69,11 +73,19 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     found
 }
 
+/// What the pass works on.
+#[derive(Clone, Copy)]
+struct Written {
+    surfels: Handle<Buffer>,
+    found: Links,
+    parts: Handle<Buffer>,
+}
+
 fn dispatch(
     cx: &mut PassContext,
     frame: &Frame,
     scene_rays: &RayScene,
-    (surfels, found): (Handle<Buffer>, Links),
+    Written { surfels, found, parts }: Written,
     rays: Rays,
     [first, surfels_now, first_ray]: [u32; 3],
 ) -> Result<(), PassError> {
@@ -83,23 +95,25 @@ fn dispatch(
         sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
         root: scene_rays.root(),
         emitter_count: scene_rays.emitter_count,
-        seed: rays.seed,
+        seed: SEED,
         first,
         first_ray,
         before: frame.surfels.before(),
         far: frame.surfels.patch_size(),
     };
     let uniform = cx.gpu.uniform("links", &uniform);
-    let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());
+    let [surfels, links, shone_on, parts] =
+        [surfels, found.links, found.shone_on, parts].map(|handle| cx.buffer(handle).clone());
     let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
         .def("RAYS", ShaderDef::Uint(rays.count))
-        .def("AT_ONCE", ShaderDef::Uint(rays.count.min(MOST_AT_ONCE)));
+        .def("AT_ONCE", ShaderDef::Uint(rays.at_once()));
     let mut group = vec![
         ("links", Binding::Buffer(&uniform)),
         ("surfels", Binding::Buffer(&surfels)),
         ("surfel_links", Binding::Buffer(&links)),
         ("shone_on", Binding::Buffer(&shone_on)),
+        ("shone_on_by", Binding::Buffer(&parts)),
     ];
     group.extend(frame.surfels.patches().bindings());
     if scene.sky_map.is_some() {

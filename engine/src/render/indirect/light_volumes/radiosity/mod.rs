@@ -3,13 +3,14 @@
 //! out.
 //!
 //! ```text
-//! surfels ── links (rays, while nothing moves) ─┬─ first bounce (shadow rays) ── solve ─┬─ light of patches ── gather
+//! surfels ── links (rays, where things moved) ─┬─ first bounce (shadow rays) ── solve ─┬─ light of patches ── gather
 //!                                               └──────── further bounces ──────┘      └─ light of surfels ── sweep
 //! ```
 //! A surfel's links are Monte Carlo form factors: its irradiance is the mean of what the patches at their ends send back. The
 //! weights of the links are at most one together, so that no bounce gains light, without any calibration; and where only
 //! lights change the links stay as they are, so that all bounces are sums over what is known.
 
+mod change;
 mod first_bounce;
 mod links;
 mod solve;
@@ -29,6 +30,8 @@ pub(super) struct Radiosity {
     pub patches: Handle<Buffer>,
     /// The same of the surfels.
     pub surfels: Handle<Buffer>,
+    /// How that of the patches changed since the frame before, where frames are averaged.
+    pub change: Option<Handle<Buffer>>,
 }
 
 /// What arrives after more bounces than are computed may be less than this share of the light where a series stands for it.
@@ -63,29 +66,54 @@ impl BounceCount {
     }
 }
 
+/// Name of the pass that finds the links.
+pub(in crate::render) const LINKS: &str = "surfel links";
+
+/// Parts that the rays of a surfel are cast in, in turns where objects move.
+const PARTS: u32 = 4;
+/// Of the random numbers of rays.
+const SEED: u32 = 0x7f4a_7c15;
+
 /// Rays of the surfels in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Rays {
     /// Of a surfel: a power of two, so that their directions are evenly spread.
     count: u32,
-    /// Of their random numbers.
-    seed: u32,
+    /// The part of them that is cast in this frame, where the others are known; none: all.
+    part: Option<u32>,
 }
 
 impl Rays {
     /// As many as the quality asks for, and as fit a storage binding. While objects move and frames are averaged, a quarter
-    /// of them do, other ones in each frame.
+    /// of them are cast anew in each frame, in the same directions as before: where nothing moves nothing changes.
     fn new(frame: &Frame, settings: &Clpv) -> Self {
         let wanted: u32 = match settings.quality {
             Quality::Low => 8,
             Quality::Medium | Quality::High | Quality::Ultra => 16,
         };
-        let (wanted, seed) = match frame.number().filter(|_| frame.surfels.is_moving()) {
-            Some(number) => (wanted / 4, number.wrapping_mul(0x85eb_ca6b)),
-            None => (wanted, 0x7f4a_7c15),
-        };
         let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
-        Self { count: 1 << possible.clamp(1, u64::from(wanted)).ilog2(), seed }
+        let count = 1 << possible.clamp(1, u64::from(wanted)).ilog2();
+        let number = frame.number().filter(|_| frame.surfels.is_moving() && frame.has_links && count >= PARTS);
+        Self { count, part: number.map(|number| number % PARTS) }
+    }
+
+    /// Rays that a thread casts one after the other, those of a part: lavapipe ends all loops of a thread after 65,535 turns
+    /// together, without a word, and a ray takes some thousand of them in a large scene.
+    fn at_once(self) -> u32 {
+        (self.count / PARTS).max(1)
+    }
+
+    /// Parts that there are.
+    fn parts(self) -> u32 {
+        self.count / self.at_once()
+    }
+
+    /// Those that are cast in this frame.
+    fn cast(self) -> std::ops::Range<u32> {
+        match self.part {
+            Some(part) => part * self.at_once()..(part + 1) * self.at_once(),
+            None => 0..self.count,
+        }
     }
 }
 
@@ -109,5 +137,7 @@ pub(super) fn declare<'a>(
     let rays = Rays::new(frame, settings);
     let links = links::declare(graph, frame, surfels, rays);
     let reflected = first_bounce::declare(graph, frame, surfels, links, rays);
-    Some(solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces }))
+    let solved = solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces });
+    let change = change::declare(graph, frame, surfels, solved.patches);
+    Some(Radiosity { change, ..solved })
 }

@@ -46,7 +46,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
     let work = Work {
         bounces: bounces.map(|handle| pass.write(handle)),
         rest: pass.write(rest),
-        result: Radiosity { patches: pass.write(patches), surfels: pass.write(surfels) },
+        result: Radiosity { patches: pass.write(patches), surfels: pass.write(surfels), change: None },
     };
     pass.key(&(subject.bounces, subject.rays, cloud.revision()));
     pass.execute(move |cx| {

@@ -1,6 +1,7 @@
 //! The final gather: rays from the visible surfaces, to the light of patches. See `indirect/light_volumes/sweep/gather.wgsl`.
 
 use super::gather_filter::{self, Gathered};
+use super::interleave::{Interleave, InterleaveUniform};
 use super::lit_points::{self, LitPoints};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
@@ -17,6 +18,8 @@ use glam::Vec3;
 const MAX_RAYS: u32 = 16;
 /// Widest filter \[pixels\].
 const MAX_FILTER: u32 = 32;
+/// Most rays of all kinds of a gathered pixel that stands for four: 1.25 a pixel.
+const RAYS_A_SQUARE: u32 = 5;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -39,6 +42,8 @@ pub(crate) struct GatherUniform {
     points_low: Vec3,
     point_count: u32,
     points_high: Vec3,
+    #[shader(align(16))]
+    interleave: InterleaveUniform,
 }
 
 /// Declares the gather and its filter; the result is reflected radiance. `light` is that of the patches, if
@@ -50,10 +55,11 @@ pub(super) fn declare<'a>(
     settings: &Clpv,
     light: Option<Handle<Buffer>>,
     lit: Option<LitPoints>,
+    interleave: Interleave,
 ) -> Handle<Texture> {
     let gathered = Gathered {
-        diffuse: graph.retained_texture("gathered diffuse", frame.image_desc()),
-        specular: graph.retained_texture("gathered specular", frame.image_desc()),
+        diffuse: graph.retained_texture("gathered diffuse", interleave.image_desc(frame)),
+        specular: graph.retained_texture("gathered specular", interleave.image_desc(frame)),
     };
     let is_known_near = light.is_none() || settings.bounces != Bounces::Converged;
     let nearest = if is_known_near { 0.0 } else { NEAR * frame.surfels.patch_size() };
@@ -64,19 +70,20 @@ pub(super) fn declare<'a>(
     lit.iter().for_each(|lit| pass.read(lit.points));
     let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
     let scene = frame.scene;
-    let (rays, points) = (rays(settings), points(settings));
+    let (rays, points) = (rays(frame, settings, interleave), points(settings, interleave));
     pass.key(&(
         rays,
         points,
         lit.is_some(),
+        interleave.key(),
         frame.seed(),
         frame.view_key(),
         (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
     ));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, light, nearest, lit, gathered, rays, points };
+    let work = Work { frame: frame.clone(), inputs, light, nearest, lit, gathered, rays, points, interleave };
     pass.execute(move |cx| work.run(cx));
-    gather_filter::declare(graph, frame, gbuffer, gathered, filter_radius(settings, frame.images()))
+    gather_filter::declare(graph, frame, gbuffer, gathered, interleave, filter_radius(settings, frame.images()))
 }
 
 struct Work<'a> {
@@ -89,15 +96,17 @@ struct Work<'a> {
     gathered: Gathered,
     rays: u32,
     points: u32,
+    interleave: Interleave,
 }
 
 impl Work<'_> {
     fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
         let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        let [width, height] = self.frame.view.size;
+        let [width, height] = self.interleave.texels();
         let pixels = u64::from(width) * u64::from(height);
         cx.counts().texels += pixels;
         cx.counts().paths += pixels * u64::from(self.rays);
+        cx.counts().rays += pixels * u64::from(self.rays * casts_a_ray(&self.frame) + self.points_cast());
         let rays_a_row = u64::from(width) * u64::from(self.rays);
         let rows_a_submit = cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_row;
         // Whole workgroups, eight rows high.
@@ -108,6 +117,11 @@ impl Work<'_> {
             self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
         }
         Ok(())
+    }
+
+    /// Shadow rays to points of lit surfaces.
+    fn points_cast(&self) -> u32 {
+        if self.lit.is_some() { self.points } else { 0 }
     }
 
     fn dispatch(
@@ -167,6 +181,7 @@ impl Work<'_> {
             points_low: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.min),
             point_count: lit_points::POINTS,
             points_high: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.max),
+            interleave: self.interleave.uniform(),
         }
     }
 }
@@ -191,11 +206,11 @@ pub(super) fn is_possible(graph: &mut Graph, frame: &Frame, settings: &Clpv) -> 
 
 /// Whether rays are wanted.
 pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
-    settings.transport == Transport::Sweep && rays(settings) > 0
+    settings.transport == Transport::Sweep && wanted_rays(settings) > 0
 }
 
-/// Rays of a pixel.
-fn rays(settings: &Clpv) -> u32 {
+/// Rays of a gathered pixel that are asked for.
+fn wanted_rays(settings: &Clpv) -> u32 {
     match (settings.gather_rays, settings.quality) {
         (GatherRays::Count(count), _) => count.min(MAX_RAYS),
         (GatherRays::Auto, Quality::Low) => 0,
@@ -205,12 +220,30 @@ fn rays(settings: &Clpv) -> u32 {
     }
 }
 
-/// Points of lit surfaces that a pixel samples.
-pub(super) fn points(settings: &Clpv) -> u32 {
-    match settings.gather_points {
-        GatherRays::Auto => rays(settings).div_ceil(4),
-        GatherRays::Count(count) => count.min(MAX_RAYS),
+/// Rays of a gathered pixel. One that stands for four has no more than [`RAYS_A_SQUARE`] allow: the mean over frames makes up
+/// for them.
+fn rays(frame: &Frame, settings: &Clpv, interleave: Interleave) -> u32 {
+    let wanted = wanted_rays(settings);
+    if !interleave.is_sparse() {
+        return wanted;
     }
+    let possible = (RAYS_A_SQUARE - points(settings, interleave)) / casts_a_ray(frame);
+    wanted.min(possible.max(1))
+}
+
+/// Rays that are cast for each that gathers: itself, and those to a lamp, an emissive surface and the sky.
+fn casts_a_ray(frame: &Frame) -> u32 {
+    let (lights, emitters) = frame.rays.map_or((0, 0), |rays| (rays.light_count, rays.emitter_count));
+    1 + [lights > 0, emitters > 0, frame.scene.sky_map.is_some()].map(u32::from).iter().sum::<u32>()
+}
+
+/// Points of lit surfaces that a gathered pixel samples.
+pub(super) fn points(settings: &Clpv, interleave: Interleave) -> u32 {
+    let wanted = match settings.gather_points {
+        GatherRays::Auto => wanted_rays(settings).div_ceil(4),
+        GatherRays::Count(count) => count.min(MAX_RAYS),
+    };
+    if interleave.is_sparse() { wanted.min(1) } else { wanted }
 }
 
 /// What the volumes are swept with. Light that rays gather needs less: what the volumes get wrong is evened out over all that a

@@ -21,7 +21,9 @@ mod emit;
 mod further;
 pub(in crate::render) mod gather;
 mod gather_filter;
+mod gather_upsample;
 mod grid;
+mod interleave;
 mod irradiance;
 mod links;
 mod lit_points;
@@ -38,6 +40,8 @@ pub use grid::volumes;
 pub(crate) use self::{
     emit::EmitUniform,
     gather::GatherUniform,
+    gather_filter::ReachUniform,
+    gather_upsample::UpsampleUniform,
     irradiance::LookupUniform,
     lit_points::DrawUniform,
     transport::{CollectUniform, MarchUniform, SumUniform},
@@ -55,6 +59,7 @@ use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
+use interleave::Interleave;
 use opacity::Obstacles;
 use transport::{Kept, Sky};
 
@@ -160,8 +165,9 @@ pub(super) fn declare<'a>(
         (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
     let radiance = if is_gathered {
-        let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings));
-        gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit)
+        let interleave = Interleave::new(frame, radiosity.and_then(|light| light.change).is_some());
+        let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
+        gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit, interleave)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
@@ -175,7 +181,10 @@ pub(super) fn declare<'a>(
         .filter(|_| !is_gathered && sky_reflection::is_mirrored(frame.scene))
         .map(|level| (level.obstacles, level.volume));
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
-    Ok(levels.last().map(|level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky }))
+    let change = radiosity.filter(|_| is_gathered).and_then(|light| light.change);
+    let indirect =
+        |level: &Level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky, change };
+    Ok(levels.last().map(indirect))
 }
 
 /// What the volumes of these settings are swept with in a frame.

@@ -1,0 +1,86 @@
+//! Which pixels rays are cast for: all of them, or where frames are averaged one of each square of four, another one in each
+//! frame (interleaved sampling: Keller and Heidrich 2001). What lies between takes the light of those around it, see
+//! `gather_upsample`.
+
+use crate::graph::TextureDesc;
+use crate::render::frame::Frame;
+use encase::ShaderType;
+use glam::UVec2;
+
+/// Pixels along the edge of a square of which one is gathered at.
+const STRIDE: u32 = 2;
+/// The order in which the pixels of a square take turns: any two that follow each other touch at a corner or an edge, and
+/// two frames see both rows and both columns.
+const TURNS: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
+
+/// How many sparse frames the first one counts for, in which all pixels have all their rays.
+const FIRST: f32 = 8.0;
+
+/// The pixels of a frame that are gathered at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Interleave {
+    stride: u32,
+    offset: [u32; 2],
+    size: [u32; 2],
+    /// How much the frame counts among others.
+    weight: f32,
+}
+
+/// `Interleave` of `lib/interleave.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct InterleaveUniform {
+    stride: u32,
+    offset: UVec2,
+    texels: UVec2,
+}
+
+impl Interleave {
+    /// All pixels of a frame that stands for itself or is the first of its row, and a quarter of one that is averaged with many
+    /// others because how its light changes is known.
+    pub fn new(frame: &Frame, is_followed: bool) -> Self {
+        let size = frame.view.size;
+        let (stride, offset, weight) = match frame.number().filter(|_| is_followed) {
+            None => (1, [0, 0], 1.0),
+            Some(0) => (1, [0, 0], FIRST),
+            Some(number) => (STRIDE, TURNS[(number % 4) as usize], 1.0),
+        };
+        Self { stride, offset, size, weight }
+    }
+
+    /// Whether it leaves pixels out.
+    pub fn is_sparse(&self) -> bool {
+        self.stride > 1
+    }
+
+    /// Size of the image that holds a texel for each gathered pixel.
+    pub fn texels(&self) -> [u32; 2] {
+        self.size.map(|edge| edge.div_ceil(self.stride))
+    }
+
+    /// An image of that size of linear values, rgba32float.
+    pub fn image_desc(&self, frame: &Frame) -> TextureDesc {
+        let [width, height] = self.texels();
+        TextureDesc { size: [width, height, 1], ..frame.image_desc() }
+    }
+
+    /// Changes with which pixels they are.
+    pub fn key(&self) -> ([u32; 3], [u32; 2], u32) {
+        let [x, y] = self.offset;
+        ([self.stride, x, y], self.size, self.weight.to_bits())
+    }
+
+    /// How much the frame counts among others.
+    pub fn weight(&self) -> f32 {
+        self.weight
+    }
+
+    /// A filter's radius in texels, from pixels.
+    pub fn radius(&self, pixels: u32) -> u32 {
+        pixels.div_ceil(self.stride)
+    }
+
+    /// What shaders read of it.
+    pub fn uniform(&self) -> InterleaveUniform {
+        InterleaveUniform { stride: self.stride, offset: self.offset.into(), texels: self.texels().into() }
+    }
+}

@@ -1,0 +1,82 @@
+// Light of all pixels from one pixel of each square of four: each takes that of the four gathered ones around it, as far as
+// they show the same surface (joint bilateral upsampling: Kopf et al. 2007). A pixel whose surface none of them shows has to
+// make do with them in this frame, and says by its weight how little that counts.
+
+#import lightwell::bilateral::likeness
+#import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::interleave::{Interleave, pixel_of}
+#import lightwell::view::View
+
+struct Upsample {
+    view: View,
+    @align(16) interleave: Interleave,
+}
+
+@group(0) @binding(0) var<uniform> upsample: Upsample;
+@group(0) @binding(1) var base_color: texture_2d<u32>;
+@group(0) @binding(2) var normal: texture_2d<u32>;
+@group(0) @binding(3) var depth: texture_depth_2d;
+@group(0) @binding(4) var diffuse: texture_2d<f32>;
+@group(0) @binding(5) var specular: texture_2d<f32>;
+// Reflected radiance [W/(m² sr)], and how much it counts beside that of other frames: 1 where all of it is the surface's own.
+@group(0) @binding(6) var indirect: texture_storage_2d<rgba32float, write>;
+
+// Least weight by distance, and of what is another surface: for where there is nothing else.
+const LEAST: f32 = 1e-4;
+const LEAST_LIKE: f32 = 1e-7;
+// Least that a frame counts, so that what is seen for the first time shows some light.
+const LEAST_COUNT: f32 = 0.02;
+
+struct Upsampled {
+    diffuse: vec3f,
+    specular: vec3f,
+    weights: f32,
+}
+
+fn upsampled(pixel: vec2u, z: f32) -> Upsampled {
+    let view = upsample.view;
+    let grid = upsample.interleave;
+    let position = world_position(pixel, view.size, z, view.world_from_clip);
+    let n = decode_normal(textureLoad(normal, pixel, 0));
+    let at = (vec2f(pixel) - vec2f(grid.offset)) / f32(grid.stride);
+    let low = floor(at);
+    let part = at - low;
+    var sum = Upsampled(vec3f(0.0), vec3f(0.0), 0.0);
+    var all = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2i(i & 1, i >> 1);
+        let texel = vec2u(clamp(vec2i(low) + corner, vec2i(0), vec2i(grid.texels) - 1));
+        let other = pixel_of(grid, texel, view.size);
+        let other_z = textureLoad(depth, other, 0);
+        if other_z <= 0.0 {
+            continue;
+        }
+        let share = select(1.0 - part, part, corner == vec2i(1));
+        let other_position = world_position(other, view.size, other_z, view.world_from_clip);
+        let like = likeness(position, n, other_position, decode_normal(textureLoad(normal, other, 0)));
+        let near = max(share.x * share.y, LEAST);
+        let weight = near * max(like, LEAST_LIKE);
+        sum.diffuse += weight * textureLoad(diffuse, texel, 0).rgb;
+        sum.specular += weight * textureLoad(specular, texel, 0).rgb;
+        sum.weights += near * like;
+        all += weight;
+    }
+    let scale = 1.0 / max(all, 1e-30);
+    return Upsampled(scale * sum.diffuse, scale * sum.specular, clamp(sum.weights, LEAST_COUNT, 1.0));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) thread: vec3u) {
+    let pixel = thread.xy;
+    if any(pixel >= upsample.view.size) {
+        return;
+    }
+    let z = textureLoad(depth, pixel, 0);
+    var radiance = vec4f(0.0, 0.0, 0.0, 1.0);
+    if z > 0.0 {
+        let light = upsampled(pixel, z);
+        let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
+        radiance = vec4f(min(albedo * light.diffuse + light.specular, vec3f(1e32)), light.weights);
+    }
+    textureStore(indirect, pixel, radiance);
+}
