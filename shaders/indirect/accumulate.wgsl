@@ -184,12 +184,16 @@ fn history(pixel: vec2u, id: u32, position: vec3f, n: vec3f, footprint: f32) -> 
     return around(position, n, footprint);
 }
 
+fn is_changing() -> bool {
+    return average.tolerance < 1e3;
+}
+
 // A frame's light, without what only a stray sample explains: a single path to something small and bright. Light that does
-// change raises the limit with every frame.
+// change raises the limit with every frame, and where nothing changes any more the mean has all there is.
 fn without_strays(past: Past, light: vec3f) -> vec3f {
     let limit = past.quick + STRAY * max(past.spread, LEAST_SPREAD * past.quick);
     let found = luminance(light);
-    return select(light, light * (limit / max(found, 1e-37)), past.frames > FEW && found > limit);
+    return select(light, light * (limit / max(found, 1e-37)), is_changing() && past.frames > FEW && found > limit);
 }
 
 // The new means, from what is remembered and a frame's light that counts so much.
@@ -205,7 +209,7 @@ fn updated(past: Past, all: vec3f, count: f32, most: f32) -> Past {
     let mean = luminance(now.light);
     let allowed = average.tolerance * now.spread + LEAST_TOLERANCE * now.quick;
     let bounded = clamp(mean, now.quick - allowed, now.quick + allowed);
-    if bounded != mean && average.tolerance < 1e3 {
+    if bounded != mean && is_changing() {
         // What was next to black has no colour to go by.
         now.light = select(light, now.light * (bounded / max(mean, 1e-37)), mean > 1e-3 * bounded);
         now.frames = min(now.frames, AFTER_CHANGE + count);

@@ -2,7 +2,7 @@
 //! frames count for little: [`MOST_WHILE_CHANGING`].
 
 use super::geometry::motion::Motions;
-use super::post::temporal_antialiasing;
+use super::pixel_shift;
 use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
 use crate::gpu::Gpu;
@@ -132,9 +132,9 @@ impl History {
         let subject = subject(scene, view, settings, gpu.shaders.revision());
         let before = self.last.filter(|last| last.subject == subject).zip(self.step);
         let before = before.filter(|_| self.targets.is_some());
-        let is_smooth = temporal_antialiasing::is_possible(settings, view);
+        let is_smooth = pixel_shift::is_possible(settings, view);
         let number = before.map_or(0, |(_, step)| step.number.wrapping_add(1));
-        let jitter = if is_smooth { temporal_antialiasing::jitter(number) } else { view.jitter };
+        let jitter = if is_smooth { pixel_shift::of_frame(number) } else { view.jitter };
         let seen = Seen::new(subject, scene, view, jitter);
         match before {
             Some((last, step)) => self.go_on(last, seen, step, jitter),
@@ -235,6 +235,11 @@ impl History {
     pub fn colors(&self) -> Option<&InTurns<wgpu::TextureView>> {
         let number = self.step?.number;
         self.colors.as_ref().filter(|colors| colors.number == number)
+    }
+
+    /// Whether light may have changed lately in the frame that was begun, so that it is not the plain mean of all.
+    pub fn is_changing(&self) -> bool {
+        self.step.is_some_and(|step| step.tolerance < f32::MAX)
     }
 
     /// Whether more frames would make the picture better.

@@ -29,6 +29,7 @@
 struct Reach {
     radius: i32,           // the one in the middle among them [texels]
     weight: f32,           // how much the frame counts among others
+    stray: f32,            // how many times as bright as all that is next to it light may be
     @align(16) interleave: Interleave,
 }
 
@@ -37,7 +38,6 @@ struct Reach {
 const TOLERANCE: f32 = 0.15;
 const TOLERANCE_ALONG: f32 = 0.8;
 const LEAST: f32 = 2.0;
-const STRAY: f32 = 2.0;
 
 fn luminance(c: vec3f) -> f32 {
     return dot(c, vec3f(0.2126, 0.7152, 0.0722));
@@ -149,7 +149,7 @@ fn limited(light: vec3f, limit: f32) -> vec3f {
 }
 
 // What is left of the light of one pixel in four, for `gather_upsample`. Of the few rays of a frame a single one may meet
-// something small and bright: no light is more than STRAY times as bright as all that is next to it.
+// something small and bright: no light is `stray` times as bright as all that is next to it.
 @compute @workgroup_size(8, 8)
 fn vertical_sparse(@builtin(global_invocation_id) thread: vec3u) {
     let texel = thread.xy;
@@ -160,7 +160,7 @@ fn vertical_sparse(@builtin(global_invocation_id) thread: vec3u) {
     var result = Filtered(vec3f(0.0), vec3f(0.0));
     if z > 0.0 {
         let light = filtered_vertically(texel, z);
-        let limit = STRAY * brightest_beside(texel);
+        let limit = reach.stray * brightest_beside(texel);
         result = Filtered(limited(light.diffuse, limit.x), limited(light.specular, limit.y));
     }
     store_filtered(texel, result, vec3f(0.0));

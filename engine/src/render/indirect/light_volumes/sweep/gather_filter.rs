@@ -15,11 +15,17 @@ pub(super) struct Gathered {
     pub specular: Handle<Texture>,
 }
 
+/// How many times as bright as all that is next to it light of a sparse frame may be: while light changes, and at rest,
+/// where the mean of many frames is right only if nothing is cut off.
+const STRAY: f32 = 2.0;
+const ANY: f32 = 1e6;
+
 /// `Reach` of `indirect/light_volumes/sweep/gather_filter.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct ReachUniform {
     radius: i32,
     weight: f32,
+    stray: f32,
     #[shader(align(16))]
     interleave: InterleaveUniform,
 }
@@ -68,7 +74,7 @@ fn vertical<'a>(
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, half.diffuse, half.specular];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     let indirect = pass.write(indirect);
-    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key()));
+    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let [base_color, normal, depth, diffuse, specular] = inputs.map(|handle| cx.view(handle));
@@ -129,7 +135,7 @@ fn along<'a>(
     let inputs = [gbuffer.normal, gbuffer.depth, gathered.diffuse, gathered.specular];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     let filtered = Gathered { diffuse: pass.write(filtered.diffuse), specular: pass.write(filtered.specular) };
-    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key()));
+    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let [normal, depth, diffuse, specular] = inputs.map(|handle| cx.view(handle));
