@@ -54,6 +54,8 @@ fn wrong_usage_is_two() {
         &["render", "cornell", "-o", "a.png", "--gi", "magic"],
         &["render", "cornell", "-o", "a.png", "--set", "nonsense"],
         &["render", "cornell", "-o", "a.png", "--aa", "0"],
+        &["render", "cornell", "-o", "a.png", "--aa", "4", "--quality", "best"],
+        &["render", "cornell", "-o", "a.png", "--time-limit", "0"],
         &["compare", "a.exr"],
         &["compare", "a.exr", "b.exr", "--max", "luck=1"],
         &["compare", "a.exr", "b.exr", "--metric", "luck"],
@@ -235,6 +237,22 @@ fn render_twice_gives_equal_bytes() {
 }
 
 #[test]
+fn a_quality_is_told_and_refused_where_it_means_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let render = |name: &str, more: &[&str]| {
+        let path = dir.path().join(name);
+        let path = path.to_str().unwrap();
+        lightwell(&[&["render", "cornell", "-o", path, "--size", "32x24", "--gi", "none"][..], more].concat())
+    };
+    let output = render("a.png", &["--quality", "fast"]);
+    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
+    assert!(out(&output).contains("images averaged in ") && out(&output).contains("bound 0.03"), "{}", out(&output));
+    let output = render("a.exr", &["--quality", "fast"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(err(&output).contains("--quality does not apply") && err(&output).contains("--aa N"), "{}", err(&output));
+}
+
+#[test]
 fn frames_are_numbered_files() {
     let dir = tempfile::tempdir().unwrap();
     let pattern = dir.path().join("new folder/{}.png");
@@ -367,7 +385,7 @@ fn sponza_is_loaded_and_drawn_within_600_megabytes() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("sponza.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightwell"));
-    command.args(["render", "sponza", "--gi", "none", "--size", "256x256", "-o"]).arg(&picture);
+    command.args(["render", "sponza", "--gi", "none", "--aa", "1", "--size", "256x256", "-o"]).arg(&picture);
     let mut child = command.env_remove("RUST_LOG").spawn().unwrap();
     let mut peak = 0.0_f64;
     let status = loop {
