@@ -169,8 +169,8 @@ mod tests {
             Images::choose(aa, quality, Quality::Good, look, linear)
         };
         let plain = QualityArgs::default();
-        assert!(matches!(choose(None, &plain, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.015));
-        assert!(matches!(choose(None, &asked, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.0075));
+        assert!(matches!(choose(None, &plain, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.02));
+        assert!(matches!(choose(None, &asked, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.01));
         assert_eq!(choose(Some(3), &plain, &look, false).unwrap(), Images::Count(3));
         let debug = DebugArgs { views: vec![DebugView::Lights], ..DebugArgs::default() };
         let cases = [

@@ -246,7 +246,7 @@ fn a_quality_is_told_and_refused_where_it_means_nothing() {
     };
     let output = render("a.png", &["--quality", "fast"]);
     assert_eq!(output.status.code(), Some(0), "{}", err(&output));
-    assert!(out(&output).contains("images averaged in ") && out(&output).contains("bound 0.03"), "{}", out(&output));
+    assert!(out(&output).contains("images averaged in ") && out(&output).contains("bound 0.04"), "{}", out(&output));
     let output = render("a.exr", &["--quality", "fast"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(err(&output).contains("--quality does not apply") && err(&output).contains("--aa N"), "{}", err(&output));

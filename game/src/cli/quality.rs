@@ -6,11 +6,11 @@ use clap::{Args, ValueEnum};
 /// How little noise an image may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Quality {
-    /// Estimated error at most 0.03, within 10 s
+    /// Estimated error at most 0.04, within 10 s
     Fast,
-    /// Estimated error at most 0.015, within 60 s
+    /// Estimated error at most 0.02, within 120 s
     Good,
-    /// Estimated error at most 0.0075, within 600 s
+    /// Estimated error at most 0.01, within 1200 s
     Best,
 }
 

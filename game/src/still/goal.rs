@@ -27,9 +27,9 @@ impl Goal {
     /// What a quality asks for, within the time that was given for it.
     pub fn new(args: &QualityArgs, default: Quality) -> Self {
         let (bound, least, most, filtered_for, seconds) = match args.quality.unwrap_or(default) {
-            Quality::Fast => (0.03, 4, 64, 1, 10.0),
-            Quality::Good => (0.015, 8, 512, 4, 60.0),
-            Quality::Best => (0.0075, 16, 4096, 16, 600.0),
+            Quality::Fast => (0.04, 4, 64, 1, 10.0),
+            Quality::Good => (0.02, 8, 512, 4, 120.0),
+            Quality::Best => (0.01, 16, 4096, 16, 1200.0),
         };
         // A longer time than can be told is no limit.
         let limit = Duration::try_from_secs_f64(args.time_limit.unwrap_or(seconds));
@@ -78,11 +78,11 @@ mod tests {
     fn looks_come_nearer_to_what_is_expected() {
         let goal = Goal::new(&QualityArgs::default(), Quality::Good);
         let estimate = |mean, most| Estimate { mean, most };
-        assert_eq!(goal.excess(estimate(0.03, 0.03)), 2.0);
-        assert_eq!(goal.excess(estimate(0.015, 0.15)), 2.0);
-        assert_eq!(goal.expected(20, estimate(0.03, 0.0)), 146);
-        assert_eq!(goal.next_look(20, estimate(0.03, 0.0)), 40);
-        assert_eq!(goal.next_look(20, estimate(0.0151, 0.0)), 22);
+        assert_eq!(goal.excess(estimate(0.04, 0.04)), 2.0);
+        assert_eq!(goal.excess(estimate(0.02, 0.2)), 2.0);
+        assert_eq!(goal.expected(20, estimate(0.04, 0.0)), 146);
+        assert_eq!(goal.next_look(20, estimate(0.04, 0.0)), 40);
+        assert_eq!(goal.next_look(20, estimate(0.0201, 0.0)), 22);
         assert_eq!(goal.next_look(400, estimate(1.0, 1.0)), 512);
     }
 }

@@ -18,7 +18,7 @@ use halves::Halves;
 use lightwell::measure::Image;
 use lightwell::render::RenderSettings;
 use lightwell::scene::SceneView;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// How far an average is.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +50,10 @@ pub fn average(
     let mut halves = Halves::new(size);
     let (mut look, mut estimate) = (goal.least, None);
     loop {
-        let begun = Instant::now();
-        halves.add(&draw_pair(session, size, &settings, halves.images() / 2)?);
+        let (pair, frame_time) = draw_pair(session, size, &settings, halves.images() / 2)?;
+        halves.add(&pair);
         let images = halves.images();
-        // The next pair takes about as long as this one.
-        let is_late = start.elapsed() + begun.elapsed() > goal.time_limit;
+        let is_late = start.elapsed() + 2 * frame_time > goal.time_limit;
         if images >= look || is_late {
             let now = halves.estimate()?;
             let end = match () {
@@ -75,13 +74,21 @@ pub fn average(
     }
 }
 
-/// An image for each half.
-fn draw_pair(session: &mut Session, size: [u32; 2], settings: &RenderSettings, pair: u32) -> Result<[Image; 2]> {
+/// An image for each half, and how long the second took: the very first frame also compiles shaders.
+fn draw_pair(
+    session: &mut Session,
+    size: [u32; 2],
+    settings: &RenderSettings,
+    pair: u32,
+) -> Result<([Image; 2], Duration)> {
     let camera = session.camera()?;
     let [first, second] = jitter::pair(pair);
     let mut draw = |jitter| {
         session.render(&SceneView { camera: camera.clone(), size, jitter }, settings)?;
         capture::display(session)
     };
-    Ok([draw(first)?, draw(second)?])
+    let first = draw(first)?;
+    let start = Instant::now();
+    let second = draw(second)?;
+    Ok(([first, second], start.elapsed()))
 }

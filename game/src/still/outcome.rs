@@ -48,11 +48,11 @@ impl fmt::Display for Outcome {
                 let expected = goal.expected(*images, *estimate);
                 write!(
                     f,
-                    ": the time limit of {limit} s ended it first; about {expected} images would reach the bound \
-                     (a longer --time-limit, or a lower --quality)"
+                    ": the time limit of {limit} s ended it first; about {expected} images would reach the bound: give a \
+                     longer --time-limit"
                 )
             }
-            End::Most => write!(f, ": more than {images} images are not averaged"),
+            End::Most => write!(f, ": this quality averages no more images"),
         }
     }
 }
@@ -114,10 +114,10 @@ mod tests {
         tally.add(outcome(0.01, End::Bound));
         let within = tally.sentence().unwrap();
         assert!(within.starts_with("16 images averaged in 1.5 s; estimated error 0.0100"), "{within}");
-        assert!(within.ends_with("bound 0.015"), "{within}");
+        assert!(within.ends_with("bound 0.02"), "{within}");
         tally.add(outcome(0.03, End::Time));
         let both = tally.sentence().unwrap();
         assert!(both.starts_with("16.0 images averaged for each of 2 frames; 1 were ended"), "{both}");
-        assert!(both.contains("0.0300") && both.contains("time limit of 2 s") && both.contains("about 116"), "{both}");
+        assert!(both.contains("0.0300") && both.contains("time limit of 2 s") && both.contains("about 52"), "{both}");
     }
 }

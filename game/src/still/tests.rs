@@ -7,7 +7,6 @@ use crate::cli::{Common, LookArgs, Quality, QualityArgs};
 use crate::shot::{Images, Shot};
 use crate::writer::Picture;
 use lightwell::measure::flip_displayed;
-use std::time::Duration;
 
 const SIZE: [u32; 2] = [64, 48];
 
