@@ -54,8 +54,6 @@ fn wrong_usage_is_two() {
         &["render", "cornell", "-o", "a.png", "--gi", "magic"],
         &["render", "cornell", "-o", "a.png", "--set", "nonsense"],
         &["render", "cornell", "-o", "a.png", "--aa", "0"],
-        &["render", "cornell", "-o", "a.png", "--aa", "4", "--quality", "best"],
-        &["render", "cornell", "-o", "a.png", "--time-limit", "0"],
         &["compare", "a.exr"],
         &["compare", "a.exr", "b.exr", "--max", "luck=1"],
         &["compare", "a.exr", "b.exr", "--metric", "luck"],
@@ -234,22 +232,6 @@ fn render_twice_gives_equal_bytes() {
     assert_eq!((image.size(), image.first_non_finite()), ([64, 48], None));
     assert!(image.mean() > 0.0);
     assert!(render("d.png", &[]).starts_with(b"\x89PNG"));
-}
-
-#[test]
-fn a_quality_is_told_and_refused_where_it_means_nothing() {
-    let dir = tempfile::tempdir().unwrap();
-    let render = |name: &str, more: &[&str]| {
-        let path = dir.path().join(name);
-        let path = path.to_str().unwrap();
-        lightwell(&[&["render", "cornell", "-o", path, "--size", "32x24", "--gi", "none"][..], more].concat())
-    };
-    let output = render("a.png", &["--quality", "fast"]);
-    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
-    assert!(out(&output).contains("images averaged in ") && out(&output).contains("bound 0.04"), "{}", out(&output));
-    let output = render("a.exr", &["--quality", "fast"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(err(&output).contains("--quality does not apply") && err(&output).contains("--aa N"), "{}", err(&output));
 }
 
 #[test]
