@@ -10,9 +10,47 @@ pub fn shift(index: u32, count: u32) -> [f32; 2] {
     [x - 0.5, y - 0.5].map(|v| v as f32)
 }
 
+/// Shifts of pair `index` of an average whose length is not known ahead, in pixels, each in −½..½: one for each of two
+/// halves. The second is the first mirrored at the pixel's centre, so that the mean of any number of pairs is the centre.
+///
+/// The first ones are the R2 sequence, which fills a square evenly at every length (M. Roberts, "The Unreasonable
+/// Effectiveness of Quasirandom Sequences", 2018). No two shifts are equal, which matters since random numbers follow
+/// from the shift.
+pub fn pair(index: u32) -> [[f32; 2]; 2] {
+    /// Powers of the inverse of the plastic number, the root of x³ = x + 1.
+    const STEP: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
+    /// With this start the sum of the shifts of a half stays within 1.3 pixels for the first 256.
+    const START: [f64; 2] = [0.8, 0.175];
+    let number = f64::from(index) + 1.0;
+    let first = [0, 1].map(|axis| ((START[axis] + number * STEP[axis]).fract() - 0.5) as f32);
+    [first, first.map(|v| -v)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pairs_of_any_number_are_centred_and_fill_the_pixel() {
+        let (mut both, mut first) = ([0.0f64; 2], [0.0f64; 2]);
+        let mut cells = [0u32; 16];
+        let mut seen = std::collections::BTreeSet::new();
+        for index in 0..256 {
+            let halves = pair(index);
+            for [x, y] in halves {
+                assert!((-0.5..=0.5).contains(&x) && (-0.5..=0.5).contains(&y), "{x} {y}");
+                assert!(seen.insert([x, y].map(f32::to_bits)), "{x} {y} comes twice");
+                cells[((x + 0.5) * 4.0).min(3.0) as usize + 4 * ((y + 0.5) * 4.0).min(3.0) as usize] += 1;
+            }
+            for axis in 0..2 {
+                both[axis] += f64::from(halves[0][axis]) + f64::from(halves[1][axis]);
+                first[axis] += f64::from(halves[0][axis]);
+                assert_eq!(both[axis], 0.0, "after {} pairs", index + 1);
+                assert!(first[axis].abs() < 1.3, "after {} images of a half: {first:?}", index + 1);
+            }
+        }
+        assert!(cells.iter().all(|&count| count.abs_diff(32) <= 4), "{cells:?}");
+    }
 
     #[test]
     fn a_single_frame_is_not_shifted() {

@@ -36,6 +36,8 @@ mod sequence;
 pub mod session;
 mod set;
 mod sheet;
+mod shot;
+mod still;
 pub mod stress;
 mod writer;
 

@@ -367,7 +367,7 @@ fn sponza_is_loaded_and_drawn_within_600_megabytes() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("sponza.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightwell"));
-    command.args(["render", "sponza", "--gi", "none", "--size", "256x256", "-o"]).arg(&picture);
+    command.args(["render", "sponza", "--gi", "none", "--aa", "1", "--size", "256x256", "-o"]).arg(&picture);
     let mut child = command.env_remove("RUST_LOG").spawn().unwrap();
     let mut peak = 0.0_f64;
     let status = loop {

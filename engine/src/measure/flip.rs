@@ -48,12 +48,24 @@ pub fn flip_exposure(reference: &Image) -> f64 {
 /// # Panics
 /// If the sizes differ or there are no pixels; [`super::compare`] checks that before.
 pub fn flip(image: &Image, reference: &Image) -> FlipMap {
+    let exposure = flip_exposure(reference);
+    flip_with(image, reference, |picture| display_bytes(picture, exposure))
+}
+
+/// FLIP of `image` against `reference` where both are what a screen shows already: linear light of 0..1, encoded in sRGB
+/// and rounded to 8 bits.
+///
+/// # Panics
+/// As [`flip`].
+pub fn flip_displayed(image: &Image, reference: &Image) -> FlipMap {
+    flip_with(image, reference, Image::to_srgb8)
+}
+
+fn flip_with(image: &Image, reference: &Image, bytes: impl Fn(&Image) -> Vec<u8>) -> FlipMap {
     assert_eq!(image.size(), reference.size(), "FLIP needs images of one size");
     assert!(!reference.pixels().is_empty(), "FLIP needs pixels");
-    let exposure = flip_exposure(reference);
     let [width, height] = image.size();
-    let displayed =
-        |picture: &Image| nv_flip::FlipImageRgb8::with_data(width, height, &display_bytes(picture, exposure));
+    let displayed = |picture: &Image| nv_flip::FlipImageRgb8::with_data(width, height, &bytes(picture));
     let map = nv_flip::flip(displayed(reference), displayed(image), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
     FlipMap { size: [width, height], errors: map.to_vec() }
 }
@@ -100,6 +112,14 @@ mod tests {
         let far = flip(&Image::filled(32, 32, [2.0; 3]), &reference).mean();
         let other_hue = flip(&Image::filled(32, 32, [2.0, 0.2, 0.2]), &reference).mean();
         assert!(0.0 < near && near < far && far < other_hue && other_hue <= 1.0, "{near} {far} {other_hue}");
+    }
+
+    #[test]
+    fn displayed_images_are_not_exposed_again() {
+        let [dark, darker] = [0.01, 0.008].map(|value| Image::filled(32, 32, [value; 3]));
+        let shown = flip_displayed(&darker, &dark).mean();
+        assert!(0.0 < shown && shown < 0.5 * flip(&darker, &dark).mean(), "{shown}");
+        assert_eq!(flip_displayed(&dark, &dark).mean(), 0.0);
     }
 
     #[test]

@@ -27,6 +27,6 @@ pub use difference::difference_picture;
 pub use figure::{displayed, figure};
 pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
 pub(crate) use file::{check_exr, may_hold};
-pub use flip::{FlipMap, flip, flip_exposure};
+pub use flip::{FlipMap, flip, flip_displayed, flip_exposure};
 pub use image::{Image, srgb_decode, srgb_encode};
 pub use metrics::{Comparison, MeasureError, TwoHalves, compare, two_halves};

@@ -58,7 +58,7 @@ impl GameArgs {
 
     /// The same for the editor.
     pub(super) fn as_play(&self, scene: String) -> PlayArgs {
-        PlayArgs { scene, size: self.size, look: self.look() }
+        PlayArgs { scene, size: self.size, quality: Default::default(), look: self.look() }
     }
 }
 

@@ -75,7 +75,8 @@ pub struct LookArgs {
     /// Part of the picture to show
     #[arg(long, value_enum, default_value_t = Only::Total)]
     pub only: Only,
-    /// Leave the edges of display images as they are drawn (measured images always do: EXR, --aa, layers)
+    /// Leave the edges of single display frames as they are drawn (averaged and measured images always do: --quality,
+    /// --aa, EXR, layers)
     #[arg(long)]
     pub no_mlaa: bool,
     /// What tells the edges that are smoothed

@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod look;
 mod parse;
+mod quality;
 mod render;
 mod sheet;
 mod stress;
@@ -14,6 +15,7 @@ pub use compare::{CompareArgs, Metric};
 pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, Switch, TraceArgs};
 pub use parse::parse_assignment;
 pub(crate) use parse::parse_size;
+pub use quality::{Quality, QualityArgs};
 pub use render::RenderArgs;
 pub use sheet::SheetArgs;
 pub use stress::StressArgs;
@@ -144,7 +146,7 @@ The window has panels around the picture to look at the scene and to change it; 
 
 The scene file and the shaders are watched: a change shows at once, and a mistake shows its error while
 the last good version keeps running. Edits that are not saved are asked for before they would be lost.
-Without a display the animation is rendered into out/NAME/.";
+Without a display the animation is rendered into out/NAME/, each image as `render --quality fast` makes it.";
 
 /// Arguments of `play`.
 #[derive(Args, Debug)]
@@ -156,6 +158,9 @@ pub struct PlayArgs {
     /// Size of the window, or of the images without a display [default: as it was last, or 1280x800; 512x512]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
+    /// How quiet the images without a display are.
+    #[command(flatten)]
+    pub quality: QualityArgs,
     /// Choices that change the picture.
     #[command(flatten)]
     pub look: LookArgs,
@@ -197,6 +202,8 @@ mod tests {
         assert!(parse_frames("7..7").is_err() && parse_frames("7").is_err());
         assert!(parse_time("NaN").is_err() && parse_time("-1").is_err());
         assert_eq!(parse_time("1.5"), Ok(1.5));
+        assert!(parse_seconds("0").is_err() && parse_seconds("inf").is_err() && parse_seconds("soon").is_err());
+        assert_eq!(parse_seconds("0.5"), Ok(0.5));
         assert_eq!(parse_bound("bias=0.5"), Ok((Metric::Bias, 0.5)));
         assert!(
             parse_bound("luck=1").is_err() && parse_bound("nrmse=-1").is_err() && parse_bound("nrmse=NaN").is_err()

@@ -34,6 +34,14 @@ pub(super) fn parse_time(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length of time \[s\] that something can be done in.
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("give seconds, more than zero".to_owned()),
+    }
+}
+
 pub(super) fn parse_output(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());

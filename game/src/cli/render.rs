@@ -1,7 +1,7 @@
 //! The command line of `render`.
 
-use super::LookArgs;
 use super::parse::{parse_frames, parse_output, parse_size, parse_time};
+use super::{LookArgs, QualityArgs};
 use clap::Args;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -9,12 +9,19 @@ use std::path::PathBuf;
 const RENDER_HELP: &str = "\
 Examples:
   lightwell render cornell -o a.png
+  lightwell render cornell -o a.png --quality best --time-limit 300
   lightwell render cornell -o a.exr --time 1.5 --aa 16 --gi none
   lightwell render cornell -o truth.exr --gi reference --spp 1024 --resume truth.part
   lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Spot light.light.color=(1, 0.2, 0.1)'
 
 The ending of OUT chooses the format: .exr holds float32 linear radiance, .png what a screen would show
-(exposed and tone mapped). The same command gives the same bytes on the same adapter.";
+(exposed and tone mapped).
+
+A .png of light is averaged until it is quiet: see --quality. --aa 1 writes a single frame. An .exr is a single frame, or
+as many as --aa says; so is a .png of surfaces (--only albedo, normal, depth), with --debug, or with --average on. Path
+tracing takes its samples from --spp.
+
+The same command gives the same bytes on the same adapter, unless a time limit ends an average: that is told.";
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -40,7 +47,11 @@ pub struct RenderArgs {
     /// Path tracing: keep the half-done image in FILE, and go on from there if the work is interrupted
     #[arg(long, value_name = "FILE", conflicts_with = "frames")]
     pub resume: Option<PathBuf>,
-    /// Average N frames with shifted pixel grids, as a box filter over the pixel (path tracing does so by itself)
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub aa: u32,
+    /// Average exactly N frames with shifted pixel grids, as a box filter over the pixel (path tracing does so by itself)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536),
+        conflicts_with_all = ["quality", "time_limit"])]
+    pub aa: Option<u32>,
+    /// How quiet the image is.
+    #[command(flatten)]
+    pub quality: QualityArgs,
 }

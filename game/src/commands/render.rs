@@ -1,15 +1,14 @@
 //! `lightwell render`: images of a scene in files.
 
-use crate::cli::{Common, RenderArgs};
+use crate::cli::{Common, Quality, RenderArgs};
+use crate::progress;
 use crate::sequence::Sequence;
-use crate::session::{PendingPicture, Session};
-use crate::writer::Picture;
-use crate::{capture, jitter, progress};
+use crate::session::Session;
+use crate::shot::{Images, Shot};
 use anyhow::{Result, bail};
-use indicatif::ProgressBar;
-use lightwell::gpu::Gpu;
 use lightwell::render::{GiMethod, Layer, ReferenceSettings};
 use lightwell::scene::SceneView;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -23,32 +22,52 @@ const SAVE_EVERY: Duration = Duration::from_secs(30);
 /// # Errors
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
-    if !args.look.debug.views.is_empty() && (args.aa > 1 || extension_is(&args.output, "exr")) {
+    let linear = extension_is(&args.output, "exr");
+    if !args.look.debug.views.is_empty() && (args.aa.unwrap_or(1) > 1 || linear) {
         bail!("--debug draws over what a screen shows: write a .png file, without --aa");
     }
+    // A sequence is looked at in motion, and takes as long as all its frames together.
+    let quality = if args.frames.is_some() { Quality::Fast } else { Quality::Good };
+    let images = Images::choose(args.aa, &args.quality, quality, &args.look, linear)?;
     let mut session = Session::headless(&args.scene, &args.look, common)?;
-    let shot = Shot { size: args.size, aa: args.aa, linear: extension_is(&args.output, "exr") };
-    let Some(frames) = args.frames.clone() else {
-        session.set_seconds(args.time.unwrap_or(0.0));
-        let settings = session.render_settings(true);
-        if settings.gi == GiMethod::REFERENCE {
-            trace_ahead(&mut session, args, &settings.reference)?;
-        } else if args.resume.is_some() {
-            bail!("--resume goes with `--gi reference`, whose images take long");
-        }
-        let bar = progress::bar(u64::from(args.aa), "rendering");
-        shot.take(&mut session, &bar)?.write(&args.output)?;
-        bar.finish_and_clear();
-        return Ok(());
-    };
-    let bar = progress::bar((frames.end - frames.start) * u64::from(args.aa), "rendering frames");
-    let mut sequence = Sequence::start(&mut session)?;
+    let shot = Shot { size: args.size, images, linear };
+    match &args.frames {
+        Some(frames) => render_frames(&mut session, args, &shot, frames.clone()),
+        None => render_still(&mut session, args, &shot),
+    }
+}
+
+fn render_still(session: &mut Session, args: &RenderArgs, shot: &Shot) -> Result<()> {
+    session.set_seconds(args.time.unwrap_or(0.0));
+    let settings = session.render_settings(true);
+    if settings.gi == GiMethod::REFERENCE {
+        trace_ahead(session, args, &settings.reference)?;
+    } else if args.resume.is_some() {
+        bail!("--resume goes with `--gi reference`, whose images take long");
+    }
+    let bar = progress::bar(shot.images.expected(), "rendering");
+    let (picture, outcome) = shot.take(session, &mut |step| step.show_on(&bar))?;
+    picture.write(&args.output)?;
+    bar.finish_and_clear();
+    if let Some(outcome) = outcome {
+        say!("{}: {outcome}", args.output.display());
+    }
+    Ok(())
+}
+
+fn render_frames(session: &mut Session, args: &RenderArgs, shot: &Shot, frames: Range<u64>) -> Result<()> {
+    let bar = progress::bar(frames.end - frames.start, "rendering frames");
+    let mut sequence = Sequence::start(session)?;
     for frame in frames {
         session.set_ticks(frame);
-        sequence.take(numbered(&args.output, frame), &shot, &mut session, &bar)?;
+        sequence.take(numbered(&args.output, frame), shot, session)?;
+        bar.inc(1);
     }
-    sequence.finish(&session)?;
+    let tally = sequence.finish(session)?;
     bar.finish_and_clear();
+    if let Some(sentence) = tally.sentence() {
+        say!("{sentence}");
+    }
     Ok(())
 }
 
@@ -86,66 +105,6 @@ fn trace_ahead(session: &mut Session, args: &RenderArgs, settings: &ReferenceSet
         noise(Layer::Total)?
     );
     Ok(())
-}
-
-/// How an image is taken.
-pub struct Shot {
-    /// Size [pixels].
-    pub size: [u32; 2],
-    /// Number of frames that are averaged.
-    pub aa: u32,
-    /// Linear radiance instead of what a screen shows.
-    pub linear: bool,
-}
-
-/// What was drawn.
-pub enum Taken {
-    /// It is there.
-    Ready(Picture),
-    /// It comes back from the device.
-    Coming(PendingPicture),
-}
-
-impl Taken {
-    /// Waits for it.
-    ///
-    /// # Errors
-    /// If the device fails.
-    pub fn finish(self, gpu: &Gpu) -> Result<Picture> {
-        match self {
-            Self::Ready(picture) => Ok(picture),
-            Self::Coming(pending) => pending.finish(gpu),
-        }
-    }
-}
-
-impl Shot {
-    /// Draws the scene as it stands.
-    ///
-    /// # Errors
-    /// If the scene cannot be drawn.
-    pub fn take(&self, session: &mut Session, bar: &ProgressBar) -> Result<Picture> {
-        self.begin(session, bar)?.finish(&session.gpu)
-    }
-
-    /// The same, and does not wait for a picture of one frame to come back.
-    ///
-    /// # Errors
-    /// As [`Shot::take`].
-    pub fn begin(&self, session: &mut Session, bar: &ProgressBar) -> Result<Taken> {
-        let settings = session.render_settings(!self.linear);
-        // The tracer filters over the pixel by itself.
-        let aa = if settings.gi == GiMethod::REFERENCE && settings.only.is_light() { 1 } else { self.aa };
-        if aa == 1 {
-            let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
-            let settings = if self.linear { settings } else { session.display_settings() };
-            session.render(&view, &settings)?;
-            bar.inc(u64::from(self.aa));
-            return Ok(Taken::Coming(session.painter.begin_reading(self.linear)?));
-        }
-        let told = &mut || bar.inc(u64::from(self.aa / aa));
-        Ok(Taken::Ready(Picture::Linear(capture::take_telling(session, self.size, aa, &settings, told)?)))
-    }
 }
 
 fn extension_is(path: &Path, ending: &str) -> bool {

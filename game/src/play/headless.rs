@@ -1,10 +1,11 @@
 //! Playing without a display: one loop of the animation, a file a frame.
 
-use crate::cli::{Common, PlayArgs};
-use crate::commands::render::{Shot, numbered};
+use crate::cli::{Common, PlayArgs, Quality};
+use crate::commands::render::numbered;
 use crate::progress;
 use crate::sequence::Sequence;
 use crate::session::Session;
+use crate::shot::{Images, Shot};
 use anyhow::Result;
 use std::path::Path;
 
@@ -20,20 +21,25 @@ const DEFAULT_DURATION: f64 = 2.0;
 /// # Errors
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &PlayArgs, common: &Common, why: &str) -> Result<()> {
+    let images = Images::choose(None, &args.quality, Quality::Fast, &args.look, false)?;
     let mut session = Session::headless(&args.scene, &args.look, common)?;
     let duration = session.settings().duration.map_or(DEFAULT_DURATION, f64::from);
     let count = ((duration * RATE).round() as u64).clamp(1, MOST);
     let folder = Path::new("out").join(session.name());
-    let shot = Shot { size: args.size.unwrap_or([512, 512]), aa: 1, linear: false };
+    let shot = Shot { size: args.size.unwrap_or([512, 512]), images, linear: false };
     say!("{why}: rendering {count} frames of `{}` into {}/ ...", session.name(), folder.display());
     let bar = progress::bar(count, "rendering frames");
     let mut sequence = Sequence::start(&mut session)?;
     for index in 0..count {
         session.set_seconds(index as f64 / RATE);
-        sequence.take(numbered(&folder.join("frame.png"), index + 1), &shot, &mut session, &bar)?;
+        sequence.take(numbered(&folder.join("frame.png"), index + 1), &shot, &mut session)?;
+        bar.inc(1);
     }
-    sequence.finish(&session)?;
+    let tally = sequence.finish(&session)?;
     bar.finish_and_clear();
+    if let Some(sentence) = tally.sentence() {
+        say!("{sentence}");
+    }
     let place = folder.canonicalize().unwrap_or(folder);
     say!("wrote {count} frames, 0.1 s apart: {}", place.join("frame_0001.png").display());
     Ok(())

@@ -3,10 +3,10 @@
 use super::dialogs::enter_path;
 use super::*;
 use crate::cli::Common;
-use crate::commands::render::Shot;
 use crate::editor::Export;
 use crate::play::export::{Job, Next};
 use crate::session::Session;
+use crate::shot::{Images, Shot};
 use crate::writer::Picture;
 use egui::{Key, Modifiers};
 use lightwell::render::ToneMap;
@@ -81,11 +81,11 @@ fn an_export_has_all_frames_as_they_are_rendered_without_a_window() {
     work(&mut Job::new(export.clone()), &mut drawn, u64::MAX).unwrap();
     assert_eq!(files(&out), ["frame_0001.png", "frame_0002.png", "frame_0003.png"]);
     let mut other = session(&path);
-    let shot = Shot { size: [48, 32], aa: 1, linear: false };
+    let shot = Shot { size: [48, 32], images: Images::Count(1), linear: false };
     for number in 0..3 {
         other.set_seconds(f64::from(number) * 0.5);
         let file = folder.path().join("one.png");
-        let drawn = shot.take(&mut other, &indicatif::ProgressBar::hidden()).unwrap();
+        let (drawn, _) = shot.take(&mut other, &mut |_| ()).unwrap();
         let Picture::Display { size, rgb } = drawn else { panic!("no picture for a screen") };
         lightwell::measure::write_png_rgb8(&file, size, &rgb).unwrap();
         let exported = std::fs::read(out.join(format!("frame_{:04}.png", number + 1))).unwrap();
