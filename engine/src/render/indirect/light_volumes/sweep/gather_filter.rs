@@ -168,8 +168,12 @@ fn run(
     let [width, height] = interleave.texels();
     let view = frame.view_uniform(cx.gpu);
     // Not a constant of the pipeline: the radius shrinks while a view comes to rest.
-    let uniform =
-        ReachUniform { radius: radius.max(1) as i32, weight: interleave.weight(), interleave: interleave.uniform() };
+    let uniform = ReachUniform {
+        radius: radius.max(1) as i32,
+        weight: interleave.weight(),
+        stray: if frame.history.is_changing() { STRAY } else { ANY },
+        interleave: interleave.uniform(),
+    };
     let reach = cx.gpu.uniform("reach", &uniform);
     let mut group = vec![("view", Binding::Buffer(&view)), ("reach", Binding::Buffer(&reach))];
     group.extend_from_slice(bindings);
