@@ -81,15 +81,14 @@ fn parted(subjects: &[&Subject], ordered: &[InOrder]) -> Vec<Parted> {
         let look = |walls: &Walls| piece.map(|cell| (sorted.split(walls, cell), sorted.gaps(cell))).collect();
         walls(object).map_or_else(Vec::new, look)
     });
-    let finish = |(object, looked): (usize, Vec<(Option<Split>, Vec<Cell>)>)| {
-        let (cells, gaps): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
+    let finish = |(object, (cells, gaps)): (usize, (Vec<Option<Split>>, Vec<Vec<Cell>>))| {
         let mut gaps: Vec<Cell> = gaps.into_iter().flatten().collect();
         gaps.sort_unstable();
         gaps.dedup();
         let split = |gap: Cell| Some((gap, sorted(object).split_gap(walls(object)?, gap)?));
         Parted { cells, gaps: gaps.into_iter().filter_map(split).collect() }
     };
-    looked.into_iter().enumerate().map(finish).collect()
+    looked.into_iter().map(|looked| looked.into_iter().unzip()).enumerate().map(finish).collect()
 }
 
 /// Works on each of so many things of several objects; those of all objects together share the cores.

@@ -28,7 +28,9 @@ pub(super) struct Cell {
 impl Cell {
     /// The cell of a point, in cells, of a surface with that normal.
     pub fn of(point: Vec3, normal: Vec3) -> Self {
-        Self { at: place_of(point + BEFORE * normal), face: face_of(normal) }
+        let at = (point + BEFORE * normal).floor().to_array();
+        let at = at.map(|v| if v.is_finite() { v.clamp(-REACH, REACH) as i32 } else { 0 });
+        Self { at, face: face_of(normal) }
     }
 
     /// The cells around it that face the same way.
@@ -49,11 +51,6 @@ impl Cell {
 /// A cell and all that touch it.
 fn steps() -> impl Iterator<Item = IVec3> + Clone {
     (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))
-}
-
-/// The cell that a point in the grid lies in.
-pub(super) fn place_of(point: Vec3) -> [i32; 3] {
-    point.floor().to_array().map(|v| if v.is_finite() { v.clamp(-REACH, REACH) as i32 } else { 0 })
 }
 
 /// Which of the six ways a normal faces: +x, −x, +y, −y, +z, −z.

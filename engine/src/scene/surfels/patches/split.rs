@@ -101,7 +101,7 @@ impl Sorted<'_> {
             let Some(other) = self.nearest(self.surfels(beside), middle) else { continue };
             let Some(nearest) = self.nearest(own.clone(), self.point(other).surface) else { continue };
             let wall = walls.between(self.point(nearest), self.point(other));
-            if wall.is_some_and(|wall| walls.ends_within(&wall, self.point(other), cell)) {
+            if wall.is_some_and(|wall| walls.reaches(&wall, self.point(nearest), cell)) {
                 groups.join(other);
             }
         }

@@ -1,6 +1,6 @@
 //! What stands between the surfels of a static object.
 
-use super::cells::{BEFORE, Cell, cells_from_world, place_of};
+use super::cells::{BEFORE, Cell, cells_from_world};
 use crate::bvh::world_normal;
 use crate::scene::Surfel;
 use crate::scene::surfels::still::Still;
@@ -26,8 +26,6 @@ pub(super) struct Point {
     pub surface: Vec3,
     /// In the world \[m\]: as far before it as where its cell is chosen, or half way to what is nearer.
     before: Vec3,
-    /// What that is less than [`BEFORE`], in the grid.
-    missing: Vec3,
 }
 
 /// What two points meet first on the way to each other: both sides of a wall.
@@ -49,11 +47,7 @@ impl<'a> Walls<'a> {
         let from = surface + normal * (self.before + 1e-5 * surface.abs().max_element());
         let lift = BEFORE * self.size * normal;
         let share = self.still.obstacle(from, from + lift).map_or(1.0, |obstacle| 0.5 * obstacle.share);
-        Point {
-            surface: self.grid.transform_point3(surface),
-            before: from + share * lift,
-            missing: (1.0 - share) * self.grid.transform_vector3(lift),
-        }
+        Point { surface: self.grid.transform_point3(surface), before: from + share * lift }
     }
 
     /// What stands between two points; none if they see each other.
@@ -66,9 +60,14 @@ impl<'a> Walls<'a> {
         Some(Wall { sides: [near, side(b.before, a.before).unwrap_or(near)] })
     }
 
-    /// Whether the side of a wall that faces `b` lies in a cell, so that some of the cell is beyond the wall.
-    pub(super) fn ends_within(&self, wall: &Wall, b: &Point, cell: Cell) -> bool {
-        place_of(self.grid.transform_point3(wall.sides[1][0]) + b.missing) == cell.at
+    /// Whether some of a cell may lie beyond a wall, as seen from a point in it.
+    pub(super) fn reaches(&self, wall: &Wall, from: &Point, cell: Cell) -> bool {
+        let middle = Vec3::from_array(cell.at.map(|v| v as f32 + 0.5));
+        self.planes(wall).any(|plane| {
+            let side = if plane.dot(from.surface.extend(1.0)) >= 0.0 { 1.0 } else { -1.0 };
+            let reach = 0.5 * plane.truncate().abs().element_sum();
+            side * plane.dot(middle.extend(1.0)) < reach
+        })
     }
 
     /// Planes in the grid that part what is on either side of a wall: the one in its middle where its sides are parallel.
