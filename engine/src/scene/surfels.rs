@@ -176,9 +176,7 @@ impl SurfelCloud {
         let all = keys.iter().map(|key| self.built[key].clone()).collect();
         let exposed = self.exposed.update(scene, cell, &groups, &keys, all);
         let size = patches::patch_size(fineness.density);
-        let subject = |(group, surfels)| self.exposed.subject(group, surfels, size);
-        let subjects: Vec<patches::Subject> = groups.iter().zip(&exposed).map(subject).collect();
-        let arranged = self.patches.update(size, &subjects);
+        let arranged = self.patches.update(size, &self.exposed.subjects(&groups, &exposed, size));
         let placed = arranged.iter().zip(0..).flat_map(|(object, place)| {
             object.surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
         });
@@ -447,8 +445,7 @@ fn point_of_triangle(mut index: u32) -> [f32; 3] {
     ((corners[0] + corners[1] + corners[2]) / 3.0).to_array()
 }
 
-/// Diffuse reflectance, emitted radiance, and the share of the area that light meets: alpha where the surface is blended.
-/// None where alpha cuts it out.
+/// Diffuse reflectance, emitted radiance, and the share of light that meets it, alpha if it is blended; none if that is none.
 fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Option<(Vec3, Vec3, f32)> {
     let material = &primitive.material;
     let mix = |values: [[f32; 2]; 3]| -> [f32; 2] {
@@ -470,9 +467,6 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
         AlphaMode::Mask(cutoff) => f32::from(base.w >= cutoff),
         AlphaMode::Blend => base.w.min(1.0),
     };
-    if !(coverage > 0.0) {
-        return None;
-    }
     let metallic = (material.metallic * texel(&material.metallic_roughness_texture, &material.uv.metallic_roughness).z)
         .clamp(0.0, 1.0);
     let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * (1.0 - metallic);
@@ -480,7 +474,7 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
         (material.emissive * texel(&material.emissive_texture, &material.uv.emissive).truncate()).max(Vec3::ZERO);
     let emissive = if material.unlit { emissive * color.truncate() } else { emissive };
     let finite = |v: Vec3| if v.is_finite() { v } else { Vec3::ZERO };
-    Some((finite(albedo), finite(emissive), coverage))
+    (coverage > 0.0).then(|| (finite(albedo), finite(emissive), coverage))
 }
 
 /// The nearest texel, linear.

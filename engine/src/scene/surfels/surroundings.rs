@@ -146,8 +146,12 @@ impl Exposed {
         left
     }
 
-    /// A group for patches of a size \[m\], with what stands around it.
-    pub fn subject<'a>(&'a self, group: &Group, surfels: &'a Arc<Vec<Surfel>>, size: f32) -> Subject<'a> {
+    /// The surfels of groups for patches of a size \[m\], with what stands around each.
+    pub fn subjects<'a>(&'a self, groups: &[Group], surfels: &'a [Arc<Vec<Surfel>>], size: f32) -> Vec<Subject<'a>> {
+        groups.iter().zip(surfels).map(|(group, surfels)| self.subject(group, surfels, size)).collect()
+    }
+
+    fn subject<'a>(&'a self, group: &Group, surfels: &'a Arc<Vec<Surfel>>, size: f32) -> Subject<'a> {
         let walls = is_still(group).then(|| Walls::new(&self.still, group.place, size, self.before()));
         let bounds = group.members.iter().fold(Aabb::EMPTY, |sum, member| sum.union(&member.bounds));
         let reach = Vec3::splat(size);

@@ -53,6 +53,9 @@ struct Parted {
     gaps: Vec<(Cell, Split)>,
 }
 
+/// The parts of a cell, if it has any, and cells beside it that have no surfel and may have some.
+type Looked = (Option<Split>, Vec<Cell>);
+
 /// Arranges the surfels of all objects for patches of a size \[m\].
 pub(super) fn all(subjects: &[&Subject], size: f32) -> Vec<Arranged> {
     let ordered = parallel::map(subjects, |subject| InOrder::new(subject.surfels, &shape(&subject.place), size));
@@ -81,14 +84,15 @@ fn parted(subjects: &[&Subject], ordered: &[InOrder]) -> Vec<Parted> {
         let look = |walls: &Walls| piece.map(|cell| (sorted.split(walls, cell), sorted.gaps(cell))).collect();
         walls(object).map_or_else(Vec::new, look)
     });
-    let finish = |(object, (cells, gaps)): (usize, (Vec<Option<Split>>, Vec<Vec<Cell>>))| {
+    let finish = |(object, looked): (usize, Vec<Looked>)| {
+        let (cells, gaps): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
         let mut gaps: Vec<Cell> = gaps.into_iter().flatten().collect();
         gaps.sort_unstable();
         gaps.dedup();
         let split = |gap: Cell| Some((gap, sorted(object).split_gap(walls(object)?, gap)?));
         Parted { cells, gaps: gaps.into_iter().filter_map(split).collect() }
     };
-    looked.into_iter().map(|looked| looked.into_iter().unzip()).enumerate().map(finish).collect()
+    looked.into_iter().enumerate().map(finish).collect()
 }
 
 /// Works on each of so many things of several objects; those of all objects together share the cores.
