@@ -226,6 +226,7 @@ fn closed_shells_are_tight_both_ways() {
     let gpu = gpu();
     for outwards in [false, true] {
         let straight = passed(&gpu, "outward", 1.0, 0.25, 0.1, 0.0, outwards);
+        println!("outwards {outwards}: {straight}");
         assert!(straight < 4e-3, "outwards {outwards}: {straight}");
         // As through one that faces inward.
         let [outward, inward] = ["outward", "inward"].map(|kind| passed(&gpu, kind, 1.0, 0.25, 0.1, 17.0, outwards));

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
-use lightwell::assets::{Material, Shape};
+use lightwell::assets::{AlphaMode, Material, Shape};
 use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
@@ -132,6 +132,25 @@ fn a_furnace_has_twice_its_light_whichever_way_it_stands() {
             assert!((found - Vec3::ONE).abs().max_element() < most, "turned by {turn}, {rays:?}: {found}");
         }
     }
+}
+
+/// A blended pane in a furnace covers a share of all rays, and sends back as much light as they would have met beyond it.
+#[test]
+fn a_blended_pane_takes_no_light_from_a_furnace() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::splat(0.2), Vec3::new(-0.5, -0.3, -1.0), 32);
+    let shining =
+        |name: &str| Material { emissive: Vec3::ONE, double_sided: true, ..Material::diffuse(name, Vec3::splat(0.5)) };
+    let mut glass = shining("glass");
+    (glass.alpha_mode, glass.base_color.w) = (AlphaMode::Blend, 0.4);
+    stage.add_material(Shape::Box { size: [3.0, 2.5, 4.0] }, shining("glow"), Affine3A::IDENTITY);
+    // Out of sight.
+    let upright =
+        Affine3A::from_rotation_translation(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2), Vec3::Z * 0.8);
+    stage.add_material(Shape::Plane { size: [2.8, 2.3], subdivisions: [1; 2] }, glass, upright);
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Default::default() });
+    let found = mean(&indirect(&gpu, &stage));
+    assert!((found - Vec3::ONE).abs().max_element() < 0.01, "{found}");
 }
 
 fn ran(report: &FrameReport, name: &str) -> bool {

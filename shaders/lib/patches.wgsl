@@ -9,14 +9,15 @@ struct PatchGrid {
     rows: array<vec4f, 3>,
 }
 
-// A cell of an object's grid: the patches that face each of the six ways.
+// A cell of an object's grid: what answers for each of the six ways that a surface may face, which is a patch, NO_PATCH, or
+// PATCH_NODE and the index of a node. Or a node: a plane in the grid, as bits of floats, and what answers before and behind it.
 struct PatchCell {
     patches: array<u32, 6>,
     tag: u32,
-    unused: u32,
+    is_used: u32,
 }
 
-// Places of a hash table with open addressing, a power of two of them.
+// Places of a hash table with open addressing, a power of two of them, and then fewer nodes.
 @group(0) @binding(20) var<storage, read> patch_table: array<PatchCell>;
 // Index of the object by that of the primitive; all bits set: it has no surfels.
 @group(0) @binding(21) var<storage, read> place_of_primitive: array<u32>;
@@ -29,6 +30,9 @@ const PATCH_BEFORE: f32 = 0.25;
 const PATCH_REACH: f32 = 1e9;
 // Most places of the table that are looked at.
 const PATCH_PROBES: u32 = 32u;
+const PATCH_NODE: u32 = 0x80000000u;
+// Most nodes between a cell and a patch.
+const PATCH_DEPTH: u32 = 8u;
 
 // Which of the six ways a normal faces: +x, −x, +y, −y, +z, −z.
 fn face_of(n: vec3f) -> u32 {
@@ -40,6 +44,22 @@ fn face_of(n: vec3f) -> u32 {
         axis = 1u;
     }
     return 2u * axis + select(0u, 1u, n[axis] < 0.0);
+}
+
+// The patch that answers at a point of the grid, after all planes that part its cell. Nodes follow so many places.
+fn side_of(answer: u32, p: vec3f, places: u32) -> u32 {
+    var found = answer;
+    for (var depth = 0u; depth < PATCH_DEPTH; depth++) {
+        if (found & PATCH_NODE) == 0u {
+            break;
+        }
+        let node = places + (found & ~PATCH_NODE);
+        let plane = bitcast<vec4f>(vec4u(
+            patch_table[node].patches[0], patch_table[node].patches[1], patch_table[node].patches[2], patch_table[node].patches[3],
+        ));
+        found = patch_table[node].patches[select(5u, 4u, dot(plane, vec4f(p, 1.0)) >= 0.0)];
+    }
+    return found;
 }
 
 // The patch of a point of a primitive, by its position [m] and the geometric normal on its visible side.
@@ -62,13 +82,14 @@ fn patch_of_object(place: u32, position: vec3f, normal: vec3f) -> u32 {
     let cell = bitcast<vec3u>(vec3i(clamp(floor(p + PATCH_BEFORE * n), vec3f(-PATCH_REACH), vec3f(PATCH_REACH))));
     let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(place))));
     let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(place ^ 0x9e3779b9u))));
-    let mask = arrayLength(&patch_table) - 1u;
+    let places = 1u << firstLeadingBit(arrayLength(&patch_table));
+    let mask = places - 1u;
     for (var step = 0u; step < PATCH_PROBES; step++) {
         let at = (start + step) & mask;
         if patch_table[at].tag == tag {
-            return patch_table[at].patches[face_of(n)];
+            return side_of(patch_table[at].patches[face_of(n)], p, places);
         }
-        if patch_table[at].patches[0] == NO_PATCH {
+        if patch_table[at].is_used == 0u {
             break;
         }
     }

@@ -1,10 +1,17 @@
 #define_import_path lightwell::radiosity
 
 // Links of surfels to what they see.
+//   RAYS     those of a surfel
 
 #import lightwell::patches::NO_PATCH
 #import lightwell::rays::{Hit, NONE, load_triangle}
 #import lightwell::sweep::Surfel
+
+#ifdef RAYS
+const RAYS: u32 = #{RAYS}u;
+#else
+const RAYS: u32 = 1u;
+#endif
 
 // Where the links of a surfel start: a little before it [m], since objects stand on each other and surfaces nearly coincide.
 // What lies just below another surface then sees what that one does.

@@ -50,7 +50,7 @@ const HIDDEN: u8 = 255;
 pub struct Surfel {
     /// Position in object space.
     pub position: [f32; 3],
-    /// Area \[m²\].
+    /// Area \[m²\], times alpha where the surface is blended.
     pub area: f32,
     /// Unit normal in object space, to the side that reflects.
     pub normal: [f32; 3],
@@ -175,7 +175,8 @@ impl SurfelCloud {
         self.places = groups.iter().map(|group| group.place).collect();
         let all = keys.iter().map(|key| self.built[key].clone()).collect();
         let exposed = self.exposed.update(scene, cell, &groups, &keys, all);
-        let arranged = self.patches.update(fineness.density, &self.places, &exposed);
+        let size = patches::patch_size(fineness.density);
+        let arranged = self.patches.update(size, &self.exposed.subjects(&groups, &exposed, size));
         let placed = arranged.iter().zip(0..).flat_map(|(object, place)| {
             object.surfels.iter().map(move |surfel| Surfel { place: place | surfel.place, ..*surfel })
         });
@@ -342,10 +343,10 @@ fn spread(primitive: &Primitive, linear: &Mat3A, object: &MeshBvh, fineness: Fin
             let weights = point_of_triangle(index);
             let mix = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
             let position = mix(triangle.corners);
-            let Some((albedo, emissive)) = surface(primitive, &triangle, weights) else { continue };
+            let Some((albedo, emissive, coverage)) = surface(primitive, &triangle, weights) else { continue };
             let surfel = Surfel {
                 position: position.to_array(),
-                area,
+                area: area * coverage,
                 normal: normal.to_array(),
                 albedo: albedo.to_array(),
                 emissive: emissive.to_array(),
@@ -444,8 +445,8 @@ fn point_of_triangle(mut index: u32) -> [f32; 3] {
     ((corners[0] + corners[1] + corners[2]) / 3.0).to_array()
 }
 
-/// Diffuse reflectance and emitted radiance; none where alpha cuts the surface out.
-fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Option<(Vec3, Vec3)> {
+/// Diffuse reflectance, emitted radiance, and the share of light that meets it, alpha if it is blended; none if that is none.
+fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Option<(Vec3, Vec3, f32)> {
     let material = &primitive.material;
     let mix = |values: [[f32; 2]; 3]| -> [f32; 2] {
         std::array::from_fn(|i| (0..3).map(|corner| weights[corner] * values[corner][i]).sum())
@@ -461,14 +462,11 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
         texture.as_ref().map_or(Vec4::ONE, |texture| texel(texture, map.apply(sets)))
     };
     let base = material.base_color * color * texel(&material.base_color_texture, &material.uv.base_color);
-    let cutoff = match material.alpha_mode {
-        AlphaMode::Opaque => -1.0,
-        AlphaMode::Mask(cutoff) => cutoff,
-        AlphaMode::Blend => 0.5,
+    let coverage = match material.alpha_mode {
+        AlphaMode::Opaque => 1.0,
+        AlphaMode::Mask(cutoff) => f32::from(base.w >= cutoff),
+        AlphaMode::Blend => base.w.min(1.0),
     };
-    if base.w < cutoff {
-        return None;
-    }
     let metallic = (material.metallic * texel(&material.metallic_roughness_texture, &material.uv.metallic_roughness).z)
         .clamp(0.0, 1.0);
     let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * (1.0 - metallic);
@@ -476,7 +474,7 @@ fn surface(primitive: &Primitive, triangle: &Triangle, weights: [f32; 3]) -> Opt
         (material.emissive * texel(&material.emissive_texture, &material.uv.emissive).truncate()).max(Vec3::ZERO);
     let emissive = if material.unlit { emissive * color.truncate() } else { emissive };
     let finite = |v: Vec3| if v.is_finite() { v } else { Vec3::ZERO };
-    Some((finite(albedo), finite(emissive)))
+    (coverage > 0.0).then(|| (finite(albedo), finite(emissive), coverage))
 }
 
 /// The nearest texel, linear.

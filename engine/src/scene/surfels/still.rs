@@ -3,7 +3,7 @@
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, parallel};
 use crate::bvh::{Bvh, MeshBvh, Ray};
 use crate::scene::{Aabb, Primitive, Scene, SceneId};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
 /// Distance, over that from the origin, within which surfaces coincide.
@@ -23,6 +23,15 @@ pub(super) struct Met {
     pub t: f32,
     /// It is the back of a surface of which only the front can be seen.
     pub is_back: bool,
+}
+
+/// The first surface on a segment from one point to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Obstacle {
+    /// Share of the segment before it.
+    pub share: f32,
+    /// Unit normal of the triangle in the world, of any sign; zero if it has none.
+    pub normal: Vec3,
 }
 
 #[derive(Debug)]
@@ -102,6 +111,21 @@ impl Still {
         });
         (nearest < f32::INFINITY).then(|| Met { t: nearest, is_back: nearest_back <= beyond(nearest) })
     }
+
+    /// What a segment meets first; none if each of the two points sees the other.
+    pub fn obstacle(&self, from: Vec3, to: Vec3) -> Option<Obstacle> {
+        let ray = Ray::new(from, to - from);
+        let mut first = None;
+        self.hierarchy.traverse(&ray, 1.0, |index, bound| {
+            let object = &self.objects[index as usize];
+            let Some((share, triangle)) = object.hit(&ray, bound).filter(|(share, _)| *share < bound) else {
+                return bound;
+            };
+            first = Some(Obstacle { share, normal: object.normal(triangle) });
+            share
+        });
+        first
+    }
 }
 
 impl State {
@@ -116,23 +140,47 @@ impl State {
 }
 
 impl Object {
-    fn meets(&self, ray: &Ray, t_max: f32) -> Option<Met> {
+    /// Distance in units of the ray's direction, and the triangle.
+    fn hit(&self, ray: &Ray, t_max: f32) -> Option<(f32, u32)> {
         ray.enters(&self.bounds, t_max)?;
-        let (hit, is_back) = match &self.form {
+        let hit = match &self.form {
             Form::Mesh { mesh, object_from_world } => {
-                // The direction is not normalised in object space, so that distances stay those of the world.
-                let origin = object_from_world.transform_point3(ray.origin);
-                let ray = Ray::new(origin, object_from_world.transform_vector3(ray.direction));
-                let hit = mesh.hierarchy().closest_hit(&ray, t_max, |_| true)?;
-                (hit, is_behind(mesh.hierarchy(), hit.triangle, &ray))
+                mesh.hierarchy().closest_hit(&in_object(ray, object_from_world), t_max, |_| true)?
             }
-            Form::Flat { triangles, is_mirrored } => {
-                let hit = triangles.closest_hit(ray, t_max, |_| true)?;
-                (hit, is_behind(triangles, hit.triangle, ray) != *is_mirrored)
-            }
+            Form::Flat { triangles, .. } => triangles.closest_hit(ray, t_max, |_| true)?,
         };
-        Some(Met { t: hit.t, is_back: is_back && self.state.has_back })
+        Some((hit.t, hit.triangle))
     }
+
+    fn meets(&self, ray: &Ray, t_max: f32) -> Option<Met> {
+        let (t, triangle) = self.hit(ray, t_max)?;
+        let is_back = match &self.form {
+            Form::Mesh { mesh, object_from_world } => {
+                is_behind(mesh.hierarchy(), triangle, &in_object(ray, object_from_world))
+            }
+            Form::Flat { triangles, is_mirrored } => is_behind(triangles, triangle, ray) != *is_mirrored,
+        };
+        Some(Met { t, is_back: is_back && self.state.has_back })
+    }
+
+    /// Unit normal of a triangle in the world, of any sign; zero if it has none.
+    fn normal(&self, triangle: u32) -> Vec3 {
+        let normal = |mesh: &MeshBvh| {
+            let [a, b, c] = mesh.corners()[triangle as usize];
+            (b - a).cross(c - a).normalize_or_zero()
+        };
+        match &self.form {
+            Form::Mesh { mesh, object_from_world } => {
+                (object_from_world.matrix3.transpose() * normal(mesh.hierarchy())).normalize_or_zero()
+            }
+            Form::Flat { triangles, .. } => normal(triangles),
+        }
+    }
+}
+
+/// A ray in object space. Its direction is not normalised there, so that distances stay those of the world.
+fn in_object(ray: &Ray, object_from_world: &Affine3A) -> Ray {
+    Ray::new(object_from_world.transform_point3(ray.origin), object_from_world.transform_vector3(ray.direction))
 }
 
 impl Form {

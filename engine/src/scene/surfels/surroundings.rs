@@ -5,6 +5,7 @@
 //! A few rays a surfel tell both, as for ambient obscurance (Zhukov, Iones and Kronin 1998, "An ambient light illumination
 //! model"): what they meet within the reach of a cell gives back a part of the light.
 
+use super::patches::{Subject, Walls};
 use super::still::Still;
 use super::{CLOSED_SHIFT, Group, GroupKey, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
@@ -40,6 +41,8 @@ pub(super) struct Exposed {
     scene: u64,
     cell: f32,
     still: Still,
+    /// Boxes of what changed in the last update.
+    changed: Vec<Aabb>,
     /// By the places of groups.
     groups: HashMap<[u32; 12], Known>,
 }
@@ -101,6 +104,7 @@ impl Exposed {
             *self = Self { scene: scene.identity, cell, ..Self::default() };
         }
         let changed = self.still.update(scene);
+        self.changed.clone_from(&changed);
         let mut before = std::mem::take(&mut self.groups);
         let (mut pieces, mut known) = (Vec::new(), Vec::with_capacity(groups.len()));
         for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
@@ -140,6 +144,20 @@ impl Exposed {
             self.groups.insert(place(group), known);
         }
         left
+    }
+
+    /// The surfels of groups for patches of a size \[m\], with what stands around each.
+    pub fn subjects<'a>(&'a self, groups: &[Group], surfels: &'a [Arc<Vec<Surfel>>], size: f32) -> Vec<Subject<'a>> {
+        groups.iter().zip(surfels).map(|(group, surfels)| self.subject(group, surfels, size)).collect()
+    }
+
+    fn subject<'a>(&'a self, group: &Group, surfels: &'a Arc<Vec<Surfel>>, size: f32) -> Subject<'a> {
+        let walls = is_still(group).then(|| Walls::new(&self.still, group.place, size, self.before()));
+        let bounds = group.members.iter().fold(Aabb::EMPTY, |sum, member| sum.union(&member.bounds));
+        let reach = Vec3::splat(size);
+        let near = Aabb { min: bounds.min - reach, max: bounds.max + reach };
+        let is_changed = walls.is_some() && self.changed.iter().any(|other| !near.intersection(other).is_empty());
+        Subject { surfels, place: group.place, walls, is_changed }
     }
 
     /// What is around a piece of a group's surfels, of which something may be known from before a change.

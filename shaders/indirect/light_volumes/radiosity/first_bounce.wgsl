@@ -6,7 +6,7 @@
 //            others. Without it there are more, and each link chooses one by what it would bring
 
 #import lightwell::next_event::{LightSample, bounded, sample_light, sample_one_light}
-#import lightwell::radiosity::{Link, link_hit, link_start}
+#import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
 #import lightwell::sweep::Surfel
@@ -25,11 +25,6 @@ struct FirstBounce {
 // Irradiance [W/m²].
 @group(0) @binding(3) var<storage, read_write> reflected_light: array<vec4f>;
 
-#ifdef RAYS
-const RAYS: u32 = #{RAYS}u;
-#else
-const RAYS: u32 = 1u;
-#endif
 #ifdef SAMPLES
 const SAMPLES: u32 = #{SAMPLES}u;
 #else

@@ -17,7 +17,7 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::patches::patch_at
-#import lightwell::radiosity::{Link, encode_link, link_start, no_link}
+#import lightwell::radiosity::{RAYS, Link, encode_link, link_start, no_link}
 #import lightwell::rays::{Hit, Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, primitive_of, surface_at, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
@@ -43,12 +43,6 @@ struct Links {
 @group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> shone_on_by: array<vec4f>;
 @group(0) @binding(4) var sky: texture_2d<f32>;
-
-#ifdef RAYS
-const RAYS: u32 = #{RAYS}u;
-#else
-const RAYS: u32 = 1u;
-#endif
 
 #ifdef AT_ONCE
 const AT_ONCE: u32 = #{AT_ONCE}u;

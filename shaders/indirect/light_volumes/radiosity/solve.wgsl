@@ -7,7 +7,7 @@
 //   RAYS     links of a surfel
 
 #import lightwell::patches::NO_PATCH
-#import lightwell::radiosity::{Link, link_albedo, link_patch}
+#import lightwell::radiosity::{RAYS, Link, link_albedo, link_patch}
 #import lightwell::sweep::Surfel
 
 // First surfel and number of surfels of a patch.
@@ -26,12 +26,6 @@
 @group(0) @binding(8) var<storage, read_write> rest: array<vec4f>;
 // Irradiance of the surfels [W/m²].
 @group(0) @binding(9) var<storage, read_write> received: array<vec4f>;
-
-#ifdef RAYS
-const RAYS: u32 = #{RAYS}u;
-#else
-const RAYS: u32 = 1u;
-#endif
 
 // Most that the series beyond the last bounce may add, over that bounce: an albedo of 0.98.
 const MOST_REST: f32 = 49.0;

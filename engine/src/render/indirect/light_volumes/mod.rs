@@ -22,6 +22,9 @@ pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 use crate::graph::{Buffer, Handle, PassContext, Texture};
 use diffusion::relight;
 
+/// Most bounces that a `Count` may ask for.
+pub const MAX_BOUNCES: u32 = 32;
+
 /// Indirect light by the volumes.
 pub(crate) struct Indirect {
     /// What the visible surfaces reflect of it, rgba32float.

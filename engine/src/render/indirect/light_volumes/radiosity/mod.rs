@@ -55,7 +55,7 @@ impl BounceCount {
     fn new(settings: &Clpv, mean_albedo: Vec3) -> Self {
         match settings.bounces {
             Bounces::Count(count) => {
-                Self { computed: count.saturating_sub(1).min(super::sweep::MAX_BOUNCES), has_rest: false }
+                Self { computed: count.saturating_sub(1).min(super::MAX_BOUNCES), has_rest: false }
             }
             Bounces::Converged => {
                 let albedo = mean_albedo.max_element().clamp(0.01, 0.99);

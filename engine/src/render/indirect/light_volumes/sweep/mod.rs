@@ -65,9 +65,6 @@ use transport::{Kept, Sky};
 
 pub(crate) use probes::{PROBE_LIGHT, probe_light};
 
-/// Most bounces that a `Count` may ask for.
-pub const MAX_BOUNCES: u32 = 32;
-
 /// Texels of a reflective shadow map along the edge of a cell: fewer leave some cells with more light than others.
 const TEXELS_A_CELL: f32 = 3.0;
 
@@ -324,7 +321,10 @@ fn bounces(settings: &Clpv, mean_albedo: Vec3, is_gathered: bool) -> BounceCount
     match settings.bounces {
         Bounces::Count(count) => {
             // The gather is a bounce itself. What is swept lights blended surfaces even where it is all there is.
-            BounceCount { swept: count.saturating_sub(u32::from(is_gathered)).clamp(1, MAX_BOUNCES), has_tail: false }
+            BounceCount {
+                swept: count.saturating_sub(u32::from(is_gathered)).clamp(1, super::MAX_BOUNCES),
+                has_tail: false,
+            }
         }
         Bounces::Converged => {
             let albedo = mean_albedo.max_element().clamp(0.01, 0.99);
