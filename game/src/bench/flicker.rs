@@ -43,6 +43,11 @@ impl Trail {
         self.0.push_front(image);
     }
 
+    /// Every value of the last image.
+    fn values(&self) -> Option<Vec<f64>> {
+        Some(self.0.front()?.values().map(f64::from).collect())
+    }
+
     /// Every value's change from the image before, if there is one.
     fn step(&self) -> Option<Vec<f64>> {
         let [now, before] = [self.0.front()?, self.0.get(1)?];
@@ -94,12 +99,15 @@ impl Squares {
     }
 }
 
-/// Change and trembling of a row of images beyond the reference's.
+/// Change and trembling of a row of images beyond the reference's, and their error.
 #[derive(Clone)]
 struct Sums {
     trail: Trail,
     change: Squares,
     tremble: Squares,
+    error: Squares,
+    /// Of the images' means.
+    sum: f64,
 }
 
 /// A variant's row as it is played, and one with smooth edges.
@@ -110,10 +118,12 @@ struct Rows {
 
 impl Sums {
     fn new(size: [u32; 2]) -> Self {
-        Self { trail: Trail::default(), change: Squares::new(size), tremble: Squares::new(size) }
+        let [change, tremble, error] = [(); 3].map(|()| Squares::new(size));
+        Self { trail: Trail::default(), change, tremble, error, sum: 0.0 }
     }
 
     fn push(&mut self, image: Image, halves: &[Trail; 2]) {
+        self.sum += image.mean();
         self.trail.push(image);
         self.add(halves);
     }
@@ -124,6 +134,7 @@ impl Sums {
                 sum.add(&a, [&r1, &r2]);
             }
         };
+        part(Trail::values, &mut self.error);
         part(Trail::step, &mut self.change);
         part(Trail::bend, &mut self.tremble);
     }
@@ -187,6 +198,8 @@ pub fn measure(
             reference: own.change.root() / mean,
             tremble: Some(sums.tremble.root() / mean),
             reference_tremble: Some(own.tremble.root() / mean),
+            error: Some(sums.error.root() / mean),
+            bias: Some(sums.sum / f64::from(course.frames) / mean - 1.0),
             smooth: rows.smooth.as_ref().map(|smooth| smooth.change.root() / mean),
             ..Flicker::default()
         };
@@ -204,7 +217,7 @@ fn lead_in(lab: &mut Lab, which: &[usize], course: &Course) -> Result<()> {
     for frame in course.first.saturating_sub(LEAD_IN)..course.first {
         lab.set_seconds(f64::from(frame) / f64::from(rate.max(1)));
         for &index in &which {
-            lab.draw(index, course.size, course.aa)?;
+            lab.draw(index, course.size, 1)?;
         }
     }
     Ok(())
@@ -255,6 +268,20 @@ mod tests {
         near(measured([5.0; 4], reference), [1.0, 0.0]);
         // To and fro beside it: the second difference of ±1 is 4.
         near(measured([6.0, 5.0, 8.0, 7.0], reference), [2.0, 4.0 / 3.0_f64.sqrt()]);
+    }
+
+    #[test]
+    fn errors_are_those_of_each_frame_without_the_references_noise() {
+        let image = |value: f32| Image::filled(SIZE[0], SIZE[1], [value; 3]);
+        let mut sums = Sums::new(SIZE);
+        let mut halves = [Trail::default(), Trail::default()];
+        for (a, r) in [(1.0, 2.0), (3.0, 2.0), (4.0, 3.0)] {
+            halves[0].push(image(r + 0.25));
+            halves[1].push(image(r - 0.25));
+            sums.push(image(a), &halves);
+        }
+        // (±1 − ¼)(±1 + ¼) in each.
+        assert!((sums.error.root() - (1.0_f64 - 0.0625).sqrt()).abs() < 1e-6 && (sums.sum - 8.0).abs() < 1e-6);
     }
 
     /// Noise that is another one in each frame, of variance s²: the step's is 2 s², that of the second difference 6 s².

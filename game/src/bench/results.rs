@@ -266,6 +266,12 @@ pub struct Flicker {
     /// The reference's own in the same measure.
     #[serde(default)]
     pub reference_tremble: Option<f64>,
+    /// Error of the frames, each against the reference of its time: root mean square over the mean.
+    #[serde(default)]
+    pub error: Option<f64>,
+    /// Their mean over the reference's, less 1.
+    #[serde(default)]
+    pub bias: Option<f64>,
     /// The change, where each frame is averaged over shifts by parts of a pixel.
     #[serde(default)]
     pub smooth: Option<f64>,

@@ -28,6 +28,13 @@ pub fn section(results: &Results) -> Option<String> {
                  frame has as much of it as of change, light that is wrong but moves evenly has none.\n\n";
         text += &grid(results, &scenes, |f| f.tremble, |f| f.reference_tremble);
     }
+    if results.flicker.iter().any(|flicker| flicker.error.is_some()) {
+        text += "\nError of those frames, each against the reference of its time, as it is played after 20 frames before it where \
+                 frames are averaged; then the bias.\n\n";
+        text += &grid(results, &scenes, |f| f.error, |_| None);
+        text += "\n";
+        text += &grid(results, &scenes, |f| f.bias, |_| None);
+    }
     if results.flicker.iter().any(|flicker| flicker.smooth.is_some()) {
         text += "\nThe change again with smooth edges: each frame is the mean of several, shifted by parts of a pixel, as the \
                  reference's are. What is left is the light's own unrest; noise is less by the number of those frames, so that \
