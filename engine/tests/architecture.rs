@@ -4,13 +4,15 @@
 use std::path::{Path, PathBuf};
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
-const RENDER: [&str; 22] = [
+const RENDER: [&str; 24] = [
     "debug_settings",
     "settings",
     "scene_gpu",
     "rays",
     "error",
     "views",
+    "motion",
+    "pixel_shift",
     "history",
     "zero_texture",
     "frame",

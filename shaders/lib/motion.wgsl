@@ -1,6 +1,6 @@
 #define_import_path lightwell::motion
 
-// Where the points of surfaces were in the frame before. See engine/src/render/geometry/motion.rs.
+// Where the points of surfaces were in the frame before. See engine/src/render/motion.rs.
 
 // An object that moved.
 struct Moved {

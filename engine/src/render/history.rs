@@ -1,7 +1,7 @@
 //! The frames before: which of them this one goes on with, and how much they count. Where light or objects move, older
 //! frames count for little: [`MOST_WHILE_CHANGING`].
 
-use super::geometry::motion::Motions;
+use super::motion::Motions;
 use super::pixel_shift;
 use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;

@@ -19,6 +19,7 @@ mod history;
 pub mod indirect;
 #[cfg(test)]
 mod layout_tests;
+mod motion;
 mod pixel_shift;
 mod post;
 mod probe_light;

@@ -28,7 +28,7 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "RAD",
         what: "radiosity: links of surfels, the lights' first bounce, all further ones",
-        passes: &["surfel links", "first bounce", "radiosity"],
+        passes: &["surfel links", "first bounce", "radiosity", "change of patches"],
     },
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
@@ -63,6 +63,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
+    Stage { name: "TAA", what: "smooth edges over frames", passes: &["temporal anti-aliasing"] },
     Stage { name: "TON", what: "tone map", passes: &["tone map"] },
 ];
 

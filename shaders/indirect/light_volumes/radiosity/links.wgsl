@@ -38,10 +38,9 @@ struct Links {
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
 // See `lib/radiosity.wgsl`: those of a surfel follow each other.
 @group(0) @binding(2) var<storage, read_write> surfel_links: array<Link>;
-// Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far: of all rays, and of those of each
-// dispatch, PARTS a surfel.
+// Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far: by all rays of each surfel, and after
+// all surfels by those of each dispatch, PARTS a surfel.
 @group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> shone_on_by: array<vec4f>;
 @group(0) @binding(4) var sky: texture_2d<f32>;
 
 #ifdef AT_ONCE
@@ -129,10 +128,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         surfel_links[index * RAYS + i] = link;
     }
-    shone_on_by[index * PARTS + links.first_ray / AT_ONCE] = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
+    let parts = arrayLength(&surfels) + index * PARTS;
+    shone_on[parts + links.first_ray / AT_ONCE] = vec4f(light * (PI / f32(RAYS)), f32(far) / f32(RAYS));
     var all = vec4f(0.0);
-    for (var part = index * PARTS; part < (index + 1u) * PARTS; part++) {
-        all += shone_on_by[part];
+    for (var part = 0u; part < PARTS; part++) {
+        all += shone_on[parts + part];
     }
     shone_on[index] = all;
 }

@@ -34,7 +34,7 @@ pub(crate) struct LinksUniform {
 pub(super) struct Links {
     /// Those of a surfel follow each other.
     pub links: Handle<Buffer>,
-    /// Irradiance of each surfel from emissive surfaces and the sky [W/m²].
+    /// Irradiance of each surfel from emissive surfaces and the sky [W/m²]; after all of them that by the rays of each part.
     pub shone_on: Handle<Buffer>,
 }
 
@@ -43,12 +43,10 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     let count = frame.surfels.count();
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
     let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
-    let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16));
-    let parts = graph.retained_buffer("emitted light at surfels, in parts", buffer(16 * u64::from(rays.parts())));
+    let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16 * (1 + u64::from(rays.parts()))));
     let mut pass = graph.pass(LINKS);
     pass.read(surfels);
     let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
-    let parts = pass.write(parts);
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays));
     let frame = frame.clone();
@@ -60,7 +58,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
         let casts = 1 + u64::from(scene.emitter_count > 0) + u64::from(frame.scene.sky_map.is_some());
         cx.counts().rays += u64::from(count) * rays_a_surfel * casts;
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_surfel).max(64);
-        let written = Written { surfels, found, parts };
+        let written = Written { surfels, found };
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
             cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT);
@@ -78,14 +76,13 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
 struct Written {
     surfels: Handle<Buffer>,
     found: Links,
-    parts: Handle<Buffer>,
 }
 
 fn dispatch(
     cx: &mut PassContext,
     frame: &Frame,
     scene_rays: &RayScene,
-    Written { surfels, found, parts }: Written,
+    Written { surfels, found }: Written,
     rays: Rays,
     [first, surfels_now, first_ray]: [u32; 3],
 ) -> Result<(), PassError> {
@@ -102,8 +99,7 @@ fn dispatch(
         far: frame.surfels.patch_size(),
     };
     let uniform = cx.gpu.uniform("links", &uniform);
-    let [surfels, links, shone_on, parts] =
-        [surfels, found.links, found.shone_on, parts].map(|handle| cx.buffer(handle).clone());
+    let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());
     let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
         .def("RAYS", ShaderDef::Uint(rays.count))
@@ -113,7 +109,6 @@ fn dispatch(
         ("surfels", Binding::Buffer(&surfels)),
         ("surfel_links", Binding::Buffer(&links)),
         ("shone_on", Binding::Buffer(&shone_on)),
-        ("shone_on_by", Binding::Buffer(&parts)),
     ];
     group.extend(frame.surfels.patches().bindings());
     if scene.sky_map.is_some() {
