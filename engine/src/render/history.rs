@@ -220,6 +220,11 @@ impl History {
         self.step.and(self.patches.as_ref()).map(|(_, patches)| patches)
     }
 
+    /// Whether it is known how the light of patches changes: the frame before had the same ones.
+    pub fn follows_patches(&self) -> bool {
+        self.patches().is_some_and(InTurns::is_known)
+    }
+
     fn keep_colors(&mut self, gpu: &Gpu, size: [u32; 2]) {
         let Some(number) = self.step.map(|step| step.number) else { return };
         match &mut self.colors {

@@ -10,7 +10,6 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::history::InTurns;
 use encase::ShaderType;
 use glam::Mat4;
 
@@ -48,7 +47,7 @@ pub(in crate::render) fn declare<'a>(
     let averaged = pass.write(averaged);
     pass.key(&(step.row, step.number, frame.view_key(), light.change.is_some()));
     let [width, height] = frame.view.size;
-    let is_followed = light.change.and(frame.history.patches()).is_some_and(InTurns::is_known);
+    let is_followed = light.change.is_some() && frame.history.follows_patches();
     let most = if is_followed { step.most_followed } else { step.most };
     let uniform = AverageUniform {
         view: frame.view_values(),

@@ -36,13 +36,13 @@ pub(crate) struct InterleaveUniform {
 
 impl Interleave {
     /// All pixels of a frame that stands for itself or is the first of its row, and a quarter of one that is averaged with many
-    /// others because how its light changes is known.
-    pub fn new(frame: &Frame, is_followed: bool) -> Self {
+    /// others because it is known how the light of its patches changes.
+    pub fn new(frame: &Frame, has_patches: bool) -> Self {
         let size = frame.view.size;
-        let (stride, offset, weight) = match frame.number().filter(|_| is_followed) {
-            None => (1, [0, 0], 1.0),
+        let (stride, offset, weight) = match frame.number().filter(|_| has_patches) {
             Some(0) => (1, [0, 0], FIRST),
-            Some(number) => (STRIDE, TURNS[(number % 4) as usize], 1.0),
+            Some(number) if frame.history.follows_patches() => (STRIDE, TURNS[(number % 4) as usize], 1.0),
+            _ => (1, [0, 0], 1.0),
         };
         Self { stride, offset, size, weight }
     }

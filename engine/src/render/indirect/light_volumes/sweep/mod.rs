@@ -162,7 +162,7 @@ pub(super) fn declare<'a>(
         (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
     let radiance = if is_gathered {
-        let interleave = Interleave::new(frame, radiosity.and_then(|light| light.change).is_some());
+        let interleave = Interleave::new(frame, radiosity.is_some());
         let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
         gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit, interleave)
     } else {
