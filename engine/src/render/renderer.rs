@@ -251,10 +251,11 @@ impl Renderer {
         frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
+        let is_thinned = radiosity::is_thinned(&frame);
         let report = execute(gpu, graph, &mut self.targets, settings)?;
         let has_links =
             report.pass(radiosity::LINKS).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
-        self.linked = has_links.then(|| self.surfels.revision());
+        self.linked = (has_links && !is_thinned).then(|| self.surfels.revision());
         Ok(report)
     }
 

@@ -73,6 +73,7 @@ pub struct GpuSurfels {
     ids: Vec<u32>,
     primitive_ids: wgpu::Buffer,
     is_moving: bool,
+    is_replaced: bool,
     emitted: Vec3,
 }
 
@@ -86,6 +87,7 @@ impl GpuSurfels {
             patches: GpuPatches::new(gpu),
             uploaded: 0,
             is_moving: false,
+            is_replaced: false,
             placed: Vec::new(),
             ids: Vec::new(),
             primitive_ids: gpu.storage("ids of primitives", &[0_u32; 4], BufferUsages::empty()),
@@ -98,7 +100,8 @@ impl GpuSurfels {
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
         self.cloud.update(scene, finest_cell);
         self.name_primitives(gpu, scene);
-        self.is_moving = self.uploaded != self.cloud.revision || self.placed != self.cloud.places;
+        self.is_replaced = self.uploaded != self.cloud.revision;
+        self.is_moving = self.is_replaced || self.placed != self.cloud.places;
         if self.uploaded != self.cloud.revision {
             self.uploaded = self.cloud.revision;
             let none = [Surfel::default()];
@@ -165,6 +168,11 @@ impl GpuSurfels {
     /// Whether any surface is elsewhere than in the frame before.
     pub(in crate::render) fn is_moving(&self) -> bool {
         self.is_moving
+    }
+
+    /// Whether the surfels are others than in the frame before: surfaces came, went or bent.
+    pub(in crate::render) fn is_replaced(&self) -> bool {
+        self.is_replaced
     }
 
     /// Number of patches.

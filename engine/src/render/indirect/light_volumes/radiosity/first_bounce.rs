@@ -1,7 +1,7 @@
 //! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
 
+use super::Rays;
 use super::links::Links;
-use super::{Rays, SEED};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -64,7 +64,7 @@ pub(super) fn declare<'a>(
             let uniform = FirstBounceUniform {
                 root: scene.root(),
                 light_count: scene.light_count,
-                seed: SEED ^ 0x1656_67b1,
+                seed: rays.seed ^ 0x1656_67b1,
                 first,
                 before: frame.surfels.before(),
             };

@@ -1,6 +1,6 @@
 //! What surfels see. See `indirect/light_volumes/radiosity/links.wgsl`.
 
-use super::{LINKS, Rays, SEED};
+use super::{LINKS, Rays};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -92,7 +92,7 @@ fn dispatch(
         sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
         root: scene_rays.root(),
         emitter_count: scene_rays.emitter_count,
-        seed: SEED,
+        seed: rays.seed,
         first,
         first_ray,
         before: frame.surfels.before(),

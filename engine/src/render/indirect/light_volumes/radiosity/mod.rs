@@ -81,11 +81,20 @@ struct Rays {
     count: u32,
     /// The part of them that is cast in this frame, where the others are known; none: all.
     part: Option<u32>,
+    /// Of their random numbers.
+    seed: u32,
+}
+
+/// Whether surfels have fewer links in a frame: while surfaces bend they are others in each, and so are the links. The mean over
+/// frames makes up for it.
+pub(in crate::render) fn is_thinned(frame: &Frame) -> bool {
+    frame.number().is_some_and(|number| number > 0) && frame.surfels.is_replaced()
 }
 
 impl Rays {
     /// As many as the quality asks for, and as fit a storage binding. While objects move and frames are averaged, a quarter
-    /// of them are cast anew in each frame, in the same directions as before: where nothing moves nothing changes.
+    /// of them are cast anew in each frame, in the same directions as before: where nothing moves nothing changes. See also
+    /// [`is_thinned`].
     fn new(frame: &Frame, settings: &Clpv) -> Self {
         let wanted: u32 = match settings.quality {
             Quality::Low => 8,
@@ -93,8 +102,11 @@ impl Rays {
         };
         let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
         let count = 1 << possible.clamp(1, u64::from(wanted)).ilog2();
+        if let Some(number) = frame.number().filter(|_| is_thinned(frame)) {
+            return Self { count: (count / PARTS).max(1), part: None, seed: number.wrapping_mul(0x85eb_ca6b) };
+        }
         let number = frame.number().filter(|_| frame.surfels.is_moving() && frame.has_links && count >= PARTS);
-        Self { count, part: number.map(|number| number % PARTS) }
+        Self { count, part: number.map(|number| number % PARTS), seed: SEED }
     }
 
     /// Rays that a thread casts one after the other, those of a part: lavapipe ends all loops of a thread after 65,535 turns
