@@ -12,6 +12,7 @@
 //   MOVED    there are objects that are elsewhere than in the frame before
 //   PATCHES  the light of patches is known
 
+#import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance, decode_radiance, encode_radiance, world_position}
 #ifdef MOVED
 #import lightwell::motion::place_before
@@ -87,10 +88,6 @@ struct Past {
 
 fn nothing() -> Past {
     return Past(vec3f(0.0), 0.0, 0.0, 0.0);
-}
-
-fn luminance(c: vec3f) -> f32 {
-    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
 }
 
 // What was kept of a pixel, in the light of now.

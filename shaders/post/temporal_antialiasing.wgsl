@@ -7,6 +7,7 @@
 // frames. What rests is averaged as light.
 //   MOVED    there are objects that are elsewhere than in the frame before
 
+#import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_radiance, encode_radiance, world_position}
 #ifdef MOVED
 #import lightwell::motion::place_before
@@ -40,10 +41,6 @@ const REACH: f32 = 1.0;
 struct Past {
     color: vec3f,          // compressed, unless all rests
     frames: f32,
-}
-
-fn luminance(c: vec3f) -> f32 {
-    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
 }
 
 // To 0..1 and back; what is out of range for a display stays a little below 1.

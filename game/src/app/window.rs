@@ -84,7 +84,7 @@ impl Handler<'_> {
         session::keep_pipelines(&gpu);
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::with_context(&gpu, &window, screen.format(), context);
-        let look = self.args.look().in_window();
+        let look = self.args.look().in_window(&gpu);
         let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
         drawn.painter.renderer.set_timing(Timing::Late);
         Ok(Open {

@@ -82,7 +82,7 @@ impl Player {
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
         session::keep_pipelines(&gpu);
         let ui = UiSurface::new(&gpu, &window, screen.format());
-        let look = args.look.in_window();
+        let look = args.look.in_window(&gpu);
         let session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
         lightwell::files::remove_leftovers(session.path());
         let artist = Artist::new(&session.gpu);

@@ -8,6 +8,7 @@
 // contact shadows stay sharp without noise in them, and open walls are smooth.
 
 #import lightwell::bilateral::likeness
+#import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::nearness::{decode_nearness, encode_nearness}
@@ -38,10 +39,6 @@ struct Reach {
 const TOLERANCE: f32 = 0.15;
 const TOLERANCE_ALONG: f32 = 0.8;
 const LEAST: f32 = 2.0;
-
-fn luminance(c: vec3f) -> f32 {
-    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
-}
 
 struct Filtered {
     diffuse: vec3f,
