@@ -2,6 +2,7 @@
 // irradiance E, too blurred for smooth surfaces: E/π gives way to the share of the sky that is seen around the lobe's
 // direction, times the image as the lobe sees it. The share is E over the irradiance of an open place.
 
+#import lightwell::color::luminance
 #import lightwell::environment::lobe_direction
 #import lightwell::gbuffer::{decode_normal, decode_normal_reflectance, world_position}
 #import lightwell::sh::sh_basis_nine
@@ -63,10 +64,6 @@ fn open_irradiance(d: vec3f) -> vec3f {
     }
     // The harmonics may swing below zero where hardly any sky is.
     return max(e, reflection.mean * 0.1);
-}
-
-fn luminance(c: vec3f) -> f32 {
-    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
 }
 
 @compute @workgroup_size(8, 8)
