@@ -83,7 +83,8 @@ impl Sorted<'_> {
         let middle = Vec3::from_array(cell.at.map(|v| v as f32 + 0.5));
         for beside in cell.around() {
             let Ok(beside) = self.cells.binary_search(&beside) else { continue };
-            let nearest = self.nearest(self.surfels(beside), middle);
+            let open = self.surfels(beside).filter(|surfel| !self.point(*surfel).is_hidden);
+            let nearest = self.nearest(open, middle);
             nearest.into_iter().for_each(|surfel| groups.join(surfel));
         }
         groups.is_parted().then(|| Tree::new(&groups, 0..0).split)
@@ -93,12 +94,13 @@ impl Sorted<'_> {
     pub fn split(&self, walls: &Walls, index: usize) -> Option<Split> {
         let mut groups = Groups { sorted: self, walls, members: Vec::new(), planes: Vec::new() };
         let own = self.surfels(index);
-        own.clone().for_each(|surfel| groups.join(surfel));
+        own.clone().filter(|surfel| !self.point(*surfel).is_hidden).for_each(|surfel| groups.join(surfel));
         let middle = own.clone().map(|surfel| self.point(surfel).surface).sum::<Vec3>() / own.len() as f32;
         let cell = self.cells[index];
         for beside in cell.around() {
             let Ok(beside) = self.cells.binary_search(&beside) else { continue };
-            let Some(other) = self.nearest(self.surfels(beside), middle) else { continue };
+            let open = self.surfels(beside).filter(|surfel| !self.point(*surfel).is_hidden);
+            let Some(other) = self.nearest(open, middle) else { continue };
             let Some(nearest) = self.nearest(own.clone(), self.point(other).surface) else { continue };
             let wall = walls.between(self.point(nearest), self.point(other));
             if wall.is_some_and(|wall| walls.reaches(&wall, self.point(nearest), cell)) {
@@ -157,26 +159,32 @@ struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     fn new(groups: &'a Groups<'a>, own: Range<u32>) -> Self {
+        let is_hidden = |surfel: &u32| groups.sorted.point(*surfel).is_hidden;
+        let hidden = own.clone().filter(is_hidden).collect();
         let mut tree = Self { groups, own, split: Split { nodes: Vec::new(), parts: Vec::new() } };
-        tree.branch(groups.members.clone(), DEPTH);
+        tree.branch(groups.members.clone(), hidden, DEPTH);
         tree
     }
 
-    fn branch(&mut self, members: Vec<(u32, usize)>, depth: usize) -> Side {
+    fn branch(&mut self, members: Vec<(u32, usize)>, hidden: Vec<u32>, depth: usize) -> Side {
         let plane = if depth > 0 { self.best_plane(&members) } else { None };
         let Some(plane) = plane else {
-            self.split.parts.push(self.part(&members));
+            self.split.parts.push(self.part(&members, hidden));
             return Side::Part(self.split.parts.len() - 1);
         };
         let index = self.split.nodes.len();
         self.split.nodes.push((plane, [Side::Part(0); 2]));
         let (before, behind) = members.into_iter().partition(|(surfel, _)| self.is_before(plane, *surfel));
-        self.split.nodes[index].1 = [self.branch(before, depth - 1), self.branch(behind, depth - 1)];
+        let (hidden_before, hidden_behind) = hidden.into_iter().partition(|surfel| self.is_before(plane, *surfel));
+        self.split.nodes[index].1 =
+            [self.branch(before, hidden_before, depth - 1), self.branch(behind, hidden_behind, depth - 1)];
         Side::Node(index)
     }
 
-    fn part(&self, members: &[(u32, usize)]) -> Part {
-        let own: Vec<u32> = members.iter().map(|(surfel, _)| *surfel).filter(|s| self.own.contains(s)).collect();
+    /// What lies in cracks parts nothing: it goes with the part that it lies in.
+    fn part(&self, members: &[(u32, usize)], hidden: Vec<u32>) -> Part {
+        let open = members.iter().map(|(surfel, _)| *surfel).filter(|s| self.own.contains(s));
+        let own: Vec<u32> = open.chain(hidden).collect();
         if own.is_empty() { Part::Beyond(members[0].0) } else { Part::Own(own) }
     }
 

@@ -26,6 +26,8 @@ pub(super) struct Point {
     pub surface: Vec3,
     /// In the world \[m\]: as far before it as where its cell is chosen, or half way to what is nearer.
     before: Vec3,
+    /// Whether it lies in a crack, see [`Surfel::is_hidden`].
+    pub is_hidden: bool,
 }
 
 /// What two points meet first on the way to each other: both sides of a wall.
@@ -47,7 +49,8 @@ impl<'a> Walls<'a> {
         let from = surface + normal * (self.before + 1e-5 * surface.abs().max_element());
         let lift = BEFORE * self.size * normal;
         let share = self.still.obstacle(from, from + lift).map_or(1.0, |obstacle| 0.5 * obstacle.share);
-        Point { surface: self.grid.transform_point3(surface), before: from + share * lift }
+        let (surface, is_hidden) = (self.grid.transform_point3(surface), surfel.is_hidden());
+        Point { surface, before: from + share * lift, is_hidden }
     }
 
     /// What stands between two points; none if they see each other.
