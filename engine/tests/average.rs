@@ -10,7 +10,7 @@ use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, MOST_FRAMES, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
 use lightwell::world::{Bounces, Clpv, Delta, GatherRays, Quality, StochasticLightCulling};
-use support::{Stage, error, gpu};
+use support::{Stage, error, gpu, left_of};
 
 fn settings(average: bool) -> RenderSettings {
     RenderSettings { only: Layer::Indirect, display: false, average, ..Default::default() }
@@ -80,19 +80,6 @@ fn a_view_that_rests_loses_its_noise_and_comes_to_rest() {
     assert_eq!(bits(&again), bits(&last), "an image at rest changes");
     let ran: Vec<_> = report.passes.iter().filter(|pass| pass.state == PassState::Ran).map(|pass| &pass.name).collect();
     assert!(ran.is_empty(), "at rest there run {ran:?}");
-}
-
-/// What is left of the light from where a lamp was, once it is somewhere else: by least squares over all pixels.
-fn left_of(before: &Image, after: &Image, found: &ImageF32) -> f64 {
-    let (mut along, mut square) = (0.0, 0.0);
-    for ((before, after), found) in before.pixels().iter().zip(after.pixels()).zip(&found.rgba) {
-        for channel in 0..3 {
-            let way = f64::from(before[channel]) - f64::from(after[channel]);
-            along += way * (f64::from(found[channel]) - f64::from(after[channel]));
-            square += way * way;
-        }
-    }
-    along / square
 }
 
 #[test]

@@ -12,7 +12,7 @@ use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
 use lightwell::world::{Clpv, Quality};
-use support::{Stage, error, gpu};
+use support::{Stage, error, gpu, left_of};
 
 const EDGE: u32 = 64;
 
@@ -55,19 +55,6 @@ fn move_box(stage: &mut Stage, place: Affine3A) {
     moved.world_from_object = place;
     moved.bounds = moved.mesh.bounds.transformed(&place);
     moved.geometry_revision = revision;
-}
-
-/// Share of a change that an image has not followed yet: by least squares over all pixels.
-fn left_of(before: &Image, after: &Image, found: &ImageF32) -> f64 {
-    let (mut along, mut square) = (0.0, 0.0);
-    for ((before, after), found) in before.pixels().iter().zip(after.pixels()).zip(&found.rgba) {
-        for channel in 0..3 {
-            let way = f64::from(before[channel]) - f64::from(after[channel]);
-            along += way * (f64::from(found[channel]) - f64::from(after[channel]));
-            square += way * way;
-        }
-    }
-    along / square
 }
 
 #[test]

@@ -38,7 +38,7 @@ struct Average {
 @group(0) @binding(2) var normal: texture_2d<u32>;
 @group(0) @binding(3) var object: texture_2d<u32>;
 @group(0) @binding(4) var depth: texture_depth_2d;
-// Radiance [W/(m² sr)], and how much it counts beside that of other frames.
+// Radiance [W/(m² sr)], and where patches are known how much it counts beside that of other frames.
 @group(0) @binding(5) var indirect: texture_2d<f32>;
 // Light over reflectance [W/(m² sr)] with shared exponent; the bits of the luminance of its quick mean; the patch in 20 bits
 // and the number of frames times 32 in 12.
@@ -96,7 +96,7 @@ fn kept(at: vec2i, spread: f32) -> Past {
     var past = Past(decode_radiance(texel.xy), f32(texel.w >> 20u) / STEPS, bitcast<f32>(texel.z), spread);
 #ifdef PATCHES
     let patch_index = texel.w & NO_PATCH;
-    if patch_index != NO_PATCH {
+    if patch_index < min(NO_PATCH, arrayLength(&patch_change)) {
         let change = patch_change[patch_index];
         let was = luminance(past.light);
         past.light *= change.rgb;
@@ -257,7 +257,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let found = textureLoad(indirect, pixel, 0);
         let most = select(average.most, average.most_glossy, f32(drawn.z) / 65535.0 < GLOSSY);
         let past = history(pixel, surface.x, position, n, footprint);
-        now = updated(past, found.rgb / reflectance, found.a, most);
+#ifdef PATCHES
+        let count = found.a;
+#else
+        let count = 1.0;
+#endif
+        now = updated(past, found.rgb / reflectance, count, most);
         patch_index = patch_of(surface.x, position, n);
     }
     let frames = u32(min(now.frames, MOST_KEPT) * STEPS);

@@ -44,5 +44,5 @@ fn place_before(id: u32, position: vec3f, normal: vec3f) -> Place {
     let bc = cross(b.xyz, c.xyz);
     let n = vec3f(dot(bc, normal), dot(cross(c.xyz, a.xyz), normal), dot(ab, normal));
     let size = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    return Place(vec3f(dot(a, p), dot(b, p), dot(c, p)), normalize(n / max(size, 1e-30) + vec3f(0.0, 1e-20, 0.0)), true);
+    return Place(vec3f(dot(a, p), dot(b, p), dot(c, p)), normalize(n / max(size, 1e-30)), true);
 }

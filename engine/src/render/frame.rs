@@ -22,6 +22,15 @@ pub(crate) struct ViewUniform {
     size: UVec2,
 }
 
+/// Which links of surfels there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::render) struct Linked {
+    /// Revision of the surfels.
+    pub surfels: u64,
+    /// Links of each.
+    pub count: u32,
+}
+
 /// Inputs of a frame. Cheap to clone into the closure of a pass.
 #[derive(Clone)]
 pub struct Frame<'a> {
@@ -45,8 +54,8 @@ pub struct Frame<'a> {
     pub probes: &'a [ProbePoint],
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
-    /// Whether the frame before has left the links of these surfels, see `light_volumes/radiosity`.
-    pub(in crate::render) has_links: bool,
+    /// The links of surfels that the frame before has left, see `light_volumes/radiosity`.
+    pub(in crate::render) linked: Option<Linked>,
     /// The frames before, whose light this one's is averaged with.
     pub(in crate::render) history: &'a History,
 }

@@ -1,5 +1,5 @@
 //! The frames before: which of them this one goes on with, and how much they count. Where light or objects move, older
-//! frames count for little: [`MOST_WHILE_CHANGING`].
+//! frames count for little ([`MOST_WHILE_CHANGING`]), unless it is known how their light has changed.
 
 use super::motion::Motions;
 use super::pixel_shift;
@@ -13,8 +13,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// Frames of a view that rests that are averaged.
 pub const MOST_FRAMES: u32 = 64;
 
-/// The same where the light of patches tells how it changes, so that frames count that were drawn in other light.
-const MOST_WHILE_FOLLOWED: f32 = 24.0;
 /// How far the long mean may be from the quick one, in mean deviations of a frame, while light or objects change. The quick
 /// mean takes 0.3 of each frame, so that 0.3/(2 − 0.3) of a frame's variance is left in it; a mean deviation is √(2/π) of a
 /// standard one; and three standard deviations are noise: 3·√0.176·√(π/2).
@@ -22,6 +20,8 @@ const TOLERANCE: f32 = 1.6;
 /// Frames before that count at most while light or objects change: in the mean 0.7ⁿ of the light of n frames ago is left,
 /// 6 % after eight.
 const MOST_WHILE_CHANGING: f32 = 7.0 / 3.0;
+/// The same where the light of patches tells how it changes, so that frames count that were drawn in other light.
+const MOST_WHILE_FOLLOWED: f32 = 24.0;
 /// For so many frames after a change.
 const UNREST: u32 = 8;
 

@@ -28,7 +28,7 @@ pub(crate) struct Motions {
 }
 
 impl Motions {
-    /// Takes note of a frame. What was not there in the last one, and what is squeezed flat, has no place before.
+    /// Takes note of a frame. What was not there in the last one, and what is or was squeezed flat, has no place before.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) {
         let moving = || scene.primitives.iter().filter(|primitive| primitive.moving);
         self.moved.clear();
@@ -55,7 +55,7 @@ impl Moved {
         let wide =
             |place: &Affine3A| DAffine3::from_mat3_translation(place.matrix3.as_dmat3(), place.translation.as_dvec3());
         let way = wide(before) * wide(now).inverse();
-        let m = way.is_finite().then(|| way.as_affine3a())?;
+        let m = (way.is_finite() && way.matrix3.determinant() != 0.0).then(|| way.as_affine3a())?;
         let rows = [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]]);
         Some(Self { rows, id, padding: [0; 3] })
     }
@@ -81,5 +81,6 @@ mod tests {
         assert!(found.distance(to) < 1e-4, "{found}, not {to}");
         let flat = Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0));
         assert_eq!(Moved::new(3, &before, &flat), None, "what is flat has no inverse");
+        assert_eq!(Moved::new(3, &flat, &before), None, "what was flat had no normal");
     }
 }

@@ -4,7 +4,7 @@
 use super::custom_passes::{self, ExtraPass, Picture};
 use super::debug::DebugView;
 use super::error::RenderError;
-use super::frame::Frame;
+use super::frame::{Frame, Linked};
 use super::frame_graph::{self, Drawn};
 use super::history::History;
 use super::indirect::light_volumes::{radiosity, sweep};
@@ -51,8 +51,8 @@ pub struct Renderer {
     has_probe_light: bool,
     extra: Vec<ExtraPass>,
     history: History,
-    /// The surfels whose links the last frame has left.
-    linked: Option<u64>,
+    /// The links of surfels that the last frame has left.
+    linked: Option<Linked>,
     /// Warnings of the last frame.
     warned: Vec<String>,
 }
@@ -230,7 +230,7 @@ impl Renderer {
             bounds,
             probes: &self.probes,
             views: &self.views,
-            has_links: self.linked == Some(self.surfels.revision()) && !settings.no_cache && !self.targets.is_audited(),
+            linked: self.linked.filter(|_| !settings.no_cache && !self.targets.is_audited()),
             history: &self.history,
         };
         let mut graph = Graph::new(seed(gpu));
@@ -251,11 +251,11 @@ impl Renderer {
         frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
-        let is_thinned = radiosity::is_thinned(&frame);
+        let linked = radiosity::linked(&frame);
         let report = execute(gpu, graph, &mut self.targets, settings)?;
         let has_links =
             report.pass(radiosity::LINKS).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
-        self.linked = (has_links && !is_thinned).then(|| self.surfels.revision());
+        self.linked = linked.filter(|_| has_links);
         Ok(report)
     }
 

@@ -179,3 +179,16 @@ pub fn error(found: &ImageF32, expected: &Image) -> (f64, f64) {
     let values = 3.0 * found.rgba.len() as f64;
     ((square / values).sqrt() / (total / values), difference / total)
 }
+
+/// Share of a change from one image to another that has not been followed yet: by least squares over all pixels.
+pub fn left_of(before: &Image, after: &Image, found: &ImageF32) -> f64 {
+    let (mut along, mut square) = (0.0, 0.0);
+    for ((before, after), found) in before.pixels().iter().zip(after.pixels()).zip(&found.rgba) {
+        for channel in 0..3 {
+            let way = f64::from(before[channel]) - f64::from(after[channel]);
+            along += way * (f64::from(found[channel]) - f64::from(after[channel]));
+            square += way * way;
+        }
+    }
+    along / square
+}

@@ -19,7 +19,7 @@ mod solve;
 pub(crate) use self::{first_bounce::FirstBounceUniform, links::LinksUniform};
 
 use crate::graph::{Buffer, Graph, Handle};
-use crate::render::frame::Frame;
+use crate::render::frame::{Frame, Linked};
 use crate::world::{Bounces, Clpv, Quality};
 use glam::Vec3;
 
@@ -87,25 +87,36 @@ struct Rays {
 
 /// Whether surfels have fewer links in a frame: while surfaces bend they are others in each, and so are the links. The mean over
 /// frames makes up for it.
-pub(in crate::render) fn is_thinned(frame: &Frame) -> bool {
+fn is_thinned(frame: &Frame) -> bool {
     frame.number().is_some_and(|number| number > 0) && frame.surfels.is_replaced()
 }
 
+/// The links that a frame leaves, if a later one may go on with them.
+pub(in crate::render) fn linked(frame: &Frame) -> Option<Linked> {
+    let clpv = frame.scene.clpv.as_ref().filter(|_| !is_thinned(frame))?;
+    Some(Linked { surfels: frame.surfels.revision(), count: count(frame, &clpv.settings) })
+}
+
+/// Links of a surfel: a power of two of them, as many as the quality asks for, and as fit a storage binding.
+fn count(frame: &Frame, settings: &Clpv) -> u32 {
+    let wanted: u32 = match settings.quality {
+        Quality::Low => 8,
+        Quality::Medium | Quality::High | Quality::Ultra => 16,
+    };
+    let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
+    1 << possible.clamp(1, u64::from(wanted)).ilog2()
+}
+
 impl Rays {
-    /// As many as the quality asks for, and as fit a storage binding. While objects move and frames are averaged, a quarter
-    /// of them are cast anew in each frame, in the same directions as before: where nothing moves nothing changes. See also
-    /// [`is_thinned`].
+    /// While objects move and frames are averaged, a quarter of all is cast anew in each frame, in the same directions as
+    /// before: where nothing moves nothing changes. See also [`is_thinned`].
     fn new(frame: &Frame, settings: &Clpv) -> Self {
-        let wanted: u32 = match settings.quality {
-            Quality::Low => 8,
-            Quality::Medium | Quality::High | Quality::Ultra => 16,
-        };
-        let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
-        let count = 1 << possible.clamp(1, u64::from(wanted)).ilog2();
+        let count = count(frame, settings);
         if let Some(number) = frame.number().filter(|_| is_thinned(frame)) {
             return Self { count: (count / PARTS).max(1), part: None, seed: number.wrapping_mul(0x85eb_ca6b) };
         }
-        let number = frame.number().filter(|_| frame.surfels.is_moving() && frame.has_links && count >= PARTS);
+        let has_others = frame.linked == Some(Linked { surfels: frame.surfels.revision(), count });
+        let number = frame.number().filter(|_| frame.surfels.is_moving() && has_others && count >= PARTS);
         Self { count, part: number.map(|number| number % PARTS), seed: SEED }
     }
 

@@ -15,8 +15,8 @@ pub(super) struct Gathered {
     pub specular: Handle<Texture>,
 }
 
-/// How many times as bright as all that is next to it light of a sparse frame may be: while light changes, and at rest,
-/// where the mean of many frames is right only if nothing is cut off.
+/// How many times as bright as all that is next to it the light of a sparse frame may be while light changes; at rest
+/// anything goes, for the mean of many frames is right only if nothing is cut off.
 const STRAY: f32 = 2.0;
 const ANY: f32 = 1e6;
 
@@ -70,30 +70,9 @@ fn vertical<'a>(
     reach: Reach,
 ) -> Handle<Texture> {
     let indirect = graph.retained_texture("indirect radiance", frame.image_desc());
-    let mut pass = graph.pass("gather filter, vertical");
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, half.diffuse, half.specular];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
-    let indirect = pass.write(indirect);
-    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing()));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let [base_color, normal, depth, diffuse, specular] = inputs.map(|handle| cx.view(handle));
-        let target = cx.view(indirect);
-        run(
-            cx,
-            &frame,
-            reach,
-            "vertical",
-            &[
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("diffuse", Binding::Texture(&diffuse)),
-                ("specular", Binding::Texture(&specular)),
-                ("indirect", Binding::Texture(&target)),
-            ],
-        )
-    });
+    let inputs = [("base_color", gbuffer.base_color)].into_iter().chain(along_axis(gbuffer, half)).collect();
+    let [indirect] =
+        pass(graph, frame, ["gather filter, vertical", "vertical"], inputs, [("indirect", indirect)], reach);
     indirect
 }
 
@@ -104,8 +83,8 @@ fn horizontal<'a>(
     gathered: Gathered,
     reach: Reach,
 ) -> Gathered {
-    let half = ["gathered diffuse, filtered along rows", "gathered specular, filtered along rows"];
-    along(graph, frame, gbuffer, gathered, half, ("gather filter, horizontal", "horizontal"), reach)
+    let names = ["gathered diffuse, filtered along rows", "gathered specular, filtered along rows"];
+    apart(graph, frame, gbuffer, gathered, names, ["gather filter, horizontal", "horizontal"], reach)
 }
 
 fn vertical_sparse<'a>(
@@ -115,47 +94,53 @@ fn vertical_sparse<'a>(
     half: Gathered,
     reach: Reach,
 ) -> Gathered {
-    let filtered = ["gathered diffuse, filtered", "gathered specular, filtered"];
-    along(graph, frame, gbuffer, half, filtered, ("gather filter, vertical", "vertical_sparse"), reach)
+    let names = ["gathered diffuse, filtered", "gathered specular, filtered"];
+    apart(graph, frame, gbuffer, half, names, ["gather filter, vertical", "vertical_sparse"], reach)
 }
 
-/// Declares a pass by its name and entry point that filters along one axis.
-fn along<'a>(
+/// Declares a pass that leaves diffuse and specular light apart.
+fn apart<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     gathered: Gathered,
-    [diffuse, specular]: [&'static str; 2],
-    (name, entry): (&'static str, &'static str),
+    names: [&'static str; 2],
+    which: [&'static str; 2],
     reach: Reach,
 ) -> Gathered {
-    let desc = reach.interleave.image_desc(frame);
-    let filtered = Gathered { diffuse: graph.texture(diffuse, desc.clone()), specular: graph.texture(specular, desc) };
+    let [diffuse, specular] = names.map(|name| graph.texture(name, reach.interleave.image_desc(frame)));
+    let outputs = [("diffuse_out", diffuse), ("specular_out", specular)];
+    let inputs = along_axis(gbuffer, gathered).into();
+    let [diffuse, specular] = pass(graph, frame, which, inputs, outputs, reach);
+    Gathered { diffuse, specular }
+}
+
+/// What every pass of the filter reads, by the shader's names.
+fn along_axis(gbuffer: &GBuffer, gathered: Gathered) -> [(&'static str, Handle<Texture>); 4] {
+    let Gathered { diffuse, specular } = gathered;
+    [("normal", gbuffer.normal), ("depth", gbuffer.depth), ("diffuse", diffuse), ("specular", specular)]
+}
+
+/// Declares a pass by its name and entry point.
+fn pass<'a, const N: usize>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    [name, entry]: [&'static str; 2],
+    inputs: Vec<(&'static str, Handle<Texture>)>,
+    outputs: [(&'static str, Handle<Texture>); N],
+    reach: Reach,
+) -> [Handle<Texture>; N] {
     let mut pass = graph.pass(name);
-    let inputs = [gbuffer.normal, gbuffer.depth, gathered.diffuse, gathered.specular];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
-    let filtered = Gathered { diffuse: pass.write(filtered.diffuse), specular: pass.write(filtered.specular) };
+    inputs.iter().for_each(|(_, input)| pass.read(*input));
+    let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
     pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing()));
     let frame = frame.clone();
     pass.execute(move |cx| {
-        let [normal, depth, diffuse, specular] = inputs.map(|handle| cx.view(handle));
-        let [diffuse_out, specular_out] = [filtered.diffuse, filtered.specular].map(|handle| cx.view(handle));
-        run(
-            cx,
-            &frame,
-            reach,
-            entry,
-            &[
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("diffuse", Binding::Texture(&diffuse)),
-                ("specular", Binding::Texture(&specular)),
-                ("diffuse_out", Binding::Texture(&diffuse_out)),
-                ("specular_out", Binding::Texture(&specular_out)),
-            ],
-        )
+        let views: Vec<_> = inputs.iter().chain(&outputs).map(|(name, handle)| (*name, cx.view(*handle))).collect();
+        let bindings: Vec<_> = views.iter().map(|(name, view)| (*name, Binding::Texture(view))).collect();
+        run(cx, &frame, reach, entry, &bindings)
     });
-    filtered
+    outputs.map(|(_, output)| output)
 }
 
 fn run(
