@@ -2,7 +2,7 @@
 //! against one pass a light. Run with `--nocapture` for the figures. The first needs Sponza (`LIGHTWELL_MODELS`).
 
 use lightwell::bvh::{Ray, SceneBvh};
-use lightwell::render::vpl::{CastCounts, Caster, virtual_lights};
+use lightwell::render::vpl::{Caster, IntersectionCounts, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
 use lightwell_game::bench::plot::{Curve, sweep};
@@ -11,8 +11,8 @@ use lightwell_tests::{Stage, folder_from_env, root};
 use std::time::Instant;
 
 /// Seconds a ray and tests of all rays.
-fn cast(caster: &Caster, rays: &[Ray]) -> (f64, CastCounts) {
-    let mut counts = CastCounts::default();
+fn cast(caster: &Caster, rays: &[Ray]) -> (f64, IntersectionCounts) {
+    let mut counts = IntersectionCounts::default();
     let start = Instant::now();
     let hits = rays.iter().filter(|ray| caster.cast(ray, &mut counts).is_some()).count();
     assert!(hits * 2 > rays.len(), "most rays meet the building");
@@ -32,7 +32,7 @@ fn the_hierarchy_beats_brute_force_on_sponza() {
     let rays: Vec<Ray> = (1..20_000).map(ray).collect();
     let (hierarchy, tests) = cast(&Caster::new(&stage.scene, &bvh, ParticleCasts::Hierarchy), &rays);
     let (brute, all) = cast(&Caster::new(&stage.scene, &bvh, ParticleCasts::BruteForce), &rays[..40]);
-    let each = |counts: CastCounts| counts.tests() as f64 / counts.rays as f64;
+    let each = |counts: IntersectionCounts| counts.tests() as f64 / counts.rays as f64;
     eprintln!(
         "Sponza, a ray: hierarchy {:.2} us and {:.0} tests, brute force {:.0} us and {:.0} tests: {:.0} times the time, {:.0} times the tests",
         1e6 * hierarchy,

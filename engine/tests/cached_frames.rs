@@ -470,7 +470,7 @@ fn random_edits_leave_nothing_behind() {
 }
 
 #[test]
-fn lit_points_follow_the_numbers_of_lights() {
+fn rsm_samples_follow_the_numbers_of_lights() {
     use Edit::*;
     // Both lights shine; the first, which feeds no volumes, goes, and the second takes its number.
     let first = [Method(2), LightFeedsIndirect(0), LightComesOrGoes(1), LightKind(1, 2), Shown(1)];

@@ -16,7 +16,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 use support::{Stage, error, gpu, rgb};
 
-/// glTF 2.0, appendix B, written anew: reflected over incident radiance times n·l [1/sr].
+/// glTF 2.0, appendix B, rewritten: reflected over incident radiance times n·l [1/sr].
 fn gltf(material: &Material, n: Vec3, to_eye: Vec3, to_light: Vec3) -> Vec3 {
     let base = material.base_color.truncate();
     let h = (to_eye + to_light).normalize();

@@ -361,11 +361,11 @@ fn light_without_shadows_is_left_to_the_rays() {
     let mut stage = room(settings(Bounces::Count(1)));
     stage.scene.lights[0].casts_shadow = false;
     let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &RenderSettings::default());
-    assert!(report.ran("gather") && !report.ran("lit points"), "{report}");
+    assert!(report.ran("gather") && !report.ran("RSM samples"), "{report}");
     stage.light(LightShape::Point, Vec3::splat(1.0), Vec3::new(-1.2, 1.2, 1.0), Vec3::NEG_Y);
     let both = traced(&gpu, &stage, 1);
     let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &RenderSettings::default());
-    assert!(report.ran("lit points"), "{report}");
+    assert!(report.ran("RSM samples"), "{report}");
     let (_, bias) = error(&averaged(&gpu, stage), &both);
     assert!(bias.abs() < 0.01, "bias {bias}");
 }

@@ -160,7 +160,7 @@ fn pipelines_are_kept_on_disk() {
             std::fs::write(&path, broken).unwrap();
             assert!(run().0 == first);
             let anew = std::fs::read(&path).unwrap();
-            assert!(anew.starts_with(b"lwpipe") && anew != broken, "it is written anew");
+            assert!(anew.starts_with(b"lwpipe") && anew != broken, "it is rewritten");
         }
     }
 }

@@ -7,7 +7,7 @@ use lightwell::assets::{Material, Shape};
 use lightwell::bvh::{Ray, SceneBvh};
 use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::render::reference::{PathTracer, TraceSettings};
-use lightwell::render::vpl::{CastCounts, Caster, intersect_square, intersect_unit_box, virtual_lights};
+use lightwell::render::vpl::{Caster, IntersectionCounts, intersect_square, intersect_unit_box, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{LightShape, ViewProjection};
 use lightwell::world::{
@@ -263,7 +263,7 @@ fn the_hierarchy_meets_what_brute_force_meets() {
     stage.add(Shape::Sphere { radius: 0.4, segments: 24, rings: 12 }, Vec3::ONE, ball);
     let bvh = SceneBvh::new(&stage.scene);
     let casters = [ParticleCasts::Hierarchy, ParticleCasts::BruteForce].map(|c| Caster::new(&stage.scene, &bvh, c));
-    let mut counts = [CastCounts::default(); 2];
+    let mut counts = [IntersectionCounts::default(); 2];
     for i in 0..500_u32 {
         let part = |prime: f32| (i as f32 * prime).fract() * 2.0 - 1.0;
         let direction = Vec3::new(part(0.618_034), part(0.754_878), part(0.569_841)).normalize();

@@ -115,7 +115,7 @@ fn as_integrated_by_methods_that_shoot_or_cast_into_the_sky() {
     }
 }
 
-/// A sky that turns keeps its mean, bit for bit, and all that it lights is drawn anew.
+/// A sky that turns keeps its mean, bit for bit, and all that it lights is redrawn.
 #[test]
 fn turned_skies_are_drawn_anew() {
     let gpu = gpu();

@@ -247,7 +247,7 @@ fn a_moved_camera_only_looks_again_and_a_changed_lamp_moves_no_surface() {
     assert_eq!(kept, stage.render(&gpu, GiMethod::CLPV, Layer::Total), "reuse changed a bit");
 }
 
-/// Light of a lamp on one side of a wall across the volume that is found on the other side, over what is on its own.
+/// Light of a light on one side of a wall across the volume that is found on the other side, over what is on its own.
 fn leak(gpu: &Gpu, thickness: f32, degrees: f32, shift: f32) -> f32 {
     let turn = Affine3A::from_rotation_y(degrees.to_radians());
     let mut both = [0.0; 2];

@@ -107,7 +107,7 @@ struct LightSample {
     light: vec3f,          // over the chance of the choice [W/(m² sr)]
     ray: Ray,
     reach: f32,            // 0: no ray is needed
-    irradiance: f32,       // of a lamp, on a plane across its light, all channels together [W/m²]
+    irradiance: f32,       // of a light, on a plane across its light, all channels together [W/m²]
 }
 
 fn no_light() -> LightSample {

@@ -210,10 +210,10 @@ struct Frame {
     origin: vec3f,
     unit: vec3f,
     boxes: u32,            // of a list
-    movers: u32,           // where those of what moves begin; 0: nothing does
+    movers: u32,           // where those of dynamic objects begin; 0: nothing does
 }
 
-// `boxes` is the number of boxes of a list of what is static, which the host knows.
+// `boxes` is the number of boxes of a list of static objects, which the host knows.
 fn load_frame(boxes: u32) -> Frame {
     let second = textureLoad(nodes, vec2u(1u, 0u));
 #ifdef EXACT_BOXES
@@ -232,7 +232,7 @@ struct Walk {
     next: u32,             // box to be looked at
     end: u32,              // of the list
 #ifdef MOVERS
-    movers: u32,           // where those of what moves begin, if they are still to be looked at; else 0
+    movers: u32,           // where those of dynamic objects begin, if they are still to be looked at; else 0
 #endif
     kind: u32,
     hit: Hit,              // so far
@@ -276,7 +276,7 @@ fn octant(direction: vec3f) -> u32 {
 }
 
 #ifdef MOVERS
-// The list of what moves, after that of what is static.
+// The list of dynamic objects, after that of static objects.
 fn go_on_with_movers(walk: ptr<function, Walk>) {
     let place = (*walk).movers;
 #ifdef EXACT_BOXES

@@ -41,7 +41,7 @@ impl MeshBvh {
         Self { bvh: Bvh::new(&boxes(&corners), LEAF_SIZE), corners }
     }
 
-    /// Takes new corners for the same triangles, as of a deformed mesh, and fits the boxes to them; builds anew where
+    /// Takes new corners for the same triangles, as of a deformed mesh, and fits the boxes to them; rebuilds where
     /// the tree has become half as slow again.
     ///
     /// # Panics

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchies: which of many boxes a ray may meet.
 //!
 //! Built on the CPU with the surface area heuristic, over the triangles of a mesh ([`MeshBvh`], in object space) or of
-//! a whole scene ([`SceneBvh`], in world space: a hierarchy of what is static and one of what moves, which has its boxes
-//! fitted anew). Used on the CPU and, with the same boxes, on the device.
+//! a whole scene ([`SceneBvh`], in world space: a hierarchy of static objects and one of dynamic ones, which has its boxes
+//! fitted again). Used on the CPU and, with the same boxes, on the device.
 
 mod build;
 mod mesh;

@@ -1,7 +1,7 @@
 //! The hierarchies over all triangles of a scene, in world space: one of static primitives, one of moving primitives.
 //!
 //! Objects have no level of their own: rays that cross many overlapping objects are twice as fast, and every static
-//! triangle is transformed once. Moved objects have the boxes above them fitted anew, which leaves the static part as it
+//! triangle is transformed once. Moved objects have the boxes above them fitted again, which leaves the static part as it
 //! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
 
 use super::{Bvh, Ray, intersect_triangle};
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 /// Most triangles of a leaf.
 const LEAF_SIZE: usize = 2;
-/// A refitted tree that costs so many times what it did when it was built is built anew.
+/// A refitted tree that costs so many times what it did when it was built is rebuilt.
 const WORN_OUT: f32 = 1.5;
 
 /// What a ray is for, which decides what it can meet.
@@ -161,7 +161,7 @@ impl SceneBvh {
         updated
     }
 
-    /// The hierarchies of both parts: what is static, and what moves. Rays go through them in turn.
+    /// The hierarchies of both parts: static objects, and dynamic ones. Rays go through them in turn.
     pub fn trees(&self) -> [&Bvh; 2] {
         [&self.statics.bvh, &self.movers.bvh]
     }

@@ -43,7 +43,7 @@ impl Time {
 pub struct Timer {
     /// Length \[s\].
     pub length: f32,
-    /// Whether it starts anew when it is over.
+    /// Whether it restarts when it is over.
     pub repeats: bool,
     /// Since it was started \[s\].
     pub elapsed: f32,

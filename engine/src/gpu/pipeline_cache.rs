@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Pipelines in use. A pipeline whose shader changed on disk is made anew; while that fails, the last good one
+/// Pipelines in use. A pipeline whose shader changed on disk is rebuilt; while that fails, the last good one
 /// stays, and [`super::ShaderLibrary::errors`] says why.
 #[derive(Default)]
 pub struct PipelineCache {

@@ -36,7 +36,7 @@ pub(super) type Defs = Vec<(&'static str, ShaderDef)>;
 /// What a [`ShaderLibrary::poll`] found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ShaderEvent {
-    /// The shader was compiled anew and is in use.
+    /// The shader was recompiled and is in use.
     Reloaded(String),
     /// The shader is broken; its last good version stays in use.
     Broken(ShaderError),

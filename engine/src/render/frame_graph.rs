@@ -11,7 +11,7 @@
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
 
 use super::debug;
-use super::direct::{self, Lamp};
+use super::direct::{self, DirectLight};
 use super::error::RenderError;
 use super::frame::Frame;
 use super::geometry::{GBuffer, gbuffer};
@@ -43,7 +43,7 @@ pub(super) fn declare<'a>(
 ) -> Result<Drawn, RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
     let has_blended = blend::is_needed(graph, frame);
-    let (direct, lamps) = declare_direct(graph, frame, &gbuffer, method, has_blended);
+    let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
     let (indirect, field) = match indirect {
         Some(light) => (Some(accumulate::declare(graph, frame, &gbuffer, &light)), light.field),
@@ -53,7 +53,7 @@ pub(super) fn declare<'a>(
     let mut lights = Lights { direct, indirect, sky: sky.as_ref().map(|sky| sky.radiance), blended: None };
     if has_blended {
         let source = source_of_blended(graph, &gbuffer, [field, sky.and_then(|sky| sky.field)], &lights);
-        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, lamps, source));
+        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source));
     }
     let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
     if frame.settings.only.is_light() {
@@ -69,15 +69,15 @@ fn declare_direct<'a>(
     gbuffer: &GBuffer,
     method: &'a dyn IndirectMethod,
     has_blended: bool,
-) -> (Option<Handle<Texture>>, Vec<Lamp<'a>>) {
+) -> (Option<Handle<Texture>>, Vec<DirectLight<'a>>) {
     if !matches!(frame.settings.only, Layer::Total | Layer::Direct) {
         graph.skip("direct", "the layer that is shown holds no direct light");
         return (None, Vec::new());
     }
     let own = method.declare_direct(graph, frame, gbuffer);
-    let lamps = if own.is_none() || has_blended { direct::lamps(graph, frame) } else { Vec::new() };
-    let direct = own.unwrap_or_else(|| direct::declare(graph, frame, gbuffer, &lamps));
-    (Some(direct), lamps)
+    let direct_lights = if own.is_none() || has_blended { direct::direct_lights(graph, frame) } else { Vec::new() };
+    let direct = own.unwrap_or_else(|| direct::declare(graph, frame, gbuffer, &direct_lights));
+    (Some(direct), direct_lights)
 }
 
 fn declare_indirect<'a>(

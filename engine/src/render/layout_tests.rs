@@ -80,7 +80,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, GatherUniform::min_size().get(), "indirect/light_volumes/sweep/gather.wgsl", "Gather");
     check(&gpu, ReachUniform::min_size().get(), "indirect/light_volumes/sweep/gather_filter.wgsl", "Reach");
     check(&gpu, UpsampleUniform::min_size().get(), "indirect/light_volumes/sweep/gather_upsample.wgsl", "Upsample");
-    check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/lit_points.wgsl", "Draw");
+    check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/rsm_samples.wgsl", "Draw");
     check(&gpu, ResolveUniform::min_size().get(), "indirect/path_tracer/resolve.wgsl", "Resolve");
     let rays = "indirect/path_tracer/path_trace.wgsl";
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");

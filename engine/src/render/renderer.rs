@@ -102,7 +102,7 @@ impl Renderer {
         self.targets.set_pace(pace);
     }
 
-    /// Sets whether frames are audited: see [`TargetCache::set_audit`]. Path tracing begins anew with each.
+    /// Sets whether frames are audited: see [`TargetCache::set_audit`]. Path tracing restarts with each.
     pub fn set_audit(&mut self, audit: bool) {
         self.targets.set_audit(audit);
     }

@@ -3,10 +3,10 @@
 //! Where they lie follows from the mesh alone: each triangle gets its share by cumulative area, and within it the
 //! points of the triangular van der Corput sequence (Basu and Owen 2015), of which any first n are spread evenly.
 
-mod follow;
+mod openness;
 mod patches;
 mod still;
-mod surroundings;
+mod update;
 
 pub use patches::{NO_PATCH, Patches, cells_from_world};
 
@@ -14,11 +14,11 @@ use super::{Primitive, Scene};
 use crate::assets::{AlphaMode, AssetId, Texture, UvMap, Wrap, parallel};
 use crate::bvh::{MeshBvh, Ray};
 use bytemuck::{Pod, Zeroable};
-use follow::Followed;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
+use openness::Exposed;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-use surroundings::Exposed;
+use update::Updated;
 
 /// Most surfels of a scene: 64 MiB.
 pub const MAX_SURFELS: usize = 1 << 20;
@@ -108,7 +108,7 @@ pub struct SurfelCloud {
     built: HashMap<GroupKey, Arc<Vec<Surfel>>>,
     state: Option<(u64, u64, u64, u32)>,
     exposed: Exposed,
-    followed: Followed,
+    followed: Updated,
 }
 
 /// Primitives that stand at the same place make one object: a solid may be split by its materials.

@@ -3,7 +3,7 @@
 use super::clips::{self, Called, ClipTarget, Clips, MorphWeights};
 use super::descendants::TrackTarget;
 use super::fields::{SCENE, Wanted, split};
-use super::rest::RestPose;
+use super::rest_pose::RestPose;
 use super::sample::{MaterialSample, Sample};
 use super::{Animation, Camera, Clock, Identity, Light, LightKind, MeshRenderer, Name, Projection, Transform};
 use crate::assets::{AlphaMode, AssetId, Material};
@@ -204,7 +204,7 @@ fn drive<T: Clone>(held: &mut Option<T>, animated: Option<T>, current: T) -> T {
     }
 }
 
-/// Materials are immutable and shared: an animated one is made anew whenever it changes.
+/// Materials are immutable and shared: an animated one is rebuilt whenever it changes.
 fn paint(sample: &MaterialSample, rest: &mut RestPose, renderer: &mut Mut<MeshRenderer>) {
     let is_ours = rest.animated_material.as_ref().is_some_and(|m| Arc::ptr_eq(m, &renderer.material));
     if *sample == MaterialSample::default() {

@@ -1,7 +1,7 @@
 //! Clips of models: which entities they move, and what they say at a time.
 
 use super::animation::{Animation, Track};
-use super::rest::RestPose;
+use super::rest_pose::RestPose;
 use super::sample::{Sample, Time};
 use super::{Clock, Transform};
 use crate::assets::{Clip, Curve, NodeCurves};

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub use super::animation::Animation;
-pub use super::place::{GlobalTransform, Orientation, Transform};
+pub use super::transform::{GlobalTransform, Orientation, Transform};
 
 /// The entity's persistent name: unique among its siblings, shown in the inspector and in errors.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Hash)]
@@ -261,7 +261,7 @@ pub struct Clpv {
     /// Rays of a pixel that gather light at the visible surfaces. They find what is smaller than a cell, glossy reflection
     /// included, and cost more the larger the image is. With `transport: Sweep` alone.
     pub gather_rays: GatherRays,
-    /// Points of surfaces that lamps light that each visible surface looks at beside its rays, each by a shadow ray and
+    /// Surface points that lights reach that each visible surface looks at beside its rays, each by a shadow ray and
     /// chosen from four. They are drawn from reflective shadow maps by their light, and find the small bright patches that
     /// rays mostly miss. `Auto`: a quarter as many as rays.
     pub gather_points: GatherRays,

@@ -1,7 +1,7 @@
 //! Entities below one that animates them: nodes of its model, parts of its prefab, by their names.
 
 use super::animation::{Animation, Track};
-use super::rest::RestPose;
+use super::rest_pose::RestPose;
 use super::{GameWorld, Name};
 use bevy_ecs::prelude::*;
 use std::collections::{BTreeMap, VecDeque};

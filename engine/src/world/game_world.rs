@@ -4,7 +4,7 @@ use super::fields::{self, FieldTypes};
 use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
     Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
-    WorldError, animate, deform, descendants, hierarchy, transform,
+    WorldError, animate, deform, descendants, hierarchy, propagate,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -80,7 +80,7 @@ impl GameWorld {
                 animate::put_to_rest,
                 animate::animate,
                 fields::drive,
-                transform::propagate,
+                propagate::propagate,
                 deform::deform,
                 despawn_queued,
             )

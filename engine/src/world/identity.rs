@@ -21,7 +21,7 @@ impl Identity {
     }
 }
 
-/// Stands in for the identity in the order of entities without a parent: those of a scene that was loaded anew have the
+/// Stands in for the identity in the order of entities without a parent: those of a scene that was reloaded have the
 /// identities of before and the order of the file, before all that have none.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RootOrder(pub u64);

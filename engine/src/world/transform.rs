@@ -1,106 +1,131 @@
-//! Transform propagation: from places relative to parents to places in the world.
+//! Where entities stand.
 
-use super::{GlobalTransform, Orientation, Transform};
-use bevy_ecs::entity::EntityHashSet;
+use crate::files::look_rotation;
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3};
 
-type Moved = Or<(Changed<Transform>, Changed<ChildOf>)>;
-type Node = (&'static mut GlobalTransform, &'static mut Orientation);
-
-/// A place in the world without the entity itself.
-#[derive(Clone, Copy)]
-pub(super) struct Frame {
-    world_from_local: GlobalTransform,
-    orientation: Mat3A,
+/// Place relative to the parent: scale first, then rotation, then translation.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[require(GlobalTransform, Orientation)]
+pub struct Transform {
+    /// Translation \[m\].
+    pub translation: Vec3,
+    /// Rotation; need not be normalised in files, is normalised on use.
+    pub rotation: Quat,
+    /// Scale along the local axes; negative mirrors.
+    pub scale: Vec3,
 }
 
-impl Frame {
-    const WORLD: Self =
-        Self { world_from_local: GlobalTransform(Affine3A::IDENTITY, Vec3::ZERO), orientation: Mat3A::IDENTITY };
-
-    /// The frame of a child. Multiplied out from parent to child, so that the bits do not depend on what moved.
-    fn child(&self, transform: Option<&Transform>) -> Self {
-        let Some(transform) = transform else { return *self };
-        let rotation = Mat3A::from_quat(transform.unit_rotation());
-        let (matrix, local) = (self.world_from_local.0.matrix3, transform.matrix());
-        let translation = matrix.as_dmat3() * Vec3::from(local.translation).as_dvec3();
-        Self {
-            world_from_local: GlobalTransform::new(
-                matrix * local.matrix3,
-                self.world_from_local.translation() + translation,
-            ),
-            orientation: orthonormal(matrix * rotation).unwrap_or_else(|| self.orientation * rotation),
-        }
-    }
-
-    /// Writes only what differs. Compared by bits: −0 and 0 differ, a NaN equals itself.
-    fn write(&self, mut global: Mut<GlobalTransform>, mut orientation: Mut<Orientation>) {
-        if bits(&global) != bits(&self.world_from_local) {
-            *global = self.world_from_local;
-        }
-        if orientation.0.to_cols_array().map(f32::to_bits) != self.orientation.to_cols_array().map(f32::to_bits) {
-            orientation.0 = self.orientation;
-        }
+impl Default for Transform {
+    fn default() -> Self {
+        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE }
     }
 }
 
-fn bits(place: &GlobalTransform) -> ([u32; 12], [u32; 3]) {
-    (place.0.to_cols_array().map(f32::to_bits), place.1.to_array().map(f32::to_bits))
-}
+impl Transform {
+    /// At a position \[m\].
+    pub fn from_xyz(x: f32, y: f32, z: f32) -> Self {
+        Self::from_translation(Vec3::new(x, y, z))
+    }
 
-/// The right-handed orthonormal axes whose −Z is that of `m`, with +Y as close to that of `m` as it can be. None where
-/// an axis vanishes or is not finite.
-fn orthonormal(m: Mat3A) -> Option<Mat3A> {
-    let z = m.z_axis.try_normalize()?;
-    let x = m.y_axis.try_normalize()?.cross(z).try_normalize()?;
-    Some(Mat3A::from_cols(x, z.cross(x), z))
-}
+    /// At a position \[m\].
+    pub fn from_translation(translation: Vec3) -> Self {
+        Self { translation, ..Self::default() }
+    }
 
-/// Brings [`GlobalTransform`] and [`Orientation`] up to date below everything that moved or changed its parent.
-#[allow(clippy::too_many_arguments)]
-pub(super) fn propagate(
-    moved: Query<Entity, Moved>,
-    mut orphaned: RemovedComponents<ChildOf>,
-    mut without_transform: RemovedComponents<Transform>,
-    parents: Query<&ChildOf>,
-    children: Query<&Children>,
-    transforms: Query<&Transform>,
-    mut nodes: Query<Node>,
-    mut dirty: Local<EntityHashSet>,
-    mut pending: Local<Vec<(Entity, Frame)>>,
-) {
-    dirty.clear();
-    dirty.extend(moved.iter());
-    dirty.extend(orphaned.read().chain(without_transform.read()));
-    for entity in dirty.iter() {
-        // Whoever stands below another that moved is reached from there.
-        if ancestors(&parents, *entity).any(|a| dirty.contains(&a)) {
-            continue;
-        }
-        let frame = parent_frame(&parents, &nodes, *entity);
-        pending.push((*entity, frame));
-        while let Some((entity, frame)) = pending.pop() {
-            let frame = frame.child(transforms.get(entity).ok());
-            if let Ok((global, orientation)) = nodes.get_mut(entity) {
-                frame.write(global, orientation);
-            }
-            pending.extend(children.get(entity).into_iter().flatten().map(|child| (*child, frame)));
-        }
+    /// Turned.
+    pub fn from_rotation(rotation: Quat) -> Self {
+        Self { rotation, ..Self::default() }
+    }
+
+    /// The same with another rotation.
+    #[must_use]
+    pub fn with_rotation(self, rotation: Quat) -> Self {
+        Self { rotation, ..self }
+    }
+
+    /// The same with another scale along the local axes.
+    #[must_use]
+    pub fn with_scale(self, scale: Vec3) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// The same, turned so that −Z points to a place beside it, and +Y as far up as it goes.
+    #[must_use]
+    pub fn looking_at(self, target: Vec3) -> Self {
+        Self { rotation: look_rotation(target - self.translation), ..self }
+    }
+
+    /// Where −Z points, among its siblings: the direction of cameras and beams.
+    pub fn forward(&self) -> Vec3 {
+        self.unit_rotation() * Vec3::NEG_Z
+    }
+
+    /// The matrix `parent_from_local`.
+    pub fn matrix(&self) -> Affine3A {
+        Affine3A::from_scale_rotation_translation(self.scale, self.unit_rotation(), self.translation)
+    }
+
+    /// The rotation, normalised; none at all if its length is zero or not finite.
+    pub fn unit_rotation(&self) -> Quat {
+        // Keeps the squares in range.
+        let largest = self.rotation.to_array().into_iter().fold(0.0_f32, |m, c| m.max(c.abs()));
+        let scale = if (1e-15..1e15).contains(&largest) { 1.0 } else { largest.recip() };
+        let length = (self.rotation * scale).length();
+        if length.is_finite() && length > 0.0 { self.rotation * scale / length } else { Quat::IDENTITY }
     }
 }
 
-fn ancestors<'a>(parents: &'a Query<&ChildOf>, entity: Entity) -> impl Iterator<Item = Entity> + 'a {
-    std::iter::successors(parents.get(entity).ok().map(ChildOf::parent), |e| parents.get(*e).ok().map(ChildOf::parent))
+/// World place, computed from the [`Transform`]s up the hierarchy once a frame.
+///
+/// Far from the origin the numbers of single precision are coarse: 8 mm apart at 100 km. What the translation loses by
+/// them is kept beside it, so that what stands on the same distant parent fits together, see
+/// [`relative_to`](Self::relative_to).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct GlobalTransform(pub Affine3A, pub(super) Vec3);
+
+impl GlobalTransform {
+    /// World place on an origin of one's own \[m\], such as [`Scene::origin`](crate::scene::Scene::origin).
+    pub fn relative_to(&self, origin: DVec3) -> Affine3A {
+        let translation = self.translation() - origin;
+        Affine3A { matrix3: self.0.matrix3, translation: translation.as_vec3().into() }
+    }
+
+    /// World position \[m\].
+    pub fn position(&self) -> Vec3 {
+        self.0.translation.into()
+    }
+
+    /// World position \[m\] in all its precision.
+    pub fn translation(&self) -> DVec3 {
+        Vec3::from(self.0.translation).as_dvec3() + self.1.as_dvec3()
+    }
+
+    /// A place of so much precision as two single numbers hold.
+    pub(super) fn new(matrix3: Mat3A, translation: DVec3) -> Self {
+        let high = translation.as_vec3();
+        // Beyond the range of single precision nothing is left to keep.
+        let low = if high.is_finite() { (translation - high.as_dvec3()).as_vec3() } else { Vec3::ZERO };
+        Self(Affine3A { matrix3, translation: high.into() }, low)
+    }
 }
 
-/// The frame of the nearest ancestor that has a place.
-fn parent_frame(parents: &Query<&ChildOf>, nodes: &Query<Node>, entity: Entity) -> Frame {
-    let place = ancestors(parents, entity).find_map(|a| nodes.get(a).ok());
-    place.map_or(Frame::WORLD, |(global, orientation)| Frame { world_from_local: *global, orientation: orientation.0 })
-}
+/// World orientation, computed with the [`GlobalTransform`]: right-handed orthonormal axes, whatever the scale. The
+/// entity's own scale plays no part; a parent that mirrors turns −Z to where it shows in the mirror.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Orientation(pub Mat3A);
 
-/// The direction along −Z of an orientation.
-pub(crate) fn forward(orientation: &Orientation) -> Vec3A {
-    -orientation.0.z_axis
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_made_in_a_line() {
+        let place = Transform::from_xyz(0.0, 1.0, 5.0).looking_at(Vec3::Y).with_scale(Vec3::splat(2.0));
+        assert!(place.forward().abs_diff_eq(Vec3::NEG_Z, 1e-6) && place.scale == Vec3::splat(2.0));
+        let aside = place.looking_at(Vec3::new(5.0, 1.0, 5.0));
+        assert!(aside.forward().abs_diff_eq(Vec3::X, 1e-6), "{}", aside.forward());
+        let turned = Transform::from_rotation(aside.rotation).with_rotation(Quat::IDENTITY);
+        assert_eq!((turned, Transform::from_translation(Vec3::ZERO)), (Transform::default(), Transform::default()));
+    }
 }

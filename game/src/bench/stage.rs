@@ -37,7 +37,7 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "GAT",
         what: "final gather by rays, and its filter",
-        passes: &["flux of lit texels", "lit points", "gather", "gather filter"],
+        passes: &["flux of lit texels", "RSM samples", "gather", "gather filter"],
     },
     Stage {
         name: "VPL",

@@ -2,7 +2,7 @@
 // presence of weak singularities"). Within d_min the sum has 1/d_min² in place of 1/d². The rest is light of surfaces that
 // are so near, and a short ray finds them: of what a surface at distance t sends the share
 //   1 − min(1/t², 1/d_min²)·t² = max(0, 1 − t²/d_min²)
-// is missing, with the d_min of the virtual lights that would stand for it there: light of a lamp for those of its first
+// is missing, with the d_min of the virtual lights that would stand for it there: light of a light for those of its first
 // hits, and light of a virtual light, of which one is chosen, for those of the next hits.
 //   RAYS        rays of a pixel
 //   RADIUS      of the filter [pixels]
@@ -14,7 +14,7 @@
 #import lightwell::next_event::{LightSample, bounded, no_light, reflected, toward_light}
 #import lightwell::rays::{Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, load_light, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
-#import lightwell::seen::{Seen, by_lobe, number_of, ray_from, seen_surface}
+#import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
 #import lightwell::vpl::{VirtualLight, connect}
 
@@ -82,7 +82,7 @@ fn brightness(light: vec3f) -> f32 {
     return light.r + light.g + light.b;
 }
 
-// What a surface reflects of one lamp, chosen in proportion to what each would bring (weighted reservoir, Chao 1982).
+// What a surface reflects of one light, chosen in proportion to what each would bring (weighted reservoir, Chao 1982).
 fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32) -> LightSample {
     var total = 0.0;
     var chosen: Incidence;
@@ -171,7 +171,7 @@ struct Sums {
     closeness: f32,
 }
 
-fn gathered(pixel: vec2u, seen: Seen) -> Sums {
+fn gathered(pixel: vec2u, seen: VisibleSurface) -> Sums {
     var sums = Sums(vec3f(0.0), vec3f(0.0), 0.0);
     for (var i = 0u; i < RAYS; i++) {
         var random = Sampler(near.seed, number_of(pixel) * RAYS + i, 0u);

@@ -1,4 +1,4 @@
-//! Tracks of keys for fields by path, in files: read, played, saved, read anew, and refused with a place.
+//! Tracks of keys for fields by path, in files: read, played, saved, reloaded, and refused with a place.
 
 use super::*;
 use crate::files::save::scene_text;

@@ -1,7 +1,7 @@
 //! Questions to the space around: what a ray meets, how far a ball or a box can move.
 //!
 //! Every drawn mesh counts, by its triangles and from both sides, unless its entity is a [`Ghost`]. Two levels: a
-//! hierarchy over the objects' boxes, fitted anew when one moves, and one over the triangles of each mesh, built when
+//! hierarchy over the objects' boxes, fitted again when one moves, and one over the triangles of each mesh, built when
 //! it is first needed. A step sees the space as the step before left it.
 
 mod sweep;

@@ -9,7 +9,7 @@ pub struct Touch {
     pub fraction: f32,
     /// Where the triangle is touched.
     pub point: Vec3,
-    /// Unit normal, towards what moves.
+    /// Unit normal, towards the moving shape.
     pub normal: Vec3,
 }
 

@@ -21,14 +21,20 @@ pub(crate) struct Region {
 }
 
 /// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
-pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lamps: &[Lamp<'a>]) -> Handle<Texture> {
+pub fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    direct_lights: &[DirectLight<'a>],
+) -> Handle<Texture> {
     let mut radiance = declare_clear(graph, frame);
-    let (shadowed, others): (Vec<&Lamp>, Vec<&Lamp>) = lamps.iter().partition(|lamp| lamp.shadow.is_some());
+    let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) =
+        direct_lights.iter().partition(|direct_light| direct_light.shadow.is_some());
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
-    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (lamps.iter().collect(), Vec::new()) };
-    for lamp in alone {
-        let name = format!("direct {}", lamp.light.pass_name());
-        radiance = declare_light(graph, frame, gbuffer, radiance, &name, lamp.clone());
+    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (direct_lights.iter().collect(), Vec::new()) };
+    for direct_light in alone {
+        let name = format!("direct {}", direct_light.light.pass_name());
+        radiance = declare_light(graph, frame, gbuffer, radiance, &name, direct_light.clone());
     }
     if tiled.is_empty() {
         return radiance;
@@ -41,7 +47,7 @@ const FEWEST: usize = 4;
 
 /// A light that reaches the view, with what the passes need that it lights.
 #[derive(Clone)]
-pub struct Lamp<'a> {
+pub struct DirectLight<'a> {
     /// The light.
     pub light: &'a SceneLight,
     /// Its shadow map, if it casts shadows.
@@ -50,20 +56,20 @@ pub struct Lamp<'a> {
 }
 
 /// Declares the shadow maps of all lights that reach the view.
-pub fn lamps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Vec<Lamp<'a>> {
-    let mut lamps = Vec::new();
+pub fn direct_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Vec<DirectLight<'a>> {
+    let mut direct_lights = Vec::new();
     for light in &frame.scene.lights {
         let name = format!("direct {}", light.pass_name());
         if light.intensity == Vec3::ZERO {
             graph.skip(&name, "the light has no intensity");
         } else if let Some(region) = reached_region(light, frame.view) {
             let shadow = shadow_map::declare(graph, frame, light);
-            lamps.push(Lamp { light, shadow, region });
+            direct_lights.push(DirectLight { light, shadow, region });
         } else {
             graph.skip(&name, "its reach lies outside the view");
         }
     }
-    lamps
+    direct_lights
 }
 
 pub(in crate::render) fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Texture> {
@@ -88,26 +94,26 @@ fn declare_light<'a>(
     gbuffer: &GBuffer,
     radiance: Handle<Texture>,
     name: &str,
-    lamp: Lamp<'a>,
+    direct_light: DirectLight<'a>,
 ) -> Handle<Texture> {
     let mut pass = graph.pass(name);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
         pass.read(input);
     }
-    if let Some(shadow) = &lamp.shadow {
+    if let Some(shadow) = &direct_light.shadow {
         pass.read(shadow.map);
     }
     let radiance = pass.write(radiance);
-    pass.key(&(frame.scene.identity, lamp.light.revision, lamp.shadow.is_some(), frame.view_key()));
+    pass.key(&(frame.scene.identity, direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;
         let shadow_map =
-            lamp.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(gpu, cx.texture(s.map)));
-        let shadow = lamp.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
+            direct_light.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(gpu, cx.texture(s.map)));
+        let shadow = direct_light.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
         let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
-        let size = lamp.region.size;
+        let size = direct_light.region.size;
         let counts = cx.counts();
         counts.lights += 1;
         counts.texels += u64::from(size.x) * u64::from(size.y);
@@ -116,9 +122,9 @@ fn declare_light<'a>(
             &ComputeKey::new("direct/direct.wgsl", "add_light"),
             &[
                 ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("light", Binding::Buffer(&LightUniform::buffer(gpu, lamp.light))),
+                ("light", Binding::Buffer(&LightUniform::buffer(gpu, direct_light.light))),
                 ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
-                ("region", Binding::Buffer(&gpu.uniform("region", &lamp.region))),
+                ("region", Binding::Buffer(&gpu.uniform("region", &direct_light.region))),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("object", Binding::Texture(&object)),
@@ -207,7 +213,7 @@ mod tests {
         SceneView { camera, size: [128, 64], jitter: [0.0; 2] }
     }
 
-    fn lamp(position: Vec3, range: Option<f32>) -> SceneLight {
+    fn direct_light(position: Vec3, range: Option<f32>) -> SceneLight {
         SceneLight {
             id: SceneId(2),
             name: "lamp".into(),
@@ -226,16 +232,17 @@ mod tests {
 
     #[test]
     fn a_light_pays_only_for_pixels_in_its_reach() {
-        let region = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), Some(1.0)), &view()).expect("in view");
+        let region = reached_region(&direct_light(Vec3::new(0.0, 0.0, -10.0), Some(1.0)), &view()).expect("in view");
         assert!(region.size.x < 24 && region.size.y < 24 && region.size.x > 4, "{region:?}");
         assert!(region.origin.x > 48 && region.origin.x + region.size.x < 80, "{region:?}");
-        assert_eq!(reached_region(&lamp(Vec3::new(0.0, 0.0, 10.0), Some(1.0)), &view()), None);
-        let whole = reached_region(&lamp(Vec3::new(0.0, 0.0, -10.0), None), &view()).expect("everywhere");
+        assert_eq!(reached_region(&direct_light(Vec3::new(0.0, 0.0, 10.0), Some(1.0)), &view()), None);
+        let whole = reached_region(&direct_light(Vec3::new(0.0, 0.0, -10.0), None), &view()).expect("everywhere");
         assert_eq!(whole.size, UVec2::new(128, 64));
         let mut parallel = view();
         parallel.camera.projection = ViewProjection::Orthographic { height: 8.0 };
         for distance in [0.0, 2.0, 40.0] {
-            let region = reached_region(&lamp(Vec3::new(2.0, 0.0, -distance), Some(1.0)), &parallel).expect("in view");
+            let region =
+                reached_region(&direct_light(Vec3::new(2.0, 0.0, -distance), Some(1.0)), &parallel).expect("in view");
             assert_eq!((region.origin, region.size), (UVec2::new(72, 24), UVec2::new(16, 16)), "at {distance} m");
         }
     }

@@ -1,6 +1,6 @@
 //! Direct light of many lights without shadows, in one pass by tiles of the image.
 
-use super::Lamp;
+use super::DirectLight;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::Frame;
@@ -26,7 +26,7 @@ pub(in crate::render) fn declare<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     radiance: Handle<Texture>,
-    lamps: Vec<Lamp<'a>>,
+    direct_lights: Vec<DirectLight<'a>>,
 ) -> Handle<Texture> {
     let mut pass = graph.pass("direct, lights without shadows");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
@@ -34,7 +34,7 @@ pub(in crate::render) fn declare<'a>(
         pass.read(input);
     }
     let radiance = pass.write(radiance);
-    let revisions: Vec<u64> = lamps.iter().map(|lamp| lamp.light.revision).collect();
+    let revisions: Vec<u64> = direct_lights.iter().map(|direct_light| direct_light.light.revision).collect();
     pass.key(&(frame.scene.identity, revisions, frame.view_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -42,8 +42,9 @@ pub(in crate::render) fn declare<'a>(
         let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
         let target = cx.view(radiance);
         let [width, height] = frame.view.size;
-        for some in lamps.chunks(MOST) {
-            let lights: Vec<LightUniform> = some.iter().map(|lamp| LightUniform::new(lamp.light)).collect();
+        for some in direct_lights.chunks(MOST) {
+            let lights: Vec<LightUniform> =
+                some.iter().map(|direct_light| LightUniform::new(direct_light.light)).collect();
             let uniform = LightsUniform { count: lights.len() as u32, padding: UVec3::ZERO };
             let lights = cx.gpu.constants_of("lights without shadows", &lights);
             cx.counts().lights += u64::from(uniform.count);

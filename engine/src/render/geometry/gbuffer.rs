@@ -97,7 +97,7 @@ pub(in crate::render) fn depth_state() -> wgpu::DepthStencilState {
     }
 }
 
-/// Cleared to 0, which is infinitely far, unless what moves is drawn over what is there.
+/// Cleared to 0, which is infinitely far, unless dynamic objects are drawn over what is there.
 pub(in crate::render) fn depth_attachment(
     view: &wgpu::TextureView,
     motion: Motion,

@@ -1,5 +1,5 @@
 //! What the camera sees: in comes the scene on the device, out goes the G-buffer, the surface of each pixel. Every later
-//! stage reads it. Views of all kinds, of lights too, keep what stands still apart from what moves (`static_layers`).
+//! stage reads it. Views of all kinds, of lights too, keep static objects apart from dynamic objects (`static_layers`).
 
 pub(in crate::render) mod gbuffer;
 pub(in crate::render) mod static_layers;

@@ -1,8 +1,8 @@
 //! What moves drawn over a kept image of what does not.
 //!
 //! A view that rests, be it a light's or the camera's, needs what does not move only once: it is kept in targets of its
-//! own, and a frame copies those and draws what moves on top. That takes the memory of the view's targets a second
-//! time, while anything moves in the view. The depth test lets the first of equals stay, and what moves is drawn last
+//! own, and a frame copies those and draws dynamic objects on top. That takes the memory of the view's targets a second
+//! time, while anything moves in the view. The depth test lets the first of equals stay, and dynamic objects are drawn last
 //! whether it is drawn apart or not: both ways give the same bits.
 
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};

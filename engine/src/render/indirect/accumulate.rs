@@ -1,4 +1,4 @@
-//! Temporal accumulation of indirect light: the mean over frames, which random rays and directions make anew in each.
+//! Temporal accumulation of indirect light: the mean over frames, which random rays and directions rebuild in each.
 //!
 //! A view that rests is averaged over its frames until there are [`MOST_FRAMES`](crate::render::MOST_FRAMES), and is then
 //! at rest. What the camera saw before is found where it and the object stood in the last frame (Nehab et al. 2007,

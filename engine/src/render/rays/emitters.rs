@@ -71,7 +71,7 @@ impl Emitters {
         are_others
     }
 
-    /// Takes the new sizes of what moves. False if nothing of that emits light.
+    /// Takes the new sizes of dynamic objects. False if nothing of that emits light.
     pub(super) fn follow(&mut self, bvh: &SceneBvh) -> bool {
         let moving: Vec<Source> = self.sources.iter().filter(|source| source.is_moving).copied().collect();
         for source in &moving {

@@ -19,7 +19,7 @@ const MASKED: u32 = 1 << 31;
 /// Stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Geometry on the device: first what is static, then what moves, in rows of its own.
+/// Geometry on the device: first static objects, then dynamic ones, in rows of its own.
 pub(super) struct GpuGeometry {
     nodes: Words,
     triangles: Words,
@@ -28,7 +28,7 @@ pub(super) struct GpuGeometry {
     /// Where what moves begins.
     movers: Place,
     has_extras: bool,
-    /// Boxes of a list of what is static.
+    /// Boxes of a list of static objects.
     pub(super) box_count: u32,
     /// Whether the boxes are stored as they are: see [`boxes`].
     pub(super) exact_boxes: bool,
@@ -78,7 +78,7 @@ impl GpuGeometry {
         [(&bvh.statics.bvh, 0), (&bvh.movers.bvh, self.movers.triangle)]
     }
 
-    /// Uploads all that is static, and makes room for what moves, which is to be uploaded next.
+    /// Uploads all static objects, and makes room for dynamic ones, which are to be uploaded next.
     pub(super) fn update_statics(&mut self, gpu: &Gpu, surfaces: Surfaces) -> Result<(), RayError> {
         let (statics, movers) = (&surfaces.bvh.statics.bvh, &surfaces.bvh.movers.bvh);
         let moving = surfaces.bvh.moving_triangles();

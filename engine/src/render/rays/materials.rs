@@ -66,7 +66,7 @@ impl GpuMaterials {
         Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, emissive: false, plain: true }
     }
 
-    /// Uploads all materials of the scene, those of what moves last: the indices of the others do not depend on them.
+    /// Uploads all materials of the scene, those of dynamic objects last: the indices of the others do not depend on them.
     pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
         self.indices.clear();
         self.masked.clear();

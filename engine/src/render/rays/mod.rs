@@ -1,6 +1,6 @@
 //! The scene as rays see it on the device: hierarchies, triangles, materials, textures, lights and emitters.
 //!
-//! What moves has boxes and triangles of its own, behind those of what is static: a frame in which something moved
+//! What moves has boxes and triangles of its own, behind those of static objects: a frame in which something moved
 //! encodes and uploads that alone.
 //!
 //! Passes that cast rays import `lightwell::rays` and bind group 1 by [`RayScene::bind`].
@@ -129,7 +129,7 @@ impl RayScene {
         }
     }
 
-    /// Brings the device up to date with the scene. Costs nothing if nothing changed, and follows what moves alone if
+    /// Brings the device up to date with the scene. Costs nothing if nothing changed, and follows dynamic objects alone if
     /// nothing else changed.
     ///
     /// # Errors

@@ -157,7 +157,7 @@ pub fn declare_sized<'a>(
     ];
     let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
     let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
-    // Not the light itself: a map does not change with a flickering lamp.
+    // Not the light itself: a map does not change with a flickering light.
     let key = view_bits(&views);
     let (drawn, faces) = (frame.clone(), views.clone());
     let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 4], motion| {

@@ -110,7 +110,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
     };
     let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
     let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
-    // Not the light itself: a map does not change with a flickering lamp.
+    // Not the light itself: a map does not change with a flickering light.
     let key = view_bits(&views);
     let [map] = static_layers::declare(graph, frame, &name, [(name.clone(), desc)], &filters, &key, draw);
     Some(ShadowMap { map, views, kind, size })

@@ -7,7 +7,7 @@
 
 use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
-use crate::render::direct::{Lamp, comparison_sampler, layered_view, no_shadow_map};
+use crate::render::direct::{DirectLight, comparison_sampler, layered_view, no_shadow_map};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{GBuffer, depth_state};
 use crate::render::indirect::light_volumes::Field;
@@ -68,7 +68,7 @@ pub(in crate::render) fn declare<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     gpu: &Gpu,
-    lamps: Vec<Lamp<'a>>,
+    direct_lights: Vec<DirectLight<'a>>,
     source: Option<Source>,
 ) -> Handle<Texture> {
     let [width, height] = frame.view.size;
@@ -78,7 +78,7 @@ pub(in crate::render) fn declare<'a>(
     let mut pass = graph.pass("blend");
     let depth = gbuffer.depth;
     pass.read(depth);
-    for shadow in lamps.iter().filter_map(|lamp| lamp.shadow.as_ref()) {
+    for shadow in direct_lights.iter().filter_map(|direct_light| direct_light.shadow.as_ref()) {
         pass.read(shadow.map);
     }
     match &source {
@@ -87,11 +87,12 @@ pub(in crate::render) fn declare<'a>(
         None => {}
     }
     let (color, object) = (pass.write(color), pass.write(object));
-    let lights: Vec<_> = lamps.iter().map(|lamp| (lamp.light.revision, lamp.shadow.is_some())).collect();
+    let lights: Vec<_> =
+        direct_lights.iter().map(|direct_light| (direct_light.light.revision, direct_light.shadow.is_some())).collect();
     let clpv = frame.scene.revisions.clpv;
     let only = frame.settings.only;
     pass.key(&(frame.geometry_key(), frame.view_key(), lights, clpv, frame.settings.gi, only));
-    let work = Work { frame: frame.clone(), lamps, source, depth, color, object };
+    let work = Work { frame: frame.clone(), direct_lights, source, depth, color, object };
     pass.execute(move |cx| work.run(cx));
     color
 }
@@ -107,7 +108,7 @@ fn color_format(gpu: &Gpu) -> TextureFormat {
 
 struct Work<'a> {
     frame: Frame<'a>,
-    lamps: Vec<Lamp<'a>>,
+    direct_lights: Vec<DirectLight<'a>>,
     source: Option<Source>,
     depth: Handle<Texture>,
     color: Handle<Texture>,
@@ -136,16 +137,16 @@ impl Work<'_> {
             })
             .forget_lifetime();
         let maps: Vec<Option<wgpu::TextureView>> = self
-            .lamps
+            .direct_lights
             .iter()
-            .map(|lamp| lamp.shadow.as_ref().map(|s| layered_view(cx.gpu, cx.texture(s.map))))
+            .map(|direct_light| direct_light.shadow.as_ref().map(|s| layered_view(cx.gpu, cx.texture(s.map))))
             .collect();
         let indirect = self.indirect_bindings(cx);
         let view = self.frame.view_uniform(gpu);
         let camera = self.frame.view.camera.world_from_view;
         let order = (self.frame.view.eye(), camera.transform_vector3(glam::Vec3::NEG_Z));
         let format = color_format(gpu);
-        cx.counts().lights += self.lamps.len() as u64;
+        cx.counts().lights += self.direct_lights.len() as u64;
         self.frame.gpu_scene.draw_blended(
             cx,
             &mut pass,
@@ -182,15 +183,17 @@ impl Work<'_> {
         let none = no_shadow_map(gpu);
         let sampler = comparison_sampler(gpu);
         let has_emission = self.frame.settings.only != Layer::Indirect;
-        let draws = self.lamps.len().div_ceil(LIGHTS_A_DRAW).max(1);
+        let draws = self.direct_lights.len().div_ceil(LIGHTS_A_DRAW).max(1);
         let mut groups = Vec::with_capacity(draws);
         for first in (0..draws).map(|draw| draw * LIGHTS_A_DRAW) {
-            let lamps = self.lamps.get(first..).unwrap_or_default();
-            let count = lamps.len().min(LIGHTS_A_DRAW);
+            let direct_lights = self.direct_lights.get(first..).unwrap_or_default();
+            let count = direct_lights.len().min(LIGHTS_A_DRAW);
             let uniform = BlendUniform {
-                lights: from_fn(|i| lamps.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light))),
+                lights: from_fn(|i| {
+                    direct_lights.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light))
+                }),
                 shadows: from_fn(|i| {
-                    let shadow = lamps.get(i).and_then(|lamp| lamp.shadow.as_ref());
+                    let shadow = direct_lights.get(i).and_then(|direct_light| direct_light.shadow.as_ref());
                     shadow.map_or_else(ShadowMap::none_uniform, ShadowMap::uniform)
                 }),
                 light_count: count as u32,

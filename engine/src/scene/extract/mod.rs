@@ -25,7 +25,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it starts anew.
+/// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it restarts.
 ///
 /// Runs once after every [`GameWorld::update`], paused or not.
 pub struct Extractor {
@@ -231,7 +231,7 @@ fn fresh_identity() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// Keeps the sky current; a map is made anew only if the environment changed.
+/// Keeps the sky current; a map is rebuilt only if the environment changed.
 fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, context: &mut Context) {
     let settings = world.get_resource::<SceneSettings>();
     scene.sky_light = settings.is_none_or(|s| s.sky_light);

@@ -1,7 +1,7 @@
 //! Which primitives are moving: those that are animated, and those that have changed lately.
 //!
 //! What does not move is drawn into maps of its own, which are kept. To call a primitive static that was moving costs a
-//! new drawing of those maps; so it is done only when they have to be drawn anew anyway, and for what is animated never:
+//! new drawing of those maps; so it is done only when they have to be redrawn anyway, and for what is animated never:
 //! it would move again. Whatever else goes on after a rest has to rest twice as long the next time.
 
 use crate::scene::{Primitive, SceneId};

@@ -7,14 +7,14 @@
 
 mod arranged;
 mod cells;
+mod occluders;
 mod split;
 #[cfg(test)]
 mod tests;
-mod walls;
 
 pub(super) use arranged::Arranged;
 pub use cells::{NO_PATCH, cells_from_world};
-pub(super) use walls::Walls;
+pub(super) use occluders::Occluders;
 
 use super::Surfel;
 use arranged::Node;
@@ -54,7 +54,7 @@ pub(super) struct Subject<'a> {
     /// World from object space.
     pub place: Affine3A,
     /// What stands around it; none if it moves: it will be elsewhere.
-    pub walls: Option<Walls<'a>>,
+    pub occluders: Option<Occluders<'a>>,
     /// Whether what stands around it has changed.
     pub is_changed: bool,
 }

@@ -12,7 +12,7 @@ pub use target::Target;
 pub(super) use target::{Meaning, Part, SurfaceField};
 pub use validate::AnimationError;
 
-use super::rest::RestPose;
+use super::rest_pose::RestPose;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! The system that writes what tracks say of fields, after [`animate`](super::super::animate) has sampled them.
 
 use super::super::SceneSettings;
-use super::super::rest::RestPose;
-use super::rest::{HeldFields, RestSettings, own_text};
+use super::super::rest_pose::RestPose;
+use super::rest_values::{HeldFields, RestSettings, own_text};
 use super::{FieldSample, FieldTypes, Held, SCENE, ron_options, split, text, written};
 use bevy_ecs::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};

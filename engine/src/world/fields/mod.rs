@@ -5,15 +5,15 @@
 //! it keeps what a path means the same in files, in `--set` and in tracks.
 
 mod drive;
-mod rest;
+mod rest_values;
 #[cfg(test)]
 mod tests;
 pub mod text;
 mod value;
 
 pub(super) use drive::{Wanted, drive};
-pub(super) use rest::HeldFields;
-pub use rest::{Held, rest_text};
+pub(super) use rest_values::HeldFields;
+pub use rest_values::{Held, rest_text};
 pub use value::{FieldSample, expected, written};
 
 use super::{Camera, Clpv, InstantRadiosity, Light, StochasticLightCulling};

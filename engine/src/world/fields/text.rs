@@ -1,7 +1,7 @@
 //! Reads and replaces one field in the RON text of a value. Text, because `ron::Value` does not keep the names of
 //! variants, and because it is all that is known of a game's components.
 
-/// `text` with the field at the path written anew.
+/// `text` with the field at the path rewritten.
 ///
 /// # Errors
 /// If there is no such field, with the fields that exist, or `value` is not one value.

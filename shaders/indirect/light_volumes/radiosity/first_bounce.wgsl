@@ -37,7 +37,7 @@ const LIGHTS: u32 = #{LIGHTS}u;
 
 const PI: f32 = 3.14159265358979;
 
-// Light of a lamp, unless something is in its way.
+// Light of a light, unless something is in its way.
 fn arriving(sample: LightSample) -> vec3f {
     if sample.reach > 0.0 && trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
         return vec3f(0.0);

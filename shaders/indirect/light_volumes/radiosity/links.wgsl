@@ -3,7 +3,7 @@
 // Malley 1988; Cohen and Wallace 1993, section 4.4.3), whatever light there is, and the links are as good for the next frame
 // as long as nothing moves. The weights of a surfel's links sum up to no more than one: no bounce can gain light.
 //
-// What rays and shadow rays find of emissive surfaces and the sky depends on no lamp either, and is summed up at once.
+// What rays and shadow rays find of emissive surfaces and the sky depends on no light either, and is summed up at once.
 //   RAYS      rays of a surfel
 //   AT_ONCE   those of a dispatch
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl

@@ -8,7 +8,7 @@
 #import lightwell::lights::Light
 #import lightwell::rsm::{RsmLayer, texel_received}
 #import lightwell::sweep::{Surfel, BEFORE, LINKED, link_way, openness, to_fixed, from_fixed, nearest_axis}
-#import lightwell::sweep_walls::{linked_cell, source_cell}
+#import lightwell::coverage::{linked_cell, source_cell}
 #import lightwell::volume::{Volume, cell_index}
 
 struct Emit {

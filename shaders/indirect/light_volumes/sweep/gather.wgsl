@@ -2,7 +2,7 @@
 // brings what the surface that it meets emits and reflects. That is the light straight from the lights, by a shadow ray,
 // and the light of its patch: errors of that are averaged over all that a pixel sees, and what is smaller than a patch
 // casts its own light and shadow. Emissive surfaces and the sky are sampled from the pixel as well, see
-// lib/next_event.wgsl, and so is what lamps light, see lib/lit_points.wgsl.
+// lib/next_event.wgsl, and so is what lights reach, see lib/rsm_samples.wgsl.
 //   RAYS      rays of a pixel
 //   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
 //   ONE_BOUNCE  patches have no light
@@ -10,7 +10,7 @@
 
 #import lightwell::gbuffer::{decode_surface, world_position}
 #ifdef POINTS
-#import lightwell::lit_points::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
+#import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
 #import lightwell::next_event::{LightSample, bounded, emission_weight, even_reflectance, no_light, sample_light}
 #ifndef UNLIT
@@ -21,14 +21,14 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::interleave::{Interleave, pixel_of}
-#import lightwell::nearness::{encode_nearness, nearness_around}
+#import lightwell::inverse_distance::{encode_inverse_distance, nearness_around}
 #ifndef ONE_BOUNCE
 #import lightwell::patches::{NO_PATCH, patch_at}
 #import lightwell::rays::primitive_of
 #endif
 #import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, next_pair}
-#import lightwell::seen::{Seen, by_lobe, number_of, ray_from, seen_surface}
+#import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
 
 // One block of uniforms: where there are several and a branch hangs on one of them alone, Mesa's software driver (22.3)
@@ -43,7 +43,7 @@ struct Gather {
     seed: u32,
     first_row: u32,        // of this dispatch [texels]
     nearest: f32,          // distance below which the light of patches is not known [m]
-    points_low: vec3f,     // box that the lit points lie in [m]
+    points_low: vec3f,     // box that the RSM samples lie in [m]
     point_count: u32,
     points_high: vec3f,
     @align(16) interleave: Interleave,
@@ -63,8 +63,8 @@ struct Gather {
 @group(0) @binding(11) var<storage, read> patch_light: array<vec4f>;
 #endif
 #ifdef POINTS
-// See lib/lit_points.wgsl.
-@group(0) @binding(13) var<storage, read> lit_points: array<vec4u>;
+// See lib/rsm_samples.wgsl.
+@group(0) @binding(13) var<storage, read> rsm_samples: array<vec4u>;
 #endif
 
 #ifdef RAYS
@@ -84,7 +84,7 @@ const MOST_NEAR: u32 = 2u;
 
 // Where a ray begins.
 struct Vertex {
-    start: Seen,
+    start: VisibleSurface,
     throughput: vec3f,     // what the visible surface reflects of the light that this one does
     seen_along: vec3f,     // direction in which the visible surface sees this one; zero: it is the visible one
     depth: u32,            // rays between the two
@@ -94,7 +94,7 @@ struct Sums {
     diffuse: vec3f,
     specular: vec3f,
     toward: vec3f,         // what the rays met: direction/distance [1/m]
-    nearness: f32,         // the same: 1/distance [1/m]
+    inverse_distance: f32,         // the same: 1/distance [1/m]
 }
 
 // A ray from a vertex.
@@ -105,7 +105,7 @@ struct GatherRay {
     seen_along: vec3f,
 }
 
-// Light of a lamp at the end of a ray, whose shadow ray waits for the next ray to be traced.
+// Light of a light at the end of a ray, whose shadow ray waits for the next ray to be traced.
 struct Waiting {
     sample: LightSample,
     seen_along: vec3f,
@@ -165,7 +165,7 @@ fn load_point(choice: f32) -> vec3u {
 }
 
 // Points of lit surfaces, sampled from the visible one.
-fn add_lit_points(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
+fn add_rsm_samples(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
     var random = Sampler(hash_pair(gather.seed, 0x2545f491u), 0u, 0u);
     for (var i = 0u; i < POINTS; i++) {
         random.index = first * POINTS + i;
@@ -176,7 +176,7 @@ fn add_lit_points(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
         var pick = next_pair(&random).x;
         for (var k = 0u; k < CANDIDATES; k++) {
             let at = load_point(next_pair(&random).x);
-            let point = decode_point(lit_points[at.x], lit_points[at.y], lit_points[at.z]);
+            let point = decode_point(rsm_samples[at.x], rsm_samples[at.y], rsm_samples[at.z]);
             let candidate = light_from_point(seen.start, point, f32(RAYS), f32(POINTS * CANDIDATES));
             let weight = candidate.light.r + candidate.light.g + candidate.light.b;
             if weight > 0.0 {
@@ -200,10 +200,10 @@ fn add_lit_points(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
 }
 #endif
 
-// Weight of a lamp's light on what a ray of the visible surface has met, against `add_lit_points`.
+// Weight of a light's light on what a ray of the visible surface has met, against `add_rsm_samples`.
 fn lamp_weight(sample: LightSample, surface: Surface, ray: GatherRay, hit: Hit, depth: u32) -> f32 {
 #ifdef POINTS
-    let share = bitcast<f32>(lit_points[2].y);
+    let share = bitcast<f32>(rsm_samples[2].y);
     let is_within = all(surface.position >= gather.points_low) && all(surface.position <= gather.points_high);
     if depth > 0u || !is_drawn(share) || sample.reach <= 0.0 || !is_within {
         return 1.0;
@@ -249,7 +249,7 @@ fn patch_radiance(surface: Surface, hit: Hit, direction: vec3f) -> vec3f {
 #endif
 }
 
-// Adds what a ray has found, but for the light from a lamp. The light of patches is not known where surfaces are nearer to
+// Adds what a ray has found, but for the light from a light. The light of patches is not known where surfaces are nearer to
 // each other than those are large: from what is met there `vertex` goes on with a ray more (Jensen 1996, section 4).
 fn arrive(
     sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, ray: GatherRay, hit: Hit,
@@ -265,7 +265,7 @@ fn arrive(
     if depth == 0u {
         let near = 1.0 / max(hit.t, 1e-20);
         (*sums).toward += direction * near;
-        (*sums).nearness += near;
+        (*sums).inverse_distance += near;
     }
     let surface = surface_at(hit, direction);
     if !surface.visible {
@@ -274,7 +274,7 @@ fn arrive(
     var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
     if hit.t < gather.nearest && depth < MOST_NEAR {
         // Diffuse, as patches are.
-        *vertex = Vertex(Seen(surface, -direction, 0.0), ray.throughput, ray.seen_along, depth + 1u);
+        *vertex = Vertex(VisibleSurface(surface, -direction, 0.0), ray.throughput, ray.seen_along, depth + 1u);
         (*vertex).start.surface.normal_reflectance = vec3f(0.0);
         (*vertex).start.surface.grazing_reflectance = 0.0;
     } else {
@@ -327,7 +327,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     var begun = 0u;
     var random = Sampler(gather.seed, first, 0u);
 #ifdef POINTS
-    add_lit_points(&sums, seen, number_of(pixel));
+    add_rsm_samples(&sums, seen, number_of(pixel));
 #endif
     // A turn more than there are rays: in the last one only the last shadow ray is left.
     for (var turn = 0u; turn <= RAYS * (1u + MOST_NEAR); turn++) {
@@ -356,7 +356,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
         }
     }
     let share = 1.0 / f32(RAYS);
-    return Sums(share * sums.diffuse, share * sums.specular, share * sums.toward, share * sums.nearness);
+    return Sums(share * sums.diffuse, share * sums.specular, share * sums.toward, share * sums.inverse_distance);
 }
 
 @compute @workgroup_size(8, 8)
@@ -368,12 +368,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let pixel = pixel_of(gather.interleave, texel, gather.view.size);
     let z = textureLoad(depth, pixel, 0);
     var sums: Sums;
-    var nearness = vec2f(0.0);
+    var inverse_distance = vec2f(0.0);
     if z > 0.0 {
         let seen = seen_at(pixel, z);
         sums = gathered(pixel, seen);
-        nearness = encode_nearness(nearness_around(sums.toward, sums.nearness, seen.start.surface.normal));
+        inverse_distance = encode_inverse_distance(nearness_around(sums.toward, sums.inverse_distance, seen.start.surface.normal));
     }
-    textureStore(diffuse, texel, vec4f(sums.diffuse, nearness.x));
-    textureStore(specular, texel, vec4f(sums.specular, nearness.y));
+    textureStore(diffuse, texel, vec4f(sums.diffuse, inverse_distance.x));
+    textureStore(specular, texel, vec4f(sums.specular, inverse_distance.y));
 }

@@ -11,7 +11,7 @@
 #import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
-#import lightwell::nearness::{decode_nearness, encode_nearness}
+#import lightwell::inverse_distance::{decode_inverse_distance, encode_inverse_distance}
 #import lightwell::sampling::basis
 #import lightwell::view::View
 
@@ -20,7 +20,7 @@
 @group(0) @binding(2) var base_color: texture_2d<u32>;
 @group(0) @binding(3) var normal: texture_2d<u32>;
 @group(0) @binding(4) var depth: texture_depth_2d;
-// Alpha of both: how near and to which side is what the rays met, see lib/nearness.wgsl.
+// Alpha of both: how near and to which side is what the rays met, see lib/inverse_distance.wgsl.
 @group(0) @binding(5) var diffuse: texture_2d<f32>;
 @group(0) @binding(6) var specular: texture_2d<f32>;
 @group(0) @binding(7) var diffuse_out: texture_storage_2d<rgba32float, write>;
@@ -49,7 +49,7 @@ fn pixel_at(texel: vec2i) -> vec2u {
     return pixel_of(reach.interleave, vec2u(texel), view.size);
 }
 
-// How near and to which side is what the pixels around see: that of few rays is noise. See lib/nearness.wgsl.
+// How near and to which side is what the pixels around see: that of few rays is noise. See lib/inverse_distance.wgsl.
 fn mean_nearness(texel: vec2u) -> vec3f {
     var sum = vec3f(0.0);
     var count = 0.0;
@@ -58,19 +58,19 @@ fn mean_nearness(texel: vec2u) -> vec3f {
         let at = clamp(around, vec2i(0), vec2i(reach.interleave.texels) - 1);
         if textureLoad(depth, pixel_at(at), 0) > 0.0 {
             let code = vec2f(textureLoad(diffuse, at, 0).a, textureLoad(specular, at, 0).a);
-            sum += decode_nearness(code);
+            sum += decode_inverse_distance(code);
             count += 1.0;
         }
     }
     return sum / max(count, 1.0);
 }
 
-fn filtered(center: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
+fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Filtered {
     let pixel = pixel_at(vec2i(center));
     let position = world_position(pixel, view.size, z, view.world_from_clip);
     let texel = textureLoad(normal, pixel, 0);
     let n = decode_normal(texel);
-    let toward_near = (basis(n) * vec3f(nearness.xy, 0.0)) / TOLERANCE;
+    let toward_near = (basis(n) * vec3f(inverse_distance.xy, 0.0)) / TOLERANCE;
     let roughness = f32(texel.z) / 65535.0;
     // Of the specular lobe: about its width over that of the diffuse one.
     let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(reach.radius));
@@ -92,7 +92,7 @@ fn filtered(center: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
         let like = likeness(position, n, other_position, decode_normal(textureLoad(normal, other, 0)));
         let off = other_position - position;
         let across = dot(off, toward_near);
-        let any_way = length(off) * (nearness.z / TOLERANCE_ALONG);
+        let any_way = length(off) * (inverse_distance.z / TOLERANCE_ALONG);
         let near = exp(-min(across * across + any_way * any_way, f32(d * d) * least));
         let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
         sum.diffuse += weight.x * textureLoad(diffuse, at, 0).rgb;
@@ -102,8 +102,8 @@ fn filtered(center: vec2u, z: f32, along: vec2i, nearness: vec3f) -> Filtered {
     return Filtered(sum.diffuse / weights.x, sum.specular / weights.y);
 }
 
-fn store_filtered(texel: vec2u, light: Filtered, nearness: vec3f) {
-    let code = encode_nearness(nearness);
+fn store_filtered(texel: vec2u, light: Filtered, inverse_distance: vec3f) {
+    let code = encode_inverse_distance(inverse_distance);
     textureStore(diffuse_out, texel, vec4f(light.diffuse, code.x));
     textureStore(specular_out, texel, vec4f(light.specular, code.y));
 }
@@ -116,17 +116,17 @@ fn horizontal(@builtin(global_invocation_id) thread: vec3u) {
     }
     let z = textureLoad(depth, pixel_at(vec2i(texel)), 0);
     var result = Filtered(vec3f(0.0), vec3f(0.0));
-    var nearness = vec3f(0.0);
+    var inverse_distance = vec3f(0.0);
     if z > 0.0 {
-        nearness = mean_nearness(texel);
-        result = filtered(texel, z, vec2i(1, 0), nearness);
+        inverse_distance = mean_nearness(texel);
+        result = filtered(texel, z, vec2i(1, 0), inverse_distance);
     }
-    store_filtered(texel, result, nearness);
+    store_filtered(texel, result, inverse_distance);
 }
 
 fn filtered_vertically(texel: vec2u, z: f32) -> Filtered {
     let code = vec2f(textureLoad(diffuse, texel, 0).a, textureLoad(specular, texel, 0).a);
-    return filtered(texel, z, vec2i(0, 1), decode_nearness(code));
+    return filtered(texel, z, vec2i(0, 1), decode_inverse_distance(code));
 }
 
 // Luminance of the brightest light next to a texel: of diffuse and of specular light.

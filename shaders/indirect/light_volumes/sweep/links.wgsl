@@ -1,7 +1,7 @@
 // Which cells each surfel takes its light from, and which one it sends it to: those that no wall stands before.
 
 #import lightwell::sweep::{Surfel, BEFORE, encode_link, nearest_axis, thickness_for}
-#import lightwell::sweep_walls::{linked_cell, reached_around, source_cell}
+#import lightwell::coverage::{linked_cell, reached_around, source_cell}
 #import lightwell::volume::Volume
 
 @group(0) @binding(0) var<uniform> volume: Volume;

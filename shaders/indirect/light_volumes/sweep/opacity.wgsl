@@ -1,9 +1,9 @@
 // What stops light in a cell: the opacity tensor of thick solids, and the seal, by which surfaces close the faces of the
-// cells that they pass. A wall closes a face whole or not at all (`indirect/light_volumes/sweep/walls.wgsl`), so that closed surfaces leave
+// cells that they pass. A wall closes a face whole or not at all (`indirect/light_volumes/sweep/coverage.wgsl`), so that closed surfaces leave
 // no gap; surfels tell which way it faces. What is smaller than a cell, or has holes, closes faces by its area.
 
 #import lightwell::sweep::{Surfel, BEFORE, nearest_axis, thickness_for}
-#import lightwell::sweep_walls::is_face_walled
+#import lightwell::coverage::is_face_walled
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;

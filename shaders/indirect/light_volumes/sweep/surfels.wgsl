@@ -1,5 +1,5 @@
 // Surfels from object to world space. Their areas and thicknesses are in metres already: they change only with an
-// object's scale, and then the cloud is made anew.
+// object's scale, and then the cloud is rebuilt.
 
 #import lightwell::mesh::normalize_or_zero
 #import lightwell::sweep::{Surfel, INDEX}

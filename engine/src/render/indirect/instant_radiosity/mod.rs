@@ -9,9 +9,8 @@
 //! their 1/d² would be all that is seen. What that leaves out is found by short rays (`near`).
 
 mod beam;
-mod casts;
-mod choice;
 mod error;
+mod intersection;
 mod main_light;
 mod method;
 mod near;
@@ -20,18 +19,19 @@ mod paths;
 mod place;
 mod published;
 mod random;
+mod resampling;
 mod schedule;
 mod shade;
-mod simulate;
 mod source;
 mod surface;
+mod trace_particles;
 mod view_points;
 
-pub use casts::{CastCounts, CastHit, Caster, intersect_square, intersect_unit_box};
 pub use error::VplError;
+pub use intersection::{CastHit, Caster, IntersectionCounts, intersect_square, intersect_unit_box};
 pub use method::{InstantRadiosityMethod, virtual_lights};
 pub use particles::VirtualLights;
-pub use simulate::{MAX_PATHS, Particles, VirtualLight};
+pub use trace_particles::{MAX_PATHS, Particles, VirtualLight};
 #[cfg(test)]
 pub(crate) use {
     main_light::MainLightUniform, near::NearUniform, place::MapPlaceUniform, published::LetterUniform,

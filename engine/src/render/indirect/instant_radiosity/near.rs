@@ -1,7 +1,7 @@
 //! The light that the bound on virtual lights leaves out, found by short rays. See `indirect/instant_radiosity/near.wgsl`.
 
 use super::particles::{Lights, VirtualLights};
-use super::simulate::{Particles, VirtualLight};
+use super::trace_particles::{Particles, VirtualLight};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
@@ -29,7 +29,7 @@ pub(crate) struct NearUniform {
 
 /// What the rays brought: what a white diffuse surface reflects, and what the specular lobe does.
 #[derive(Clone, Copy)]
-struct Brought {
+struct Contribution {
     diffuse: Handle<Texture>,
     specular: Handle<Texture>,
 }
@@ -96,9 +96,9 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// Declares the rays.
-    fn cast(&self, graph: &mut Graph<'a>) -> Brought {
+    fn cast(&self, graph: &mut Graph<'a>) -> Contribution {
         let frame = &self.frame;
-        let brought = Brought {
+        let brought = Contribution {
             diffuse: graph.texture("near diffuse", frame.image_desc()),
             specular: graph.texture("near specular", frame.image_desc()),
         };
@@ -106,7 +106,7 @@ impl<'a> Work<'a> {
         let inputs = [self.gbuffer.base_color, self.gbuffer.normal, self.gbuffer.object, self.gbuffer.depth];
         inputs.into_iter().for_each(|handle| pass.read(handle));
         pass.read(self.lights.all);
-        let brought = Brought { diffuse: pass.write(brought.diffuse), specular: pass.write(brought.specular) };
+        let brought = Contribution { diffuse: pass.write(brought.diffuse), specular: pass.write(brought.specular) };
         pass.key(&(self.state.settings.near_rays, frame.seed(), frame.view_key(), frame.geometry_key()));
         pass.key(&frame.scene.revisions.lights);
         let work = self.clone();
@@ -114,7 +114,7 @@ impl<'a> Work<'a> {
         brought
     }
 
-    fn run(&self, cx: &mut PassContext, inputs: [Handle<Texture>; 4], brought: Brought) -> Result<(), PassError> {
+    fn run(&self, cx: &mut PassContext, inputs: [Handle<Texture>; 4], brought: Contribution) -> Result<(), PassError> {
         let rays = u64::from(self.state.settings.near_rays);
         let [width, height] = self.frame.view.size;
         let pixels = u64::from(width) * u64::from(height);
@@ -134,7 +134,7 @@ impl<'a> Work<'a> {
         &self,
         cx: &mut PassContext,
         inputs: [Handle<Texture>; 4],
-        brought: Brought,
+        brought: Contribution,
         first_row: u32,
         groups: [u32; 3],
     ) -> Result<(), PassError> {
@@ -186,18 +186,18 @@ impl<'a> Work<'a> {
     }
 
     /// Declares the filter, along rows and columns; the result is `summed` with the near light.
-    fn filter(&self, graph: &mut Graph<'a>, brought: Brought, summed: Handle<Texture>) -> Handle<Texture> {
+    fn filter(&self, graph: &mut Graph<'a>, brought: Contribution, summed: Handle<Texture>) -> Handle<Texture> {
         let (frame, gbuffer) = (&self.frame, &self.gbuffer);
         let radius = self.state.settings.near_filter.max(1);
         let key = (radius, frame.seed(), frame.view_key(), frame.geometry_key(), frame.scene.revisions.lights);
-        let half = Brought {
+        let half = Contribution {
             diffuse: graph.texture("near diffuse, filtered along rows", frame.image_desc()),
             specular: graph.texture("near specular, filtered along rows", frame.image_desc()),
         };
         let mut pass = graph.pass("near filter, horizontal");
         let inputs = [gbuffer.normal, gbuffer.depth, brought.diffuse, brought.specular];
         inputs.into_iter().for_each(|handle| pass.read(handle));
-        let half = Brought { diffuse: pass.write(half.diffuse), specular: pass.write(half.specular) };
+        let half = Contribution { diffuse: pass.write(half.diffuse), specular: pass.write(half.specular) };
         pass.key(&key);
         let work = self.clone();
         pass.execute(move |cx| {

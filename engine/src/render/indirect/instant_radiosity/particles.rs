@@ -1,9 +1,9 @@
 //! The particles as cached nodes of the frame: shot where lights, surfaces or settings changed, chosen from where the
 //! view did, else kept.
 
-use super::choice;
-use super::simulate::{Candidate, DISTANT, Particles, Setup, Shot, VirtualLight, candidates, simulate};
-use super::{CastCounts, VplError};
+use super::resampling;
+use super::trace_particles::{Candidate, DISTANT, Particles, Setup, Shot, VirtualLight, candidates, simulate};
+use super::{IntersectionCounts, VplError};
 use crate::assets::AssetId;
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
@@ -136,7 +136,7 @@ impl VirtualLights {
     }
 
     /// Intersection tests of the last simulation.
-    pub fn casts(&self) -> CastCounts {
+    pub fn casts(&self) -> IntersectionCounts {
         self.particles.borrow().casts
     }
 
@@ -224,8 +224,8 @@ fn declare_choice<'a>(
     pass.execute(move |cx| {
         let (shot, settings) = (state.shot.borrow(), &state.settings);
         let particles = match for_view {
-            true => choice::for_view(&shot, scene, &state.rays.bvh, settings, view),
-            false => choice::all(&shot, scene, settings),
+            true => resampling::for_view(&shot, scene, &state.rays.bvh, settings, view),
+            false => resampling::all(&shot, scene, settings),
         };
         state.write(cx, buffer, &particles.lights);
         *state.particles.borrow_mut() = particles;

@@ -2,7 +2,7 @@
 
 use super::particles::{LightCount, Lights, VirtualLights};
 use super::schedule::deal;
-use super::simulate::VirtualLight;
+use super::trace_particles::VirtualLight;
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{BufferDesc, Graph};
 use crate::render::frame::Frame;

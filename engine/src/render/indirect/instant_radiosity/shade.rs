@@ -1,7 +1,7 @@
 //! The sum over all virtual lights at what the camera sees.
 
 use super::particles::{Lights, VirtualLights};
-use super::simulate::VirtualLight;
+use super::trace_particles::VirtualLight;
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;

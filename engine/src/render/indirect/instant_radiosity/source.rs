@@ -2,8 +2,8 @@
 
 use super::beam::Beam;
 use super::random::{Numbers, cone_direction, cosine_direction, frame};
-use super::simulate::Origin;
 use super::surface;
+use super::trace_particles::Origin;
 use crate::assets::{SkyDirections, SkySample};
 use crate::bvh::SceneBvh;
 use crate::scene::{LightShape, Scene, SceneLight};

@@ -147,7 +147,7 @@ fn with_material(primitive: &Primitive, place: &Place) -> Met {
 }
 
 impl Met {
-    /// Roughness and F90, and √F0, packed as [`super::simulate::VirtualLight`] has them; none for diffuse surfaces.
+    /// Roughness and F90, and √F0, packed as [`super::trace_particles::VirtualLight`] has them; none for diffuse surfaces.
     pub(super) fn gloss(&self) -> Option<(u32, u32)> {
         if self.normal_reflectance == Vec3::ZERO && self.grazing_reflectance <= 0.0 {
             return None;

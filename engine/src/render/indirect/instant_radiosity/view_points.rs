@@ -1,9 +1,9 @@
 //! Points that the camera sees, and how much a virtual light brings to them.
 
-use super::casts::{CastCounts, Caster};
+use super::intersection::{Caster, IntersectionCounts};
 use super::random::hash_pair;
-use super::simulate::{Candidate, DISTANT};
 use super::surface::meet;
+use super::trace_particles::{Candidate, DISTANT};
 use crate::bvh::{Ray, SceneBvh};
 use crate::scene::{Scene, SceneView};
 use glam::Vec3;
@@ -32,7 +32,7 @@ pub(super) struct ViewPoints<'a> {
 
 /// What a light brings to the points, the mean of what they reflect [W/m²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Brought {
+pub(super) struct Contribution {
     /// If nothing is between.
     pub(super) unshadowed: f32,
     pub(super) shadowed: f32,
@@ -45,7 +45,7 @@ impl<'a> ViewPoints<'a> {
         bvh: &SceneBvh,
         caster: &'a Caster,
         view: &SceneView,
-        casts: &mut CastCounts,
+        casts: &mut IntersectionCounts,
     ) -> Self {
         let world_from_clip = view.world_from_clip();
         let eye = view.eye_point();
@@ -72,11 +72,11 @@ impl<'a> ViewPoints<'a> {
 
     /// What a candidate brings. Rays go to points in proportion to what it would bring them, so that the share of those
     /// which arrive is the share of its light that does.
-    pub(super) fn brought(&self, candidate: &Candidate, index: u32, casts: &mut CastCounts) -> Brought {
+    pub(super) fn brought(&self, candidate: &Candidate, index: u32, casts: &mut IntersectionCounts) -> Contribution {
         let each: Vec<f32> = self.points.iter().map(|point| unshadowed(candidate, point)).collect();
         let total: f32 = each.iter().sum();
         if !(total > 0.0 && total.is_finite()) {
-            return Brought::default();
+            return Contribution::default();
         }
         let first = hash_pair(index, 0) as f32 / u32::MAX as f32;
         let mut before = 0.0;
@@ -90,10 +90,10 @@ impl<'a> ViewPoints<'a> {
             }
         }
         let unshadowed = total / self.points.len() as f32;
-        Brought { unshadowed, shadowed: unshadowed * arrived as f32 / RAYS as f32 }
+        Contribution { unshadowed, shadowed: unshadowed * arrived as f32 / RAYS as f32 }
     }
 
-    fn passes(&self, candidate: &Candidate, point: &ViewPoint, casts: &mut CastCounts) -> bool {
+    fn passes(&self, candidate: &Candidate, point: &ViewPoint, casts: &mut IntersectionCounts) -> bool {
         let light = &candidate.light;
         let place = Vec3::from(light.place);
         let distant = light.kind == DISTANT;

@@ -20,10 +20,10 @@ pub enum StateError {
         source: io::Error,
     },
     /// The file holds something else.
-    #[error("{}: this is no half-done trace, or it is cut off: remove it to begin anew", .0.display())]
+    #[error("{}: this is no half-done trace, or it is cut off: remove it to restart", .0.display())]
     Format(PathBuf),
     /// The file belongs to another image.
-    #[error("{}: this half-done trace is of another scene, time, camera, size or setting: remove it to begin anew", .0.display())]
+    #[error("{}: this half-done trace is of another scene, time, camera, size or setting: remove it to restart", .0.display())]
     Other(PathBuf),
     /// The device failed.
     #[error("the sums could not be read back: {0}")]

@@ -1,8 +1,8 @@
 //! The surfels of an object, patch after patch.
 
 use super::cells::{Cell, Faces, grid_normal, with_neighbors};
+use super::occluders::{Occluders, Point};
 use super::split::{Part, Side, Sorted, Split};
-use super::walls::{Point, Walls};
 use super::{NODE, Subject};
 use crate::assets::parallel;
 use crate::scene::Surfel;
@@ -66,14 +66,16 @@ pub(super) fn all(subjects: &[&Subject], size: f32) -> Vec<Arranged> {
 
 /// What walls part of each object.
 fn parted(subjects: &[&Subject], ordered: &[InOrder]) -> Vec<Parted> {
-    let walls = |index: usize| subjects[index].walls.as_ref();
+    let occluders = |index: usize| subjects[index].occluders.as_ref();
     let count = |len: fn(&InOrder) -> usize| -> Vec<usize> {
         let counts = ordered.iter().zip(subjects);
-        counts.map(|(object, subject)| if subject.walls.is_some() { len(object) } else { 0 }).collect()
+        counts.map(|(object, subject)| if subject.occluders.is_some() { len(object) } else { 0 }).collect()
     };
     let points: Vec<Vec<Point>> = in_pieces(&count(|object| object.surfels.len()), |object, piece| {
-        let point = |walls: &Walls| ordered[object].surfels[piece].iter().map(|surfel| walls.point(surfel)).collect();
-        walls(object).map_or_else(Vec::new, point)
+        let point = |occluders: &Occluders| {
+            ordered[object].surfels[piece].iter().map(|surfel| occluders.point(surfel)).collect()
+        };
+        occluders(object).map_or_else(Vec::new, point)
     });
     let sorted = |object: usize| {
         let InOrder { cells, ranges, .. } = &ordered[object];
@@ -81,15 +83,16 @@ fn parted(subjects: &[&Subject], ordered: &[InOrder]) -> Vec<Parted> {
     };
     let looked = in_pieces(&count(|object| object.cells.len()), |object, piece| {
         let sorted = sorted(object);
-        let look = |walls: &Walls| piece.map(|cell| (sorted.split(walls, cell), sorted.gaps(cell))).collect();
-        walls(object).map_or_else(Vec::new, look)
+        let look =
+            |occluders: &Occluders| piece.map(|cell| (sorted.split(occluders, cell), sorted.gaps(cell))).collect();
+        occluders(object).map_or_else(Vec::new, look)
     });
     let finish = |(object, looked): (usize, Vec<Looked>)| {
         let (cells, gaps): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
         let mut gaps: Vec<Cell> = gaps.into_iter().flatten().collect();
         gaps.sort_unstable();
         gaps.dedup();
-        let split = |gap: Cell| Some((gap, sorted(object).split_gap(walls(object)?, gap)?));
+        let split = |gap: Cell| Some((gap, sorted(object).split_gap(occluders(object)?, gap)?));
         Parted { cells, gaps: gaps.into_iter().filter_map(split).collect() }
     };
     looked.into_iter().enumerate().map(finish).collect()

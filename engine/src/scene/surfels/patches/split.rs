@@ -5,7 +5,7 @@
 //! Naylor 1980). What of the cell has no surfel of its own, as a narrow strip behind a wall, has those of the cell beyond.
 
 use super::cells::Cell;
-use super::walls::{Point, Walls};
+use super::occluders::{Occluders, Point};
 use glam::{Vec3, Vec4};
 use std::ops::Range;
 
@@ -78,8 +78,8 @@ impl Sorted<'_> {
     }
 
     /// The parts of a cell without a surfel; none if it is whole.
-    pub fn split_gap(&self, walls: &Walls, cell: Cell) -> Option<Split> {
-        let mut groups = Groups { sorted: self, walls, members: Vec::new(), planes: Vec::new() };
+    pub fn split_gap(&self, occluders: &Occluders, cell: Cell) -> Option<Split> {
+        let mut groups = Groups { sorted: self, occluders, members: Vec::new(), planes: Vec::new() };
         let middle = Vec3::from_array(cell.at.map(|v| v as f32 + 0.5));
         for beside in cell.around() {
             let Ok(beside) = self.cells.binary_search(&beside) else { continue };
@@ -91,8 +91,8 @@ impl Sorted<'_> {
     }
 
     /// The parts of a cell; none if it is whole.
-    pub fn split(&self, walls: &Walls, index: usize) -> Option<Split> {
-        let mut groups = Groups { sorted: self, walls, members: Vec::new(), planes: Vec::new() };
+    pub fn split(&self, occluders: &Occluders, index: usize) -> Option<Split> {
+        let mut groups = Groups { sorted: self, occluders, members: Vec::new(), planes: Vec::new() };
         let own = self.surfels(index);
         own.clone().filter(|surfel| !self.point(*surfel).is_hidden).for_each(|surfel| groups.join(surfel));
         let middle = own.clone().map(|surfel| self.point(surfel).surface).sum::<Vec3>() / own.len() as f32;
@@ -102,8 +102,8 @@ impl Sorted<'_> {
             let open = self.surfels(beside).filter(|surfel| !self.point(*surfel).is_hidden);
             let Some(other) = self.nearest(open, middle) else { continue };
             let Some(nearest) = self.nearest(own.clone(), self.point(other).surface) else { continue };
-            let wall = walls.between(self.point(nearest), self.point(other));
-            if wall.is_some_and(|wall| walls.reaches(&wall, self.point(nearest), cell)) {
+            let wall = occluders.between(self.point(nearest), self.point(other));
+            if wall.is_some_and(|wall| occluders.reaches(&wall, self.point(nearest), cell)) {
                 groups.join(other);
             }
         }
@@ -114,7 +114,7 @@ impl Sorted<'_> {
 /// Surfels, by which of them belong together.
 struct Groups<'a> {
     sorted: &'a Sorted<'a>,
-    walls: &'a Walls<'a>,
+    occluders: &'a Occluders<'a>,
     /// Surfels, and the groups that they belong to.
     members: Vec<(u32, usize)>,
     /// Of what stands between groups.
@@ -132,8 +132,8 @@ impl Groups<'_> {
         for &group in &groups {
             let of_group = self.members.iter().filter(|(_, of)| *of == group).map(|(member, _)| *member);
             let Some(nearest) = self.sorted.nearest(of_group, point.surface) else { continue };
-            match (self.walls.between(self.sorted.point(nearest), point), seen) {
-                (Some(wall), _) => self.planes.extend(self.walls.planes(&wall)),
+            match (self.occluders.between(self.sorted.point(nearest), point), seen) {
+                (Some(wall), _) => self.planes.extend(self.occluders.planes(&wall)),
                 (None, None) => seen = Some(group),
                 (None, Some(first)) => {
                     self.members.iter_mut().filter(|(_, of)| *of == group).for_each(|(_, of)| *of = first);

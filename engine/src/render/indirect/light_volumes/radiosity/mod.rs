@@ -108,7 +108,7 @@ fn count(frame: &Frame, settings: &Clpv) -> u32 {
 }
 
 impl Rays {
-    /// While objects move and frames are averaged, a quarter of all is cast anew in each frame, in the same directions as
+    /// While objects move and frames are averaged, a quarter of all is cast again in each frame, in the same directions as
     /// before: where nothing moves nothing changes. See also [`is_thinned`].
     fn new(frame: &Frame, settings: &Clpv) -> Self {
         let count = count(frame, settings);

@@ -132,7 +132,7 @@ pub(super) fn declare<'a>(
     let mut pass = graph.pass(name);
     pass.read(sources.surfels);
     let obstacles = level.obstacles;
-    [obstacles.opacity, obstacles.walls, obstacles.links].into_iter().for_each(|buffer| pass.read(buffer));
+    [obstacles.opacity, obstacles.coverage, obstacles.links].into_iter().for_each(|buffer| pass.read(buffer));
     if is_straight {
         for rsm in sources.rsms {
             pass.read(rsm.base_color);
@@ -234,13 +234,13 @@ fn from_rsm(
     uniforms: &Uniforms,
     buffers: &Buffers,
 ) -> Result<(), PassError> {
-    let handles = [buffers.obstacles.opacity, buffers.obstacles.walls, buffers.sums];
-    let [opacity, walls, sums] = handles.map(|handle| cx.buffer(handle).clone());
+    let handles = [buffers.obstacles.opacity, buffers.obstacles.coverage, buffers.sums];
+    let [opacity, coverage, sums] = handles.map(|handle| cx.buffer(handle).clone());
     cx.counts().lights += 1;
     let more = [
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("opacity", Binding::Buffer(&opacity)),
-        ("walls", Binding::Buffer(&walls)),
+        ("coverage", Binding::Buffer(&coverage)),
         ("sums", Binding::Buffer(&sums)),
     ];
     let key = ComputeKey::new("indirect/light_volumes/sweep/emit.wgsl", "from_rsm");

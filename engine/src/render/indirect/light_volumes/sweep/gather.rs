@@ -2,7 +2,7 @@
 
 use super::gather_filter::{self, Gathered};
 use super::interleave::{Interleave, InterleaveUniform};
-use super::lit_points::{self, LitPoints};
+use super::rsm_samples::{self, RsmSamples};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
@@ -54,7 +54,7 @@ pub(super) fn declare<'a>(
     gbuffer: &GBuffer,
     settings: &Clpv,
     light: Option<Handle<Buffer>>,
-    lit: Option<LitPoints>,
+    lit: Option<RsmSamples>,
     interleave: Interleave,
 ) -> Handle<Texture> {
     let gathered = Gathered {
@@ -92,7 +92,7 @@ struct Work<'a> {
     light: Option<Handle<Buffer>>,
     /// Distance \[m\] from the beginning of a ray within which that is not known.
     nearest: f32,
-    lit: Option<LitPoints>,
+    lit: Option<RsmSamples>,
     gathered: Gathered,
     rays: u32,
     points: u32,
@@ -155,7 +155,7 @@ impl Work<'_> {
         }
         if let Some(lit) = &lit {
             key = key.def("POINTS", ShaderDef::Uint(self.points));
-            group.push(("lit_points", Binding::Buffer(lit)));
+            group.push(("rsm_samples", Binding::Buffer(lit)));
         }
         if self.frame.scene.sky_map.is_some() {
             group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
@@ -179,7 +179,7 @@ impl Work<'_> {
             first_row,
             nearest: self.nearest,
             points_low: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.min),
-            point_count: lit_points::POINTS,
+            point_count: rsm_samples::POINTS,
             points_high: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.max),
             interleave: self.interleave.uniform(),
         }
@@ -231,7 +231,7 @@ fn rays(frame: &Frame, settings: &Clpv, interleave: Interleave) -> u32 {
     wanted.min(possible.max(1))
 }
 
-/// Rays that are cast for each that gathers: itself, and those to a lamp, an emissive surface and the sky.
+/// Rays that are cast for each that gathers: itself, and those to a light, an emissive surface and the sky.
 fn casts_a_ray(frame: &Frame) -> u32 {
     let (lights, emitters) = frame.rays.map_or((0, 0), |rays| (rays.light_count, rays.emitter_count));
     1 + [lights > 0, emitters > 0, frame.scene.sky_map.is_some()].map(u32::from).iter().sum::<u32>()

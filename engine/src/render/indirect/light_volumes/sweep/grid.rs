@@ -1,8 +1,8 @@
 //! Where the cascades of the sweep lie.
 
+use super::coverage;
 use super::directions::Directions;
 use super::transport;
-use super::walls;
 use crate::render::RenderError;
 use crate::render::indirect::light_volumes::volume::{self, Volume};
 use crate::scene::{Aabb, SceneClpv, SceneView};
@@ -18,7 +18,7 @@ pub(super) const BINDING: u64 = 128 << 20;
 /// Most cells of a cascade: its opacity, 176 bytes a cell, fills a storage binding.
 const MAX_CELLS: u32 = BINDING as u32 / 176;
 /// Most cells along an axis: a texture that walls are drawn into has a texel for each part, and 8192 is the portable limit.
-const MAX_EDGE: u32 = 8192 / walls::PARTS;
+const MAX_EDGE: u32 = 8192 / coverage::PARTS;
 
 /// The cascades of the settings for this view, finest first; `quality` is that of the volumes.
 ///

@@ -10,7 +10,7 @@ use wgpu::BufferUsages;
 /// surfaces alone.
 pub(super) fn declare(
     graph: &mut Graph<'_>,
-    [surfels, walls]: [Handle<Buffer>; 2],
+    [surfels, coverage]: [Handle<Buffer>; 2],
     count: u32,
     level: &str,
     volume: &Volume,
@@ -19,13 +19,13 @@ pub(super) fn declare(
     let links = graph.retained_buffer(name.as_str(), BufferDesc::new(4 * u64::from(count), BufferUsages::STORAGE));
     let mut pass = graph.pass(name.as_str());
     pass.read(surfels);
-    pass.read(walls);
+    pass.read(coverage);
     let links = pass.write(links);
     pass.key(&volume.key());
     let volume = *volume;
     pass.execute(move |cx| {
-        let [surfels, walls, links] = [surfels, walls, links].map(|handle| cx.buffer(handle).clone());
-        find(cx, &volume, [&surfels, &walls, &links], count)
+        let [surfels, coverage, links] = [surfels, coverage, links].map(|handle| cx.buffer(handle).clone());
+        find(cx, &volume, [&surfels, &coverage, &links], count)
     });
     links
 }
@@ -34,7 +34,7 @@ pub(super) fn declare(
 pub(super) fn find(
     cx: &mut PassContext,
     volume: &Volume,
-    [surfels, walls, links]: [&wgpu::Buffer; 3],
+    [surfels, coverage, links]: [&wgpu::Buffer; 3],
     count: u32,
 ) -> Result<(), PassError> {
     let uniform = cx.gpu.uniform("volume", &volume.uniform());
@@ -43,7 +43,7 @@ pub(super) fn find(
         &[
             ("volume", Binding::Buffer(&uniform)),
             ("surfels", Binding::Buffer(surfels)),
-            ("walls", Binding::Buffer(walls)),
+            ("coverage", Binding::Buffer(coverage)),
             ("links", Binding::Buffer(links)),
         ],
         linear_groups(count),

@@ -5,7 +5,7 @@
 //!            surfels ────────────┴── links            │
 //! its light: rsm (a light) ── emit ── sweep ── relight, probes, blended surfaces
 //!                 ├── radiosity ┘
-//!                 └── lit points, light of patches ── gather
+//!                 └── RSM samples, light of patches ── gather
 //! ```
 //! Surfaces are surfels spread over the scene's meshes. They stop light (`opacity`, with what closes whole faces of cells,
 //! `walls`), and from the second bounce on they are its sources; those of the first are the texels of reflective shadow maps,
@@ -16,6 +16,7 @@
 //! large for rays has all bounces swept instead: `white` is then what a surfel has of light that is even everywhere, by which
 //! all other is calibrated, and where the grid is fine, all bounces but the last are swept in a coarser one (`further`).
 
+mod coverage;
 mod directions;
 mod emit;
 mod further;
@@ -26,13 +27,12 @@ mod grid;
 mod interleave;
 mod irradiance;
 mod links;
-mod lit_points;
 mod opacity;
 mod probes;
+mod rsm_samples;
 pub(in crate::render) mod sky;
 mod surfels;
 mod transport;
-mod walls;
 
 pub use grid::volumes;
 
@@ -43,7 +43,7 @@ pub(crate) use self::{
     gather_filter::ReachUniform,
     gather_upsample::UpsampleUniform,
     irradiance::LookupUniform,
-    lit_points::DrawUniform,
+    rsm_samples::DrawUniform,
     transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
@@ -163,7 +163,7 @@ pub(super) fn declare<'a>(
     }
     let radiance = if is_gathered {
         let interleave = Interleave::new(frame, radiosity.is_some());
-        let lit = lit_points::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
+        let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
         gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit, interleave)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };

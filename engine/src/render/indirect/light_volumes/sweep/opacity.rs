@@ -1,6 +1,6 @@
 //! What stops light in the cells of a cascade: opacity tensor and seal.
 
-use super::{links, walls};
+use super::{coverage, links};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
@@ -17,8 +17,8 @@ const CELL_BYTES: u64 = 176;
 pub(super) struct Obstacles {
     /// Opacity of the cells and their faces, see `indirect/light_volumes/sweep/opacity.wgsl`.
     pub opacity: Handle<Buffer>,
-    /// Walls between the parts of cells, see `indirect/light_volumes/sweep/walls.wgsl`.
-    pub walls: Handle<Buffer>,
+    /// Coverage between the parts of cells, see `indirect/light_volumes/sweep/coverage.wgsl`.
+    pub coverage: Handle<Buffer>,
     /// Which cells each surfel has to do with, see `indirect/light_volumes/sweep/links.wgsl`.
     pub links: Handle<Buffer>,
 }
@@ -31,8 +31,8 @@ pub(super) fn declare<'a>(
     level: &str,
     volume: &Volume,
 ) -> Obstacles {
-    let walls = walls::declare(graph, frame, level, volume);
-    let links = links::declare(graph, [surfels, walls], frame.surfels.count(), level, volume);
+    let coverage = coverage::declare(graph, frame, level, volume);
+    let links = links::declare(graph, [surfels, coverage], frame.surfels.count(), level, volume);
     let name = format!("opacity, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
@@ -40,13 +40,13 @@ pub(super) fn declare<'a>(
     let opacity = graph.retained_buffer(name.as_str(), desc);
     let mut pass = graph.pass(name.as_str());
     pass.read(surfels);
-    pass.read(walls);
+    pass.read(coverage);
     let (sums, opacity) = (pass.write(sums), pass.write(opacity));
     pass.key(&volume.key());
     let volume = *volume;
     pass.execute(move |cx| {
-        let handles = [surfels, walls, sums, opacity];
-        let [source, walls, fixed, target] = handles.map(|handle| cx.buffer(handle).clone());
+        let handles = [surfels, coverage, sums, opacity];
+        let [source, coverage, fixed, target] = handles.map(|handle| cx.buffer(handle).clone());
         cx.encoder().clear_buffer(&fixed, 0, None);
         let uniform = cx.gpu.uniform("volume", &volume.uniform());
         let count = (source.size() / size_of::<Surfel>() as u64) as u32;
@@ -66,11 +66,11 @@ pub(super) fn declare<'a>(
             &[
                 ("volume", Binding::Buffer(&uniform)),
                 ("sums", Binding::Buffer(&fixed)),
-                ("walls", Binding::Buffer(&walls)),
+                ("coverage", Binding::Buffer(&coverage)),
                 ("opacity", Binding::Buffer(&target)),
             ],
             linear_groups(volume.cell_count()),
         )
     });
-    Obstacles { opacity, walls, links }
+    Obstacles { opacity, coverage, links }
 }

@@ -42,8 +42,8 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     let mut pass = graph.pass("probes");
     let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
     let obstacles: Vec<_> = levels.iter().map(|level| level.obstacles).collect();
-    for (Irradiance { axes, facing }, Obstacles { opacity, walls, .. }) in light.iter().zip(&obstacles) {
-        [axes, facing, opacity, walls].into_iter().for_each(|buffer| pass.read(*buffer));
+    for (Irradiance { axes, facing }, Obstacles { opacity, coverage, .. }) in light.iter().zip(&obstacles) {
+        [axes, facing, opacity, coverage].into_iter().for_each(|buffer| pass.read(*buffer));
     }
     let found = pass.write(found);
     let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
@@ -56,8 +56,8 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
         let surfels = cx.gpu.storage("probes", &surfels, BufferUsages::empty());
         let links = cx.gpu.storage("links of probes", &vec![0_u32; count as usize], BufferUsages::empty());
         for (index, volume) in volumes.iter().enumerate() {
-            let walls = cx.buffer(obstacles[index].walls).clone();
-            links::find(cx, volume, [&surfels, &walls, &links], count)?;
+            let coverage = cx.buffer(obstacles[index].coverage).clone();
+            links::find(cx, volume, [&surfels, &coverage, &links], count)?;
             let opacity = obstacles[index].opacity;
             let at = Lookup { lookups: &lookups, index, light: light[index], opacity, white: None };
             look_up(cx, at, [&surfels, &links, &target], count)?;

@@ -12,18 +12,18 @@ use wgpu::{BufferUsages, ColorTargetState, ColorWrites, TextureFormat, TextureUs
 /// Of the texture that the scene is drawn into, and that nothing is written to.
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
-/// Parts of a cell along an axis, as in `lib/sweep_walls.wgsl`.
+/// Parts of a cell along an axis, as in `lib/coverage.wgsl`.
 pub(super) const PARTS: u32 = 3;
 
 /// Bytes of a cell: a bit for each face of its parts and each side of it.
 const CELL_BYTES: u64 = 24;
 
-/// Declares the walls of a cascade between the parts of its cells, see `indirect/light_volumes/sweep/walls.wgsl`. Surfaces with holes in them are
+/// Declares the walls of a cascade between the parts of its cells, see `indirect/light_volumes/sweep/coverage.wgsl`. Surfaces with holes in them are
 /// left out, and objects smaller than a cell: those stop light by their area.
 pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str, volume: &Volume) -> Handle<Buffer> {
-    let name = format!("walls, {level}");
+    let name = format!("coverage, {level}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    let walls =
+    let coverage =
         graph.retained_buffer(name.as_str(), BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage));
     let columns = [0, 1, 2].map(|axis| {
         let [width, height] = across(volume, axis);
@@ -31,11 +31,11 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str,
         graph.texture(format!("{name}, columns along axis {axis}"), desc)
     });
     let mut pass = graph.pass(name.as_str());
-    let (walls, columns) = (pass.write(walls), columns.map(|texture| pass.write(texture)));
+    let (coverage, columns) = (pass.write(coverage), columns.map(|texture| pass.write(texture)));
     pass.key(&(frame.geometry_key(), volume.key()));
     let (volume, frame) = (*volume, frame.clone());
     pass.execute(move |cx| {
-        let buffer = cx.buffer(walls).clone();
+        let buffer = cx.buffer(coverage).clone();
         cx.encoder().clear_buffer(&buffer, 0, None);
         for (axis, texture) in columns.into_iter().enumerate() {
             let target = cx.view(texture);
@@ -43,7 +43,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str,
         }
         Ok(())
     });
-    walls
+    coverage
 }
 
 /// Columns of parts of cells along an axis.
@@ -57,15 +57,15 @@ fn draw_along(
     volume: &Volume,
     axis: usize,
     target: &wgpu::TextureView,
-    walls: &wgpu::Buffer,
+    coverage: &wgpu::Buffer,
 ) -> Result<(), PassError> {
     let view = cx.gpu.uniform("volume", &volume.uniform());
     let any_class = MaterialClass { double_sided: false, masked: false, blended: false, mirrored: false, plain: true };
     let pipeline = cx.gpu.pipelines.raster(cx.gpu, &raster_key(any_class, axis))?;
-    let group = pipeline.bind(cx.gpu, 1, &[("closed", Binding::Buffer(walls))])?;
+    let group = pipeline.bind(cx.gpu, 1, &[("closed", Binding::Buffer(coverage))])?;
     let mut pass = cx
         .render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("walls"),
+            label: Some("coverage"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: target,
                 depth_slice: None,
@@ -92,7 +92,7 @@ fn clip_from_world(volume: &Volume) -> Mat4 {
 
 fn raster_key(class: MaterialClass, axis: usize) -> RasterKey {
     RasterKey {
-        shader: "indirect/light_volumes/sweep/walls.wgsl",
+        shader: "indirect/light_volumes/sweep/coverage.wgsl",
         vertex: "vertex",
         fragment: Some(if class.double_sided { "double_sided" } else { "one_sided" }),
         defs: vec![("AXIS", ShaderDef::Int(axis as i32))],

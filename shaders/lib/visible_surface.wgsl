@@ -1,4 +1,4 @@
-#define_import_path lightwell::seen
+#define_import_path lightwell::visible_surface
 
 // A visible surface that rays start from, and what they bring, apart by what reflects it: diffuse light as if the surface
 // were white, so that it can be filtered without its texture, and the light of the specular lobe.
@@ -10,13 +10,13 @@
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
 #import lightwell::view::{View, eye_offset, toward_eye}
 
-struct Seen {
+struct VisibleSurface {
     surface: Surface,      // white
     to_eye: vec3f,
     to_specular: f32,      // chance of a ray to follow the specular lobe
 }
 
-struct Brought {
+struct Contribution {
     diffuse: vec3f,
     specular: vec3f,
 }
@@ -28,8 +28,8 @@ struct SeenRay {
     throughput: vec3f,     // reflected light over the light that arrives, over the density
 }
 
-fn seen_surface(view: View, drawn: Drawn) -> Seen {
-    var seen: Seen;
+fn seen_surface(view: View, drawn: Drawn) -> VisibleSurface {
+    var seen: VisibleSurface;
     seen.to_eye = normalize(toward_eye(view, drawn.position));
     seen.surface.position = drawn.position;
     seen.surface.normal = drawn.normal;
@@ -46,7 +46,7 @@ fn seen_surface(view: View, drawn: Drawn) -> Seen {
     return seen;
 }
 
-fn ray_from(seen: Seen, random: ptr<function, Sampler>) -> SeenRay {
+fn ray_from(seen: VisibleSurface, random: ptr<function, Sampler>) -> SeenRay {
     // Without a specular lobe there is no choice, and the first pair gives the direction.
     var choice = 1.0;
     if seen.to_specular > 0.0 {
@@ -62,16 +62,16 @@ fn ray_from(seen: Seen, random: ptr<function, Sampler>) -> SeenRay {
 }
 
 // Light that the white surface reflects, from a direction, by what reflects it.
-fn by_lobe(seen: Seen, direction: vec3f, light: vec3f) -> Brought {
+fn by_lobe(seen: VisibleSurface, direction: vec3f, light: vec3f) -> Contribution {
     let value = bounded(light);
 #ifdef DIFFUSE
-    return Brought(value, vec3f(0.0));
+    return Contribution(value, vec3f(0.0));
 #else
     let h = normalize(direction + seen.to_eye);
     let f = fresnel_schlick(seen.surface.normal_reflectance, seen.surface.grazing_reflectance, dot(seen.to_eye, h));
     let of_diffuse = (1.0 - max(f.r, max(f.g, f.b))) * max(0.0, dot(seen.surface.normal, direction)) * INVERSE_PI;
     let share = saturate(vec3f(of_diffuse) / max(reflected(seen.surface, seen.to_eye, direction), vec3f(1e-20)));
-    return Brought(value * share, value * (1.0 - share));
+    return Contribution(value * share, value * (1.0 - share));
 #endif
 }
 

@@ -7,9 +7,9 @@
 //! W = Σw, and its light counts W/(N·w_i) for each time: the expectation is the sum over all M. The picks are even steps
 //! through the sum of the weights along a curve through space, so that they lie as evenly as the candidates do.
 
-use super::casts::{CastCounts, Caster};
-use super::simulate::{Candidate, DISTANT, Origin, Particles, Shot, VirtualLight};
-use super::view_points::{Brought, ViewPoints};
+use super::intersection::{Caster, IntersectionCounts};
+use super::trace_particles::{Candidate, DISTANT, Origin, Particles, Shot, VirtualLight};
+use super::view_points::{Contribution, ViewPoints};
 use crate::assets::parallel;
 use crate::bvh::SceneBvh;
 use crate::scene::{Scene, SceneView};
@@ -44,7 +44,7 @@ pub(super) fn for_view(
     settings: &InstantRadiosity,
     view: &SceneView,
 ) -> Particles {
-    let mut casts = CastCounts::default();
+    let mut casts = IntersectionCounts::default();
     let caster = Caster::new(scene, bvh, settings.casts);
     let points = ViewPoints::new(scene, bvh, &caster, view, &mut casts);
     let candidates = along_a_curve(&shot.candidates, scene);
@@ -80,19 +80,19 @@ fn morton(coordinates: [u32; 3]) -> u32 {
     (0..30).fold(0, |code, bit| code | (coordinates[bit % 3] >> (bit / 3) & 1) << bit)
 }
 
-fn brought(points: &ViewPoints, candidates: &[Candidate]) -> (Vec<Brought>, CastCounts) {
+fn brought(points: &ViewPoints, candidates: &[Candidate]) -> (Vec<Contribution>, IntersectionCounts) {
     if points.is_empty() {
-        return (vec![Brought::default(); candidates.len()], CastCounts::default());
+        return (vec![Contribution::default(); candidates.len()], IntersectionCounts::default());
     }
     let pieces: Vec<Range<usize>> =
         (0..candidates.len()).step_by(PIECE).map(|first| first..candidates.len().min(first + PIECE)).collect();
     let work = |piece: &Range<usize>| {
-        let mut casts = CastCounts::default();
-        let all: Vec<Brought> =
+        let mut casts = IntersectionCounts::default();
+        let all: Vec<Contribution> =
             piece.clone().map(|index| points.brought(&candidates[index], index as u32, &mut casts)).collect();
         (all, casts)
     };
-    let mut casts = CastCounts::default();
+    let mut casts = IntersectionCounts::default();
     let mut all = Vec::with_capacity(candidates.len());
     for (brought, cast) in parallel::map(&pieces, work) {
         all.extend(brought);
@@ -102,7 +102,7 @@ fn brought(points: &ViewPoints, candidates: &[Candidate]) -> (Vec<Brought>, Cast
 }
 
 /// Chances of the candidates, up to a factor: the parts by their means.
-fn weights(candidates: &[Candidate], brought: &[Brought], scene: &Scene) -> Vec<f64> {
+fn weights(candidates: &[Candidate], brought: &[Contribution], scene: &Scene) -> Vec<f64> {
     // Of light from far away, what passes through a ball that holds the scene.
     let ball = PI * 0.25 * scene.bounds().size().length_squared();
     let flux = |candidate: &Candidate| candidate.power * if candidate.light.kind == DISTANT { ball } else { 1.0 };

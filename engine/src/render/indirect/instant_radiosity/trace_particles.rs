@@ -1,6 +1,6 @@
 //! Shoots particles from the lights and leaves virtual lights where they hit (Keller 1997, section 3).
 
-use super::casts::{CastCounts, Caster};
+use super::intersection::{Caster, IntersectionCounts};
 use super::random::{Numbers, cosine_direction, hash_pair};
 use super::schedule::{Plan, deal, mean_reflectance};
 use super::source::{Glow, Source, Start};
@@ -59,7 +59,7 @@ pub struct Particles {
     /// Particles shot.
     pub shot: u64,
     /// Intersection tests.
-    pub casts: CastCounts,
+    pub casts: IntersectionCounts,
     /// Mean reflectance ρ of the scene.
     pub reflectance: f64,
     /// d_min of the lights at the first hits of each light of the scene \[m\]; 0 where there are none.
@@ -147,7 +147,7 @@ pub(super) struct Shot {
     pub(super) origins: Vec<Origin>,
     pub(super) paths: Vec<Vec<Vec3>>,
     pub(super) shot: u64,
-    pub(super) casts: CastCounts,
+    pub(super) casts: IntersectionCounts,
     pub(super) reflectance: f64,
 }
 
@@ -157,7 +157,7 @@ struct Piece {
     lights: Vec<Candidate>,
     paths: Vec<Vec<Vec3>>,
     shot: u64,
-    casts: CastCounts,
+    casts: IntersectionCounts,
 }
 
 /// Shoots all particles. Equal input gives equal bits, on however many cores.

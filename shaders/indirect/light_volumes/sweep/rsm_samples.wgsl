@@ -1,12 +1,12 @@
-// Points of surfaces that lamps light, drawn from reflective shadow maps in proportion to the flux that each texel
+// Surface points that lights reach, drawn from reflective shadow maps in proportion to the flux that each texel
 // receives (Dachsbacher and Stamminger 2006, "Splatting indirect illumination"): lights that the final gather samples,
-// see lib/lit_points.wgsl.
+// see lib/rsm_samples.wgsl.
 //
 // Texels are weighed in strips of a row, whose running sum over all maps is searched for each point.
 
 #import lightwell::gbuffer::world_position
 #import lightwell::lights::Light
-#import lightwell::lit_points::POINT_TEXELS
+#import lightwell::rsm_samples::POINT_TEXELS
 #import lightwell::rsm::{RsmLayer, texel_received}
 #import lightwell::sampling::{hash_pair, unit_float}
 

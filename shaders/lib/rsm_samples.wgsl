@@ -1,7 +1,7 @@
-#define_import_path lightwell::lit_points
+#define_import_path lightwell::rsm_samples
 
-// Points of surfaces that lamps light, as light sources of the final gather (Keller 1997, with the weights of Veach and
-// Guibas 1995). `indirect/light_volumes/sweep/lit_points.wgsl` draws them with a density that is proportional to the irradiance, so that a
+// Surface points that lights reach, as light sources of the final gather (Keller 1997, with the weights of Veach and
+// Guibas 1995). `indirect/light_volumes/sweep/rsm_samples.wgsl` draws them with a density that is proportional to the irradiance, so that a
 // small bright patch far away is found by each pixel, where few of its rays would meet it; in corners rays are the better
 // way. Either way's light is weighted by the balance heuristic, so that their sum is right and neither has peaks.
 
@@ -9,7 +9,7 @@
 #import lightwell::lights::light_incidence
 #import lightwell::next_event::{bounded, reflected, direction_density}
 #import lightwell::rays::{Ray, Surface, leave_surface, load_light}
-#import lightwell::seen::Seen
+#import lightwell::visible_surface::VisibleSurface
 
 // vec4u a point: position [m] and light; base colour and normal as in the G-buffer; √F0 as in the G-buffer, and one over the
 // flux that all maps' texels receive, all channels together [1/W]. All zero: not a point.
@@ -22,13 +22,13 @@ fn is_drawn(share: f32) -> bool {
     return share > 0.0 && share < MAX_SHARE;
 }
 
-struct LitPoint {
+struct RsmSample {
     surface: Surface,
     light: u32,
     share: f32,            // of a unit of flux in all that the texels receive [1/W]; 0: there is no such point
 }
 
-fn decode_point(place: vec4u, colors: vec4u, rest: vec4u) -> LitPoint {
+fn decode_point(place: vec4u, colors: vec4u, rest: vec4u) -> RsmSample {
     let low = colors & vec4u(0xffffu);
     let high = colors >> vec4u(16u);
     let position = bitcast<vec3f>(place.xyz);
@@ -45,7 +45,7 @@ fn decode_point(place: vec4u, colors: vec4u, rest: vec4u) -> LitPoint {
     surface.alpha = max(drawn.roughness * drawn.roughness, 1e-3);
     let largest = max(abs(position.x), max(abs(position.y), abs(position.z)));
     surface.error = largest * 0x1p-17f;
-    return LitPoint(surface, place.w, bitcast<f32>(rest.y));
+    return RsmSample(surface, place.w, bitcast<f32>(rest.y));
 }
 
 // Density with which points are drawn on a surface, per solid angle as seen from a distance [1/sr]. `irradiance` is that on
@@ -64,7 +64,7 @@ struct FromPoint {
 }
 
 // `rays` and `candidates` are the numbers with which both ways sample.
-fn light_from_point(seen: Seen, point: LitPoint, rays: f32, candidates: f32) -> FromPoint {
+fn light_from_point(seen: VisibleSurface, point: RsmSample, rays: f32, candidates: f32) -> FromPoint {
     let nothing = FromPoint(vec3f(0.0), vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)));
     let offset = point.surface.position - seen.surface.position;
     let distance = length(offset);

@@ -9,7 +9,7 @@ use std::ops::AddAssign;
 
 /// Intersection tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CastCounts {
+pub struct IntersectionCounts {
     /// Rays cast.
     pub rays: u64,
     /// Boxes of the hierarchy tested.
@@ -20,7 +20,7 @@ pub struct CastCounts {
     pub triangles: u64,
 }
 
-impl AddAssign for CastCounts {
+impl AddAssign for IntersectionCounts {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.boxes += other.boxes;
@@ -29,7 +29,7 @@ impl AddAssign for CastCounts {
     }
 }
 
-impl CastCounts {
+impl IntersectionCounts {
     /// All tests together.
     pub fn tests(&self) -> u64 {
         self.boxes + self.objects + self.triangles
@@ -109,7 +109,7 @@ impl<'a> Caster<'a> {
     }
 
     /// The nearest surface that casts shadows; what alpha cuts out does not count.
-    pub fn cast(&self, ray: &Ray, counts: &mut CastCounts) -> Option<CastHit> {
+    pub fn cast(&self, ray: &Ray, counts: &mut IntersectionCounts) -> Option<CastHit> {
         counts.rays += 1;
         match &self.objects {
             None => self.through_hierarchy(ray, counts),
@@ -117,7 +117,7 @@ impl<'a> Caster<'a> {
         }
     }
 
-    fn through_hierarchy(&self, ray: &Ray, counts: &mut CastCounts) -> Option<CastHit> {
+    fn through_hierarchy(&self, ray: &Ray, counts: &mut IntersectionCounts) -> Option<CastHit> {
         let mut closest = None;
         for tree in self.bvh.trees() {
             self.through_tree(tree, ray, &mut closest, counts);
@@ -125,7 +125,7 @@ impl<'a> Caster<'a> {
         closest
     }
 
-    fn through_tree(&self, tree: &Bvh, ray: &Ray, closest: &mut Option<CastHit>, counts: &mut CastCounts) {
+    fn through_tree(&self, tree: &Bvh, ray: &Ray, closest: &mut Option<CastHit>, counts: &mut IntersectionCounts) {
         let (nodes, order) = (&tree.nodes, &tree.order);
         let mut bound = closest.map_or(f32::INFINITY, |hit| hit.t);
         let mut stack = [0_u32; 2 * (MAX_DEPTH as usize + 32)];
@@ -165,7 +165,7 @@ impl<'a> Caster<'a> {
         counts.then_some(CastHit { t, triangle: index, barycentric: [u, v] })
     }
 
-    fn object_by_object(&self, ray: &Ray, objects: &[Object], counts: &mut CastCounts) -> Option<CastHit> {
+    fn object_by_object(&self, ray: &Ray, objects: &[Object], counts: &mut IntersectionCounts) -> Option<CastHit> {
         let mut closest: Option<CastHit> = None;
         for object in objects.iter().filter(|object| object.casts_shadow) {
             counts.objects += 1;

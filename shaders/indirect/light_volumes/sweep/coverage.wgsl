@@ -5,12 +5,12 @@
 
 #import lightwell::mesh::{Vertex, Instance, world_from_object_point}
 #import lightwell::sweep::BEFORE
-#import lightwell::sweep_walls::{PARTS, wall_bit, wall_word}
+#import lightwell::coverage::{PARTS, wall_bit, wall_word}
 #import lightwell::volume::Volume
 
 @group(0) @binding(0) var<uniform> view: Volume;
 @group(0) @binding(1) var<storage, read> instances: array<Instance>;
-// See `lib/sweep_walls.wgsl`.
+// See `lib/coverage.wgsl`.
 @group(1) @binding(0) var<storage, read_write> closed: array<atomic<u32>>;
 
 #ifdef AXIS

@@ -1,4 +1,4 @@
-//! Points of surfaces that lamps light, which the final gather samples beside its rays. See `indirect/light_volumes/sweep/lit_points.wgsl`.
+//! Surface points that lights reach, which the final gather samples beside its rays. See `indirect/light_volumes/sweep/rsm_samples.wgsl`.
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
@@ -13,12 +13,12 @@ use wgpu::BufferUsages;
 
 /// How many points: as many as neighbouring pixels must not all gather from the same few, or their noise would be alike.
 pub(super) const POINTS: u32 = 8192;
-/// Bytes of a point: `POINT_TEXELS` of `lib/lit_points.wgsl`.
+/// Bytes of a point: `POINT_TEXELS` of `lib/rsm_samples.wgsl`.
 const POINT_BYTES: u64 = 48;
-/// `STRIP` of `indirect/light_volumes/sweep/lit_points.wgsl`.
+/// `STRIP` of `indirect/light_volumes/sweep/rsm_samples.wgsl`.
 const STRIP: u32 = 32;
 
-/// `Draw` of `indirect/light_volumes/sweep/lit_points.wgsl`.
+/// `Draw` of `indirect/light_volumes/sweep/rsm_samples.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
 pub(crate) struct DrawUniform {
     low: Vec3,
@@ -33,21 +33,21 @@ pub(crate) struct DrawUniform {
 
 /// The points of a frame.
 #[derive(Clone, Copy)]
-pub(super) struct LitPoints {
+pub(super) struct RsmSamples {
     /// Three times four words a point.
     pub points: Handle<Buffer>,
     /// All points lie in this box, and are drawn from all that lies in it.
     pub reach: Aabb,
 }
 
-/// One view of a lamp.
+/// One view of a light.
 struct Map<'a> {
     rsm: Rsm<'a>,
     layer: usize,
     first_strip: u32,
 }
 
-/// Declares the points; none, with the reason in the report, if no lamp has a map or no pixel asks for points.
+/// Declares the points; none, with the reason in the report, if no light has a map or no pixel asks for points.
 ///
 /// Points are drawn within `reach`. The scale is that of [`super::emit::scale`]. Lights without shadows light what their map
 /// does not see; they are left to the rays.
@@ -57,7 +57,7 @@ pub(super) fn declare<'a>(
     rsms: &[Rsm<'a>],
     (reach, scale): (Aabb, f32),
     asked_for: u32,
-) -> Option<LitPoints> {
+) -> Option<RsmSamples> {
     let (mut maps, mut strips) = (Vec::new(), 0);
     for rsm in rsms.iter().filter(|rsm| rsm.light.casts_shadow) {
         for layer in 0..rsm.views.len() {
@@ -66,8 +66,8 @@ pub(super) fn declare<'a>(
         }
     }
     if maps.is_empty() || asked_for == 0 {
-        let why = if asked_for == 0 { "no points are asked for" } else { "no lamp with shadows has a map" };
-        graph.skip("lit points", why);
+        let why = if asked_for == 0 { "no points are asked for" } else { "no light with shadows has a map" };
+        graph.skip("RSM samples", why);
         return None;
     }
     let draw = DrawUniform {
@@ -83,7 +83,7 @@ pub(super) fn declare<'a>(
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let cumulative = graph.retained_buffer("flux of lit texels", BufferDesc::new(4 * u64::from(strips), usage));
     let weights = graph.buffer("flux of strips", BufferDesc::new(4 * u64::from(strips), usage));
-    let points = graph.retained_buffer("lit points", BufferDesc::new(POINT_BYTES * u64::from(POINTS), usage));
+    let points = graph.retained_buffer("RSM samples", BufferDesc::new(POINT_BYTES * u64::from(POINTS), usage));
     let lights: Vec<(u64, u32)> = maps.iter().map(|map| (map.rsm.light.revision, map.rsm.index)).collect();
     let box_bits = [reach.min, reach.max].map(|corner| corner.to_array().map(f32::to_bits));
 
@@ -104,10 +104,10 @@ pub(super) fn declare<'a>(
             ("weights", Binding::Buffer(&weights)),
             ("cumulative", Binding::Buffer(&cumulative)),
         ];
-        cx.dispatch(&ComputeKey::new("indirect/light_volumes/sweep/lit_points.wgsl", "sum_up"), &group, [1, 1, 1])
+        cx.dispatch(&ComputeKey::new("indirect/light_volumes/sweep/rsm_samples.wgsl", "sum_up"), &group, [1, 1, 1])
     });
 
-    let mut pass = graph.pass("lit points");
+    let mut pass = graph.pass("RSM samples");
     read_maps(&maps, |texture| pass.read(texture));
     pass.read(cumulative);
     let points = pass.write(points);
@@ -121,7 +121,7 @@ pub(super) fn declare<'a>(
         }
         Ok(())
     });
-    Some(LitPoints { points, reach })
+    Some(RsmSamples { points, reach })
 }
 
 /// Strips of one view.
@@ -149,7 +149,7 @@ fn dispatch(
     let draw = gpu.uniform("draw", &DrawUniform { first_strip: map.first_strip, light: map.rsm.index, ..*draw });
     let light = LightUniform::buffer(gpu, map.rsm.light);
     let rsm = gpu.uniform("rsm", &map.rsm.layer_uniform(map.layer, 1.0));
-    let key = ComputeKey::new("indirect/light_volumes/sweep/lit_points.wgsl", entry);
+    let key = ComputeKey::new("indirect/light_volumes/sweep/rsm_samples.wgsl", entry);
     let textures = [
         ("base_color", map.rsm.base_color),
         ("normal", map.rsm.normal),

@@ -1,4 +1,4 @@
-#define_import_path lightwell::nearness
+#define_import_path lightwell::inverse_distance
 
 // How near the surfaces are that a point sees, and to which side of its normal they lie. With the direction ω and the
 // distance t of what each ray meets: the means of 1/t (its inverse is the harmonic mean R), and of ω/t along the two
@@ -10,13 +10,13 @@
 const STEPS: f32 = 1022.0;
 
 // From the parts along the tangents, and 1/R.
-fn encode_nearness(nearness: vec3f) -> vec2f {
-    let side = clamp(nearness.xy / max(nearness.z, 1e-30), vec2f(-1.0), vec2f(1.0));
+fn encode_inverse_distance(inverse_distance: vec3f) -> vec2f {
+    let side = clamp(inverse_distance.xy / max(inverse_distance.z, 1e-30), vec2f(-1.0), vec2f(1.0));
     let code = round((0.5 * side + 0.5) * STEPS);
-    return vec2f(nearness.z, code.x * (STEPS + 1.0) + code.y);
+    return vec2f(inverse_distance.z, code.x * (STEPS + 1.0) + code.y);
 }
 
-fn decode_nearness(code: vec2f) -> vec3f {
+fn decode_inverse_distance(code: vec2f) -> vec3f {
     let x = floor(code.y / (STEPS + 1.0));
     let y = code.y - x * (STEPS + 1.0);
     return vec3f((2.0 * vec2f(x, y) / STEPS - 1.0) * code.x, code.x);

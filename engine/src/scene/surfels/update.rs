@@ -8,9 +8,9 @@ use glam::Affine3A;
 /// Comparisons of places up to which objects are followed one by one.
 const MANY: usize = 1 << 22;
 
-/// What the update of all surfels leaves for those of what moves alone.
+/// What the update of all surfels leaves for those of dynamic objects alone.
 #[derive(Debug, Default)]
-pub(super) struct Followed {
+pub(super) struct Updated {
     state: Option<[u64; 4]>,
     geometry: u64,
     /// Area of all groups \[m²\].
@@ -30,7 +30,7 @@ struct Mover {
     mesh: AssetId,
 }
 
-/// All but the geometry of what moves; none in scenes that do not tell what does.
+/// All but the geometry of dynamic objects; none in scenes that do not tell what does.
 fn state(scene: &Scene, cell: f32) -> Option<[u64; 4]> {
     let revisions = scene.revisions;
     (revisions.statics != 0)
@@ -49,7 +49,7 @@ fn place_bits(place: &Affine3A) -> [u32; 12] {
     place.to_cols_array().map(f32::to_bits)
 }
 
-impl Followed {
+impl Updated {
     /// Remembers what all surfels were made of.
     pub(super) fn remember(&mut self, scene: &Scene, cell: f32, groups: &[Group], area: f64) {
         let mut movers: Vec<Mover> = scene
@@ -73,7 +73,7 @@ impl Followed {
 }
 
 impl SurfelCloud {
-    /// Brings the places up to date if nothing else changed, and then only what moves is looked at. False if it takes
+    /// Brings the places up to date if nothing else changed, and then only dynamic objects are looked at. False if it takes
     /// more: another mesh or size, objects that come to stand at the same place, or apart.
     pub(super) fn follow(&mut self, scene: &Scene, cell: f32) -> bool {
         let known = &self.followed;

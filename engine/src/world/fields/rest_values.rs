@@ -1,6 +1,6 @@
 //! What fields are without the tracks that change them.
 
-use super::super::rest::RestPose;
+use super::super::rest_pose::RestPose;
 use super::super::{GameWorld, SceneSettings};
 use super::{SCENE, ron_options, split, text};
 use bevy_ecs::prelude::*;

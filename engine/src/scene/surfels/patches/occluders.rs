@@ -11,7 +11,7 @@ const PARALLEL: f32 = 0.9;
 
 /// The static scene around an object.
 #[derive(Clone, Copy)]
-pub(in crate::scene::surfels) struct Walls<'a> {
+pub(in crate::scene::surfels) struct Occluders<'a> {
     still: &'a Still,
     place: Affine3A,
     grid: Affine3A,
@@ -37,7 +37,7 @@ pub(super) struct Wall {
     sides: [[Vec3; 2]; 2],
 }
 
-impl<'a> Walls<'a> {
+impl<'a> Occluders<'a> {
     /// For an object at a place, in patches of a size \[m\]. Rays start so far before surfels \[m\].
     pub fn new(still: &'a Still, place: Affine3A, size: f32, before: f32) -> Self {
         Self { still, place, grid: cells_from_world(&place, size), size, before }

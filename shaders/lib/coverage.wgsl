@@ -1,6 +1,6 @@
-#define_import_path lightwell::sweep_walls
+#define_import_path lightwell::coverage
 
-// Walls in three times the fineness of the cells, see `indirect/light_volumes/sweep/walls.wgsl`, and ways past them. A cell is what light does
+// Coverage of faces by surfaces, in three times the fineness of the cells, see `indirect/light_volumes/sweep/coverage.wgsl`, and ways past them. A cell is what light does
 // at its centre; the part of a room that a surface faces may have no centre of a cell within reach, as where two walls
 // meet at a sharp angle, and the next centre may lie behind one of them.
 //
@@ -14,9 +14,9 @@ const PARTS: u32 = 3u;
 
 // Six words a cell, by axis, and by whether light along +axis or −axis is stopped; a bit for the lower face of each part.
 #ifdef FORWARD
-@group(3) @binding(4) var<storage, read> walls: array<u32>;
+@group(3) @binding(4) var<storage, read> coverage: array<u32>;
 #else
-@group(0) @binding(14) var<storage, read> walls: array<u32>;
+@group(0) @binding(14) var<storage, read> coverage: array<u32>;
 #endif
 
 fn wall_word(volume: Volume, part: vec3u, axis: u32, side: u32) -> u32 {
@@ -31,7 +31,7 @@ fn wall_bit(part: vec3u) -> u32 {
 // Whether the lower face of a part is closed from either side.
 fn is_walled(volume: Volume, part: vec3u, axis: u32) -> bool {
     let first = wall_word(volume, part, axis, 0u);
-    return ((walls[first] | walls[first + 1u]) & wall_bit(part)) != 0u;
+    return ((coverage[first] | coverage[first + 1u]) & wall_bit(part)) != 0u;
 }
 
 // Whether walls close the lower face of a cell: they cross the line between its centre and that of the cell before it.
@@ -39,7 +39,7 @@ fn is_face_walled(volume: Volume, cell: vec3u, axis: u32, side: u32) -> bool {
     var part = PARTS * cell + PARTS / 2u;
     var met = 0u;
     for (var i = 0u; i < PARTS && part[axis] < PARTS * volume.cells[axis]; i++) {
-        met |= walls[wall_word(volume, part, axis, side)] & wall_bit(part);
+        met |= coverage[wall_word(volume, part, axis, side)] & wall_bit(part);
         part[axis] -= 1u;
     }
     return met != 0u;

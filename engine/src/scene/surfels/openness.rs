@@ -5,7 +5,7 @@
 //! A few rays a surfel tell both, as for ambient obscurance (Zhukov, Iones and Kronin 1998, "An ambient light illumination
 //! model"): what they meet within the reach of a cell gives back a part of the light.
 
-use super::patches::{Subject, Walls};
+use super::patches::{Occluders, Subject};
 use super::still::Still;
 use super::{CLOSED_SHIFT, Group, GroupKey, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
@@ -152,12 +152,12 @@ impl Exposed {
     }
 
     fn subject<'a>(&'a self, group: &Group, surfels: &'a Arc<Vec<Surfel>>, size: f32) -> Subject<'a> {
-        let walls = is_still(group).then(|| Walls::new(&self.still, group.place, size, self.before()));
+        let occluders = is_still(group).then(|| Occluders::new(&self.still, group.place, size, self.before()));
         let bounds = group.members.iter().fold(Aabb::EMPTY, |sum, member| sum.union(&member.bounds));
         let reach = Vec3::splat(size);
         let near = Aabb { min: bounds.min - reach, max: bounds.max + reach };
-        let is_changed = walls.is_some() && self.changed.iter().any(|other| !near.intersection(other).is_empty());
-        Subject { surfels, place: group.place, walls, is_changed }
+        let is_changed = occluders.is_some() && self.changed.iter().any(|other| !near.intersection(other).is_empty());
+        Subject { surfels, place: group.place, occluders, is_changed }
     }
 
     /// What is around a piece of a group's surfels, of which something may be known from before a change.
