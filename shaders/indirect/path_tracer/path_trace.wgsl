@@ -50,6 +50,9 @@ const MAX_BOUNCES: u32 = 1024u;
 // Rays that always go on; later ones by Russian roulette.
 const SAFE_BOUNCES: u32 = 3u;
 
+var<private> light_count: u32;
+var<private> emitter_count: u32;
+
 struct Path {
     ray: Ray,
     near: f32,
@@ -102,10 +105,10 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
 fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) {
     let is_direct = (*path).vertices == 1u;
     var pick = 0.0;
-    if params.light_count > 1u {
+    if light_count > 1u {
         pick = next_pair(random).x;
     }
-    let sample = sample_light(surface, to_eye, params.light_count, is_direct, pick);
+    let sample = sample_light(surface, to_eye, light_count, is_direct, pick);
     if sample.reach <= 0.0 {
         add(path, sample.light, is_direct);
         return;
@@ -208,7 +211,7 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
     let share = specular_share(surface, to_eye);
 #ifndef UNLIT
     let choice_of_emitter = next_pair(random);
-    add_unless_blocked(path, sample_emitter(surface, to_eye, share, params.emitter_count, choice_of_emitter, next_pair(random)));
+    add_unless_blocked(path, sample_emitter(surface, to_eye, share, emitter_count, choice_of_emitter, next_pair(random)));
 #endif
 #ifndef EVEN_SKY
     let choice_of_texel = next_pair(random);
@@ -240,8 +243,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     for (var i = 0u; i < 4u; i++) {
         sum[i] = sums[4u * index + i].rgb;
     }
-    let end = params.first_sample + params.samples;
-    var sample = params.first_sample;
+    // All of them. Where a loop depends on a uniform alone, Mesa's software driver (22.3) recompiles the shader for every
+    // dispatch and keeps each.
+    light_count = min(params.light_count, 0xffffu + index);
+    emitter_count = min(params.emitter_count, 0xfffffffu + index);
+    var taken = 0u;
     var random: Sampler;
     var path: Path;
     var alive = false;
@@ -250,25 +256,26 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     loop {
         let is_new = !alive;
         if is_new {
+            let sample = params.first_sample + taken;
             random = Sampler(hash_pair(index, hash_pair(params.seed, sample & 1u)), sample >> 1u, 0u);
             start_path(&path, pixel, &random);
             // After the last one only what is left of it is traced.
-            path.reach = select(0.0, path.reach, sample < end);
+            path.reach = select(0.0, path.reach, taken < params.samples);
         }
         let hit = advance(frame, &path);
         if is_new {
             // Of the sample before, which is of the other half.
-            let odd = (sample & 1u) == 0u;
+            let odd = ((params.first_sample + taken) & 1u) == 0u;
             sum[0] += select(path.direct, vec3f(0.0), odd);
             sum[1] += select(path.indirect, vec3f(0.0), odd);
             sum[2] += select(vec3f(0.0), path.direct, odd);
             sum[3] += select(vec3f(0.0), path.indirect, odd);
             path.direct = vec3f(0.0);
             path.indirect = vec3f(0.0);
-            if sample == end {
+            if taken == params.samples {
                 break;
             }
-            sample += 1u;
+            taken += 1u;
         }
         alive = extend(&path, hit, &random);
     }
