@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
+#[path = "../program/tests/screen/mod.rs"]
 mod screen;
 
 use lightwell_game::prelude::*;
