@@ -148,7 +148,7 @@ impl State {
     }
 
     fn bar(&self, elapsed: Duration) -> String {
-        let full = if self.steps > 0 { (LENGTH * self.done / self.steps).min(LENGTH) as usize } else { 0 };
+        let full = (LENGTH * self.done).checked_div(self.steps).map_or(0, |full| full.min(LENGTH) as usize);
         let (whole, head) = if full < LENGTH as usize { (full, ">") } else { (full, "") };
         let bar = format!("{}{head}", "=".repeat(whole));
         let (what, done, steps, length) = (&self.what, self.done, self.steps, LENGTH as usize);
