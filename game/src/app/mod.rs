@@ -321,3 +321,16 @@ impl App {
 fn default_folder(name: &str) -> PathBuf {
     Path::new("out").join(name)
 }
+
+#[cfg(all(test, not(feature = "editor")))]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[test]
+    fn without_the_editor_edit_says_how_to_get_it() {
+        let result = App::new("a.scene.ron").run_args(&GameArgs::parse_from(["game", "--edit"]));
+        let message = result.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(message.contains("--features lightwell-game/editor"), "{message}");
+    }
+}
