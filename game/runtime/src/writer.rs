@@ -13,7 +13,7 @@ const WAITING: usize = 2;
 pub enum Picture {
     /// What a screen shows: sRGB bytes, three a pixel.
     Display {
-        /// Size [pixels].
+        /// Size \[pixels\].
         size: [u32; 2],
         /// The bytes.
         rgb: Vec<u8>,
