@@ -4,8 +4,8 @@
 //! The scenes are the same in every run. `LIGHTWELL_SCENES=1000` tries more; what fails is made as small as it can be
 //! and printed as the text of a scene.
 
-use lightwell_game::cli::Common;
-use lightwell_game::scene_test::{Options, Outcome, TestCase, run};
+use lightwell_runtime::cli::Common;
+use lightwell_tools::scene_test::{Options, Outcome, TestCase, run};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{TestError, TestRunner};

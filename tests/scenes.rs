@@ -4,9 +4,9 @@
 //! or reference images that are not there are ignored, with the reason; with `LIGHTWELL_REQUIRE=1` they fail.
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
-use lightwell_game::cli::Common;
-use lightwell_game::scene_test::{Options, Outcome, Report, TestCase, default_workers, discover, run};
+use lightwell_runtime::cli::Common;
 use lightwell_tests::root;
+use lightwell_tools::scene_test::{Options, Outcome, Report, TestCase, default_workers, discover, run};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -51,7 +51,7 @@ fn trial(case: TestCase, options: Options) -> Trial {
 fn no_stray_goldens(cases: &[TestCase]) -> Result<(), Failed> {
     let mut known = Vec::new();
     for case in cases {
-        let test = lightwell_game::scene_test::SceneTest::read(&case.path)?;
+        let test = lightwell_tools::scene_test::SceneTest::read(&case.path)?;
         known.extend(test.golden_times().map(|time| case.golden(time)));
     }
     let folders: std::collections::BTreeSet<_> = cases.iter().map(|case| case.folder().join("goldens")).collect();

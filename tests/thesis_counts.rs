@@ -6,9 +6,9 @@
 use clap::Parser;
 use lightwell::graph::{Counts, FrameReport, PassState};
 use lightwell::scene::{LightShape, SceneView};
-use lightwell_game::cli::{Cli, Command};
-use lightwell_game::session::Session;
 use lightwell_needs::needs;
+use lightwell_program::cli::{Cli, Command};
+use lightwell_runtime::session::Session;
 
 /// A line of the thesis's tables.
 struct Line {

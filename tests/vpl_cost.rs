@@ -5,9 +5,9 @@ use lightwell::bvh::{Ray, SceneBvh};
 use lightwell::render::vpl::{Caster, IntersectionCounts, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
-use lightwell_game::bench::plot::{Curve, sweep};
 use lightwell_needs::needs;
 use lightwell_tests::{Stage, folder_from_env, root};
+use lightwell_tools::bench::plot::{Curve, sweep};
 use std::time::Instant;
 
 /// Seconds a ray and tests of all rays.

@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
+#[path = "../program/tests/screen/mod.rs"]
 mod screen;
 
 use lightwell_game::prelude::*;
@@ -97,6 +98,7 @@ fn a_scene_that_changes_shows_in_the_running_game() {
     window.kill();
 }
 
+#[cfg(feature = "editor")]
 #[needs("Xvfb", "xdotool", "import")]
 fn a_component_of_the_game_is_edited_undone_and_saved() {
     let (display, program) = (Display::open(), example("own_component"));

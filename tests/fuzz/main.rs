@@ -12,7 +12,7 @@ use fastrand::Rng;
 use lightwell::assets::{AssetLibrary, Gltf, Sampling, SkyMap};
 use lightwell::files::{LoadOptions, load_scene};
 use lightwell::gpu::{Gpu, GpuOptions};
-use lightwell_game::cli::Cli;
+use lightwell_program::cli::Cli;
 use lightwell_tests::root;
 use mutate::{mutated, repair_checksums};
 use seeds::{PREFAB, SCENE, glb, gltf_text, pictures_of_all_kinds, skies_of_all_kinds, small_models};

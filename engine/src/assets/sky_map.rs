@@ -298,6 +298,11 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), AssetError>
             return Err(AssetError::format(path, "sky image", problem));
         }
     };
+    if format == ImageFormat::OpenExr && cfg!(not(feature = "exr")) {
+        let problem = "is an OpenEXR image, which this program was built without: build it with the feature `exr` of \
+                       `lightwell-game`, or convert the image to Radiance (.hdr)";
+        return Err(AssetError::format(path, "sky image", problem));
+    }
     if format == ImageFormat::OpenExr {
         check_exr(bytes).map_err(|error| broken(&error))?;
     }

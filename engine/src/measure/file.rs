@@ -1,6 +1,7 @@
 //! Pictures in files: float EXR for measurements, 8-bit PNG to look at.
 
 use super::Image;
+use super::exr_file::{decode_exr, encode_exr};
 use super::image::srgb_decode;
 use crate::assets::MAX_IMAGE_SIZE;
 use std::io::Cursor;
@@ -48,7 +49,7 @@ fn extension(path: &Path) -> String {
 pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
     let bytes = std::fs::read(path).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })?;
     match extension(path).as_str() {
-        "exr" => decode_exr(&bytes).map_err(|e| content_error(path, format!("not a readable EXR image: {e}"))),
+        "exr" => decode_exr(&bytes).map_err(|e| content_error(path, e)),
         "png" | "jpg" | "jpeg" => {
             decode_srgb(&bytes).map_err(|e| content_error(path, format!("not a readable image: {e}")))
         }
@@ -103,61 +104,6 @@ pub(crate) fn may_hold(bytes: &[u8], width: u64, height: u64) -> bool {
     const PACKED: u64 = 4096;
     let most = u64::from(MAX_IMAGE_SIZE);
     width <= most && height <= most && width * height * size_of::<[f32; 3]>() as u64 <= PACKED * bytes.len() as u64
-}
-
-/// Checks the sizes in the headers of an EXR file, which memory is taken by.
-pub(crate) fn check_exr(bytes: &[u8]) -> Result<(), exr::error::Error> {
-    use exr::meta::BlockDescription;
-    use exr::prelude::{Error, MetaData, Vec2};
-    const TILE: usize = 4096;
-    let fail = |problem: String| Err(Error::Invalid(problem.into()));
-    for header in MetaData::read_from_buffered(Cursor::new(bytes), false)?.headers {
-        let Vec2(width, height) = header.layer_size;
-        if !may_hold(bytes, width as u64, height as u64) {
-            return fail(format!("{width}x{height} pixels are more than {} bytes can hold", bytes.len()));
-        }
-        if let BlockDescription::Tiles(tiles) = header.blocks
-            && tiles.tile_size.0.max(tiles.tile_size.1) > TILE
-        {
-            let Vec2(width, height) = tiles.tile_size;
-            return fail(format!("its tiles have {width}x{height} pixels; at most {TILE} on an edge can be read"));
-        }
-    }
-    Ok(())
-}
-
-fn decode_exr(bytes: &[u8]) -> Result<Image, exr::error::Error> {
-    use exr::prelude::*;
-    check_exr(bytes)?;
-    let read = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| super::Image::filled(size.width() as u32, size.height() as u32, [0.0; 3]),
-            |image, at, (r, g, b): (f32, f32, f32)| {
-                let width = image.size()[0] as usize;
-                image.pixels_mut()[at.y() * width + at.x()] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))?;
-    Ok(read.layer_data.channel_data.pixels)
-}
-
-fn encode_exr(image: &Image) -> Result<Vec<u8>, exr::error::Error> {
-    use exr::prelude::{Encoding, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage};
-    let [width, height] = image.size().map(|s| s as usize);
-    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
-        let [r, g, b] = image.pixels()[at.y() * width + at.x()];
-        (r, g, b)
-    });
-    let layer = Layer::new((width, height), LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
-    let mut bytes = Cursor::new(Vec::new());
-    // One thread: blocks lie in the file in the order in which threads finish them.
-    exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
-    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]

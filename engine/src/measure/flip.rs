@@ -1,6 +1,7 @@
 //! FLIP, the perceptual difference of Andersson et al. 2020, on tone-mapped images.
 
 use super::Image;
+#[cfg(feature = "flip")]
 use super::image::srgb_encode;
 
 /// Luminance that the mean of the reference is exposed to: photographic middle grey.
@@ -10,6 +11,7 @@ const MIDDLE_GREY: f64 = 0.18;
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// FLIP errors of all pixels.
+#[cfg(feature = "flip")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
     /// Width and height \[pixels\].
@@ -18,6 +20,7 @@ pub struct FlipMap {
     pub errors: Vec<f32>,
 }
 
+#[cfg(feature = "flip")]
 impl FlipMap {
     /// Mean over all pixels, the one number that the authors recommend.
     pub fn mean(&self) -> f64 {
@@ -47,6 +50,7 @@ pub fn flip_exposure(reference: &Image) -> f64 {
 ///
 /// # Panics
 /// If the sizes differ or there are no pixels; [`super::compare`] checks that before.
+#[cfg(feature = "flip")]
 pub fn flip(image: &Image, reference: &Image) -> FlipMap {
     let exposure = flip_exposure(reference);
     flip_with(image, reference, |picture| display_bytes(picture, exposure))
@@ -57,10 +61,12 @@ pub fn flip(image: &Image, reference: &Image) -> FlipMap {
 ///
 /// # Panics
 /// As [`flip`].
+#[cfg(feature = "flip")]
 pub fn flip_displayed(image: &Image, reference: &Image) -> FlipMap {
     flip_with(image, reference, Image::to_srgb8)
 }
 
+#[cfg(feature = "flip")]
 fn flip_with(image: &Image, reference: &Image, bytes: impl Fn(&Image) -> Vec<u8>) -> FlipMap {
     assert_eq!(image.size(), reference.size(), "FLIP needs images of one size");
     assert!(!reference.pixels().is_empty(), "FLIP needs pixels");
@@ -70,6 +76,7 @@ fn flip_with(image: &Image, reference: &Image, bytes: impl Fn(&Image) -> Vec<u8>
     FlipMap { size: [width, height], errors: map.to_vec() }
 }
 
+#[cfg(feature = "flip")]
 fn display_bytes(image: &Image, exposure: f64) -> Vec<u8> {
     image.values().map(|value| (srgb_encode(display_value(value, exposure)) * 255.0).round() as u8).collect()
 }

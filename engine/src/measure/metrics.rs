@@ -1,6 +1,8 @@
 //! Errors of an image against a reference.
 
-use super::{Image, flip::flip};
+use super::Image;
+#[cfg(feature = "flip")]
+use super::flip::flip;
 
 /// Why two images cannot be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,8 +55,10 @@ pub struct Comparison {
     /// 95th percentile of the absolute error (nearest rank), relative to the mean of the reference.
     pub p95: f64,
     /// Mean FLIP error, 0..1.
+    #[cfg(feature = "flip")]
     pub flip: f64,
     /// 99th percentile of the pixels' FLIP errors (nearest rank), 0..1: small parts of an image that are wrong.
+    #[cfg(feature = "flip")]
     pub flip_p99: f64,
     /// Set where the mean of the reference is zero: whether the image is exactly zero, as it then must be.
     pub exactly_zero: Option<bool>,
@@ -118,6 +122,7 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
     let rmse = mean(errors.iter().map(|e| e * e)).sqrt();
     let rank = (errors.len() * 95).div_ceil(100) - 1;
     let (_, &mut p95, _) = errors.select_nth_unstable_by(rank, f64::total_cmp);
+    #[cfg(feature = "flip")]
     let flips = flip(image, reference);
     let zero = image.values().all(|v| v == 0.0);
     if mean_reference == 0.0 {
@@ -129,7 +134,9 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
             nrmse: value,
             bias: value,
             p95: value,
+            #[cfg(feature = "flip")]
             flip: flips.mean(),
+            #[cfg(feature = "flip")]
             flip_p99: flips.percentile(0.99),
             exactly_zero: Some(zero),
         });
@@ -141,7 +148,9 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
         nrmse: rmse / mean_reference,
         bias: mean_image / mean_reference - 1.0,
         p95: p95 / mean_reference,
+        #[cfg(feature = "flip")]
         flip: flips.mean(),
+        #[cfg(feature = "flip")]
         flip_p99: flips.percentile(0.99),
         exactly_zero: None,
     })

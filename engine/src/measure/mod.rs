@@ -15,8 +15,12 @@
 //!
 //! Where mean(r) = 0 nothing can be relative to it: the image must then be exactly zero, and whether it is, is
 //! what is reported.
+//!
+//! The features `exr` and `flip` of this crate add OpenEXR files and FLIP; both are off by default.
 
 mod difference;
+#[cfg_attr(not(feature = "exr"), path = "no_exr.rs")]
+mod exr_file;
 mod figure;
 mod file;
 mod flip;
@@ -24,9 +28,12 @@ mod image;
 mod metrics;
 
 pub use difference::difference_picture;
+pub(crate) use exr_file::check_exr;
 pub use figure::{displayed, figure};
+pub(crate) use file::may_hold;
 pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
-pub(crate) use file::{check_exr, may_hold};
-pub use flip::{FlipMap, flip, flip_displayed, flip_exposure};
+pub use flip::flip_exposure;
+#[cfg(feature = "flip")]
+pub use flip::{FlipMap, flip, flip_displayed};
 pub use image::{Image, srgb_decode, srgb_encode};
 pub use metrics::{Comparison, MeasureError, TwoHalves, compare, two_halves};

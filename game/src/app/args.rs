@@ -1,7 +1,7 @@
 //! The command line of a game.
 
-use crate::cli::{Common, Gi, LookArgs, PlayArgs, parse_assignment, parse_size};
 use clap::Parser;
+use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_size};
 use std::path::PathBuf;
 
 /// What a game is asked for.
@@ -11,7 +11,7 @@ pub struct GameArgs {
     /// Begin with another scene
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<String>,
-    /// Open the scene in the editor instead of playing it
+    /// Open the scene in the editor instead of playing it (needs the feature `editor` of lightwell-game)
     #[arg(long, conflicts_with_all = ["headless", "record", "script"])]
     pub edit: bool,
     /// Play without a window, and write pictures (as without a display)
@@ -54,11 +54,6 @@ impl GameArgs {
     /// Choices of the picture.
     pub(super) fn look(&self) -> LookArgs {
         LookArgs { gi: self.gi, sets: self.sets.clone(), ..LookArgs::default() }
-    }
-
-    /// The same for the editor.
-    pub(super) fn as_play(&self, scene: String) -> PlayArgs {
-        PlayArgs { scene, size: self.size, quality: Default::default(), look: self.look() }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Pictures with what is drawn over them, without a window.
 
-use crate::play::paint::{Painted, UiPainter};
 use anyhow::Result;
 use lightwell::gpu::{Gpu, read_texture};
+use lightwell_runtime::window::{Painted, UiPainter};
 
 /// A texture that the picture and the texts over it are painted on.
 pub struct Canvas {

@@ -3,13 +3,14 @@
 use super::canvas::Canvas;
 use super::player::Drawn;
 use super::{App, GameArgs, Hud, OwnPass, Sounds, default_folder};
-use crate::commands::render::numbered;
-use crate::play::paint::Painted;
-use crate::{progress, session};
 use anyhow::{Context, Result};
 use lightwell::game::{Game, InputScript, Time};
 use lightwell::gpu::Gpu;
 use lightwell::measure;
+use lightwell_runtime::say;
+use lightwell_runtime::window::Painted;
+use lightwell_runtime::writer::numbered;
+use lightwell_runtime::{progress, session};
 use std::path::PathBuf;
 
 /// Which pictures are drawn.

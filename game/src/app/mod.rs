@@ -21,7 +21,7 @@
 //! }
 //! ```
 //!
-//! [`App::run`] takes a command line: `--edit` opens the scene in the editor, where `Spinner` is a component like any
+//! [`App::run`] takes a command line: `--edit` (with the feature `editor`) opens the scene in the editor, where `Spinner` is a component like any
 //! other; `--record FILE` keeps what the player does, and `--headless --script FILE` plays it again without a window.
 
 mod args;
@@ -43,11 +43,8 @@ pub use headless::{Outcome, Pictures};
 pub use hud::Hud;
 pub use sounds::Sounds;
 
-use crate::cli::Common;
-use crate::editor::OwnComponent;
-use crate::editor::schema::Shape;
-use crate::session::Painter;
-use crate::{logging, play, scene_path, session, set};
+#[cfg(not(feature = "editor"))]
+use anyhow::bail;
 use anyhow::{Context, Result};
 use bevy_ecs::message::Message;
 use bevy_ecs::observer::IntoObserver;
@@ -59,6 +56,12 @@ use lightwell::files::{ComponentTypes, SceneData};
 use lightwell::game::{Actions, EachFrame, Game, GameError, Ghost, InputScript, LightProbe, Persistent};
 use lightwell::graph::{Graph, Handle, Texture};
 use lightwell::render::Picture;
+#[cfg(feature = "editor")]
+use lightwell_editor::{Display, GameComponents, Opening, OwnComponent};
+use lightwell_runtime::cli::Common;
+use lightwell_runtime::session::{self, Painter};
+use lightwell_runtime::window::has_display;
+use lightwell_runtime::{logging, scene_path, set};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -74,7 +77,8 @@ pub struct App {
     scene: String,
     actions: Option<String>,
     title: Option<String>,
-    own: Vec<OwnComponent>,
+    #[cfg(feature = "editor")]
+    shown: Vec<OwnComponent>,
     passes: Vec<OwnPass>,
     fault: Option<GameError>,
 }
@@ -86,8 +90,17 @@ impl App {
         game.world.ecs.init_resource::<Hud>();
         game.world.ecs.init_resource::<Sounds>();
         game.add_systems(EachFrame, hud::show_trouble);
-        let own = vec![own::<Ghost>(), own::<LightProbe>(), own::<Persistent>()];
-        Self { game, scene: scene.into(), actions: None, title: None, own, passes: Vec::new(), fault: None }
+        let app = Self {
+            game,
+            scene: scene.into(),
+            actions: None,
+            title: None,
+            #[cfg(feature = "editor")]
+            shown: Vec::new(),
+            passes: Vec::new(),
+            fault: None,
+        };
+        app.show::<Ghost>().show::<LightProbe>().show::<Persistent>()
     }
 
     fn try_to(mut self, work: impl FnOnce(&mut Game) -> Result<(), GameError>) -> Self {
@@ -98,9 +111,21 @@ impl App {
     }
 
     /// Adds a component that scenes can hold and the editor shows.
-    pub fn component<C: Component + SceneData + Clone + Default>(mut self) -> Self {
-        self.own.push(own::<C>());
-        self.try_to(|game| game.add_component::<C>())
+    pub fn component<C: Component + SceneData + Clone + Default>(self) -> Self {
+        self.show::<C>().try_to(|game| game.add_component::<C>())
+    }
+
+    /// Has the editor show a component in its inspector.
+    #[cfg(feature = "editor")]
+    fn show<C: SceneData>(mut self) -> Self {
+        self.shown.push(OwnComponent::of::<C>());
+        self
+    }
+
+    /// There is no editor.
+    #[cfg(not(feature = "editor"))]
+    fn show<C: SceneData>(self) -> Self {
+        self
     }
 
     /// Adds systems to [`Start`](lightwell::game::Start), [`FixedStep`](lightwell::game::FixedStep) or [`EachFrame`].
@@ -194,19 +219,30 @@ impl App {
             return self.edit(args);
         }
         let script = args.script.as_deref().map(InputScript::read).transpose()?;
-        if args.headless || !play::has_display() {
+        if args.headless || !has_display() {
             return headless::run_args(self, args, script);
         }
         window::run(self, args, script)
     }
 
+    #[cfg(feature = "editor")]
     fn edit(self, args: &GameArgs) -> Result<()> {
         if let Some(fault) = self.fault {
             return Err(fault.into());
         }
-        let types = self.game.options().types.clone();
-        let play = args.as_play(args.scene.clone().unwrap_or(self.scene));
-        play::edit(&play, &args.common, types, self.own)
+        let scene = args.scene.clone().unwrap_or(self.scene);
+        scene_path::find(&scene)?;
+        let opening = Opening { scene, size: args.size, look: args.look() };
+        let game = GameComponents { types: self.game.options().types.clone(), shown: self.shown };
+        Display::open().context("the editor needs a display")?.edit(&opening, &args.common, &game)
+    }
+
+    #[cfg(not(feature = "editor"))]
+    fn edit(self, _: &GameArgs) -> Result<()> {
+        bail!(
+            "--edit: this game was built without the editor; build it with\n    \
+             cargo run --release --features lightwell-game/editor -- --edit"
+        )
     }
 
     fn name(&self) -> String {
@@ -281,13 +317,20 @@ impl App {
     }
 }
 
-fn own<C: SceneData>() -> OwnComponent {
-    let mut notes = Vec::new();
-    C::describe(&mut notes);
-    OwnComponent { name: C::NAME, shape: Shape::of::<C>(), notes }
-}
-
 /// Where a game without a display writes its pictures.
 fn default_folder(name: &str) -> PathBuf {
     Path::new("out").join(name)
+}
+
+#[cfg(all(test, not(feature = "editor")))]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[test]
+    fn without_the_editor_edit_says_how_to_get_it() {
+        let result = App::new("a.scene.ron").run_args(&GameArgs::parse_from(["game", "--edit"]));
+        let message = result.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(message.contains("--features lightwell-game/editor"), "{message}");
+    }
 }

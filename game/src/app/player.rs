@@ -2,8 +2,6 @@
 
 use super::OwnPass;
 use super::hud::Hud;
-use crate::cli::LookArgs;
-use crate::session::Painter;
 use anyhow::{Result, bail};
 use bevy_ecs::entity::Entity;
 use egui::{FullOutput, RawInput};
@@ -11,6 +9,8 @@ use lightwell::game::{Game, GameError, InputEvent};
 use lightwell::gpu::Gpu;
 use lightwell::render::PendingProbes;
 use lightwell::scene::SceneView;
+use lightwell_runtime::cli::LookArgs;
+use lightwell_runtime::session::Painter;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

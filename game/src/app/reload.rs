@@ -1,8 +1,8 @@
 //! Files that change while a game runs in its window.
 
-use crate::play::watch::{Change, SceneWatcher};
 use anyhow::{Context, Result};
 use lightwell::game::{Actions, CurrentScene, Game};
+use lightwell_runtime::watch::{Change, SceneWatcher};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

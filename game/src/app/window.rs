@@ -8,12 +8,11 @@ use super::reload::Reloader;
 #[cfg(feature = "sound")]
 use super::speaker::Speaker;
 use super::{App, GameArgs, Hud, OwnPass, Sounds};
-use crate::play::screen::Screen;
-use crate::play::ui::UiSurface;
-use crate::session;
 use anyhow::{Context, Result};
 use lightwell::game::{CurrentScene, Game, InputScript, Time};
 use lightwell::graph::Timing;
+use lightwell_runtime::session;
+use lightwell_runtime::window::{Screen, UiSurface};
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
@@ -83,7 +82,7 @@ impl Handler<'_> {
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(&self.args.common)?)?;
         session::keep_pipelines(&gpu);
         let context = game.world.ecs.resource::<Hud>().context().clone();
-        let ui = UiSurface::with_context(&gpu, &window, screen.format(), context);
+        let ui = UiSurface::new(&gpu, &window, screen.format(), context);
         let look = self.args.look().in_window(&gpu);
         let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
         drawn.painter.renderer.set_timing(Timing::Late);

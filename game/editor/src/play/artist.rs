@@ -1,0 +1,223 @@
+//! The thread that draws, so that the window answers while light is computed.
+
+use anyhow::{Result, bail};
+use lightwell::gpu::Gpu;
+use lightwell::graph::{FrameReport, Pace, Timing};
+use lightwell::render::{RenderError, RenderSettings, Renderer};
+use lightwell::scene::{Scene, SceneView};
+use lightwell_runtime::session::Session;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// What a picture is drawn for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be looked at.
+    View,
+    /// To be written as a file.
+    Export,
+}
+
+/// A picture that was begun.
+#[derive(Clone, Debug)]
+pub struct Begun {
+    /// What for.
+    pub purpose: Purpose,
+    /// What is seen.
+    pub view: SceneView,
+    /// When it was begun.
+    pub start: Instant,
+}
+
+/// A picture that is finished.
+pub struct Finished {
+    /// As it was begun.
+    pub begun: Begun,
+    /// What was done, or why it failed.
+    pub result: Result<FrameReport, RenderError>,
+}
+
+struct Work {
+    renderer: Renderer,
+    scene: Scene,
+    view: SceneView,
+    settings: RenderSettings,
+}
+
+struct Done {
+    renderer: Renderer,
+    result: Result<FrameReport, RenderError>,
+}
+
+/// Draws pictures, one at a time. While it does, the session has a renderer that has drawn nothing.
+pub struct Artist {
+    work: Option<Sender<Work>>,
+    done: Receiver<Done>,
+    thread: Option<JoinHandle<()>>,
+    pace: Arc<Pace>,
+    stand_in: Option<Renderer>,
+    begun: Option<Begun>,
+    arrived: Option<Done>,
+    is_gone: bool,
+}
+
+impl Artist {
+    /// With nothing to do yet.
+    pub fn new(gpu: &Arc<Gpu>) -> Self {
+        let (work, orders) = channel::<Work>();
+        let (finished, done) = channel();
+        let device = Arc::clone(gpu);
+        let thread = std::thread::spawn(move || {
+            for Work { mut renderer, scene, view, settings } in orders {
+                let result = renderer.render(&device, &scene, &view, &settings);
+                if finished.send(Done { renderer, result }).is_err() {
+                    return;
+                }
+            }
+        });
+        let pace = Arc::new(Pace::new(&gpu.info));
+        let (stand_in, begun, arrived) = (None, None, None);
+        Self { work: Some(work), done, thread: Some(thread), pace, stand_in, begun, arrived, is_gone: false }
+    }
+
+    /// Whether nothing is being drawn.
+    pub fn is_idle(&self) -> bool {
+        self.begun.is_none()
+    }
+
+    /// For how long the picture has been drawn, and how many of its passes are done.
+    pub fn progress(&self) -> Option<(Duration, (usize, usize))> {
+        Some((self.begun.as_ref()?.start.elapsed(), self.pace.progress()))
+    }
+
+    /// Begins a picture of the scene as it stands.
+    ///
+    /// # Errors
+    /// If the thread is gone, or a picture is being drawn.
+    pub fn begin(
+        &mut self,
+        session: &mut Session,
+        view: SceneView,
+        settings: RenderSettings,
+        purpose: Purpose,
+    ) -> Result<()> {
+        let Some(work) = self.work.as_ref().filter(|_| self.begun.is_none()) else {
+            bail!("a picture is being drawn already");
+        };
+        let mut renderer = self.stand_in.take().unwrap_or_else(|| Renderer::new(&session.gpu));
+        std::mem::swap(&mut session.painter.renderer, &mut renderer);
+        renderer.set_pace(Some(Arc::clone(&self.pace)));
+        if purpose == Purpose::View {
+            renderer.set_timing(Timing::Late);
+        }
+        self.pace.restart();
+        let order = Work { renderer, scene: session.scene().clone(), view: view.clone(), settings };
+        if work.send(order).is_err() {
+            bail!("the thread that draws has ended");
+        }
+        self.begun = Some(Begun { purpose, view, start: Instant::now() });
+        Ok(())
+    }
+
+    /// Whether there is something to [`Artist::take`].
+    pub fn is_finished(&mut self) -> bool {
+        if self.arrived.is_none() && self.begun.is_some() {
+            match self.done.try_recv() {
+                Ok(done) => self.arrived = Some(done),
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => self.is_gone = true,
+            }
+        }
+        self.arrived.is_some() || self.is_gone
+    }
+
+    /// The picture, once it is finished; waits for that at most so long.
+    ///
+    /// # Errors
+    /// If the thread is gone.
+    pub fn take(&mut self, session: &mut Session, patience: Duration) -> Result<Option<Finished>> {
+        let Some(begun) = self.begun.clone() else { return Ok(None) };
+        let done = match self.arrived.take() {
+            Some(done) => Ok(done),
+            None => self.done.recv_timeout(patience),
+        };
+        let Done { mut renderer, result } = match done {
+            Ok(done) => done,
+            Err(RecvTimeoutError::Timeout) => return Ok(None),
+            Err(RecvTimeoutError::Disconnected) => bail!("the thread that draws has ended"),
+        };
+        std::mem::swap(&mut session.painter.renderer, &mut renderer);
+        self.stand_in = Some(renderer);
+        self.begun = None;
+        if let Ok(report) = &result {
+            self.pace.adapt(report);
+        }
+        Ok(Some(Finished { begun, result }))
+    }
+}
+
+impl Drop for Artist {
+    fn drop(&mut self) {
+        self.pace.stop();
+        self.work = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use lightwell_runtime::cli::{Common, LookArgs};
+
+    const SCENE: &str = r#"Scene(entities: [
+        (name: "Camera", transform: (translation: (0, 1, 4)), camera: ()),
+        (name: "Lamp", transform: (translation: (0, 3, 1)), light: (kind: Point, intensity: 30)),
+        (name: "Floor", mesh: Plane(size: (6, 6))),
+        (name: "Ball", transform: (translation: (0, 0.5, 0)), mesh: Sphere(radius: 0.5)),
+    ])"#;
+
+    #[test]
+    fn pictures_of_the_thread_are_the_same_and_the_session_lives_meanwhile() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.scene.ron");
+        std::fs::write(&path, SCENE).unwrap();
+        let look = LookArgs::default();
+        let mut session = Session::headless(path.to_str().unwrap(), &look, &Common::default()).unwrap();
+        let view = SceneView { camera: session.camera().unwrap(), size: [48, 32], jitter: [0.0; 2] };
+        let settings = RenderSettings { no_cache: true, ..session.display_settings() };
+        let plain = session.render(&view, &settings).unwrap();
+        let wanted = session.display_bytes().unwrap();
+
+        let mut artist = Artist::new(&session.gpu);
+        for gentle in [false, true] {
+            artist.pace.set_gentle(gentle);
+            artist.begin(&mut session, view.clone(), settings.clone(), Purpose::View).unwrap();
+            assert!(!artist.is_idle() && artist.progress().is_some());
+            assert!(
+                artist.begin(&mut session, view.clone(), settings.clone(), Purpose::View).is_err(),
+                "one at a time"
+            );
+            session.set_seconds(1.0);
+            let start = Instant::now();
+            while !artist.is_finished() {
+                assert!(start.elapsed() < Duration::from_secs(60));
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            let finished = artist.take(&mut session, Duration::ZERO).unwrap().unwrap();
+            let report = finished.result.unwrap();
+            assert_eq!(report.ran_count(), plain.ran_count());
+            assert_eq!(artist.pace.progress().0, report.ran_count(), "all passes are counted");
+            assert!(gentle == (report.submits > plain.submits), "gentle frames submit each pass: {}", report.submits);
+            assert!(session.display_bytes().unwrap() == wanted, "the same bits");
+            assert!(artist.is_idle() && artist.take(&mut session, Duration::ZERO).unwrap().is_none());
+        }
+        // Ended in the middle of a picture, it ends soon.
+        artist.begin(&mut session, view, settings, Purpose::View).unwrap();
+        drop(artist);
+    }
+}

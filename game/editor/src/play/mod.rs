@@ -1,0 +1,61 @@
+//! A scene in a window, with the editor around it.
+
+mod answers;
+mod artist;
+pub(crate) mod export;
+mod memory;
+mod meter;
+mod picture;
+mod player;
+mod remembered;
+mod window;
+
+use crate::editor::{OwnComponent, console};
+use anyhow::Result;
+use lightwell::files::ComponentTypes;
+use lightwell_runtime::cli::{Common, LookArgs};
+use lightwell_runtime::{logging, scene_path};
+use winit::event_loop::EventLoop;
+
+/// What the window shows at first.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    /// The scene, by file or name.
+    pub scene: String,
+    /// Size of the window \[pixels\]; none: as it was last.
+    pub size: Option<[u32; 2]>,
+    /// Choices that change the picture.
+    pub look: LookArgs,
+}
+
+/// Components of a game, for files and for the inspector.
+#[derive(Default)]
+pub struct GameComponents {
+    /// How files hold them.
+    pub types: ComponentTypes,
+    /// How the inspector shows them.
+    pub shown: Vec<OwnComponent>,
+}
+
+/// A connection to a display that windows open on.
+pub struct Display(EventLoop<()>);
+
+impl Display {
+    /// Connects to the display of the environment.
+    ///
+    /// # Errors
+    /// If there is none, or it cannot be used.
+    pub fn open() -> Result<Self> {
+        Ok(Self(EventLoop::new()?))
+    }
+
+    /// Opens a window with the editor, until it is closed.
+    ///
+    /// # Errors
+    /// If the scene cannot be loaded, no device is found, or the device is lost.
+    pub fn edit(self, opening: &Opening, common: &Common, game: &GameComponents) -> Result<()> {
+        logging::also_tell(console::hear);
+        scene_path::find(&opening.scene)?;
+        window::run(self.0, opening, common, game)
+    }
+}

@@ -1,0 +1,184 @@
+//! The picture of the window: begun when there is something new to see, taken up when it is finished.
+
+use super::artist::{Finished, Purpose};
+use super::player::Player;
+use anyhow::Result;
+use lightwell::profile::FrameRecorder;
+use lightwell::render::RenderSettings;
+use lightwell::scene::{SceneCamera, SceneView};
+use lightwell_runtime::session::Objects;
+use std::time::{Duration, Instant};
+
+/// Pictures that come as soon are shown in the same frame of the interface that asked for them.
+const SOON: Duration = Duration::from_millis(20);
+
+/// What is known of the picture that the window shows.
+#[derive(Default)]
+pub struct Picture {
+    /// The picture, apart from what is being drawn.
+    pub shown: Option<wgpu::Texture>,
+    /// What is seen where in it.
+    pub objects: Option<Objects>,
+    /// Samples of the path tracer, so far and when it is finished.
+    pub tracing: Option<(u32, u32)>,
+    /// Whether it gets better with further frames.
+    is_settling: bool,
+    /// What it was made of; empty: it is to be drawn anew.
+    key: String,
+    view: Option<SceneView>,
+}
+
+impl Picture {
+    /// Size \[pixels\]; none before the first one.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        self.shown.as_ref().map(|texture| [texture.width(), texture.height()])
+    }
+
+    /// Has it drawn anew even if nothing changed.
+    pub fn forget(&mut self) {
+        self.key.clear();
+    }
+
+    /// Whether it is drawn again though nothing changed.
+    pub(super) fn gets_better(&self) -> bool {
+        self.is_settling || self.tracing.is_some_and(|(samples, target)| samples < target)
+    }
+}
+
+impl Player {
+    /// The camera that is drawn with.
+    pub(super) fn eye(&self) -> Result<SceneCamera> {
+        Ok(self.camera.apply(&self.session.camera()?))
+    }
+
+    /// Begins the next picture, of the view or of an export, and takes it up if it comes soon; whether it did.
+    pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder) -> Result<bool> {
+        if self.artist.is_idle() {
+            if self.job.is_some() {
+                self.continue_export();
+            } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
+                let begun = self.begin_picture(self.editor.view.size);
+                begun.unwrap_or_else(|error| self.failed(&error));
+            }
+        }
+        self.take_picture(frame, SOON)
+    }
+
+    fn begin_picture(&mut self, size: [u32; 2]) -> Result<()> {
+        let (view, settings) = self.wanted(size)?;
+        let (scene, shaders) = (self.session.scene(), self.session.gpu.shaders.revision());
+        let key = format!(
+            "{shaders} {} {:?} {:?} {:?} {settings:?} {view:?}",
+            scene.identity, scene.revisions, scene.vpl, scene.slc
+        );
+        if key == self.picture.key && !self.picture.gets_better() {
+            return self.measure_late();
+        }
+        self.artist.begin(&mut self.session, view.clone(), settings, Purpose::View)?;
+        (self.picture.key, self.picture.view) = (key, Some(view));
+        Ok(())
+    }
+
+    fn wanted(&self, size: [u32; 2]) -> Result<(SceneView, RenderSettings)> {
+        let limit = self.session.gpu.limits.max_texture_dimension_2d;
+        let view = SceneView { camera: self.eye()?, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
+        let mut settings = self.session.display_settings();
+        settings.debug.outlined = self.editor.outlined(self.session.world());
+        // One sample a frame: the image gets better while it is looked at.
+        settings.reference.samples_a_frame = 1;
+        Ok((view, settings))
+    }
+
+    /// Measures the error that had to wait.
+    fn measure_late(&mut self) -> Result<()> {
+        match (&self.picture.view, self.meter.due()) {
+            (Some(view), Some(due)) if due <= Instant::now() => {
+                self.meter.read(&mut self.comparison, &mut self.session, view)?
+            }
+            _ => return Ok(()),
+        }
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Takes up the picture once it is finished; waits for that at most so long. Whether there is one.
+    pub(super) fn take_picture(&mut self, frame: &mut FrameRecorder, patience: Duration) -> Result<bool> {
+        let Some(Finished { begun, result }) = self.artist.take(&mut self.session, patience)? else {
+            return Ok(false);
+        };
+        frame.beside("render", begun.start);
+        self.stale = true;
+        match result {
+            Ok(report) => {
+                for pass in &report.passes {
+                    if let Some(time) = pass.gpu_ms {
+                        frame.gpu(&pass.name, time);
+                    }
+                }
+                self.report = report;
+                self.frame_error = None;
+                self.show_picture();
+                let measured = match begun.purpose {
+                    Purpose::View => self.meter.read(&mut self.comparison, &mut self.session, &begun.view),
+                    Purpose::Export => {
+                        self.keep_exported();
+                        Ok(())
+                    }
+                };
+                measured.unwrap_or_else(|error| self.failed(&error));
+            }
+            Err(error) => {
+                if begun.purpose == Purpose::Export {
+                    self.end_export(&format!("the export ended: {error}"), true);
+                }
+                self.failed(&error.into());
+            }
+        }
+        if let Some(later) = self.meter.due() {
+            self.repaint_at = Some(self.repaint_at.map_or(later, |at| at.min(later)));
+        }
+        for request in std::mem::take(&mut self.waiting) {
+            self.answer(request);
+        }
+        Ok(true)
+    }
+
+    /// Copies what was drawn: the next picture is drawn over it in several passes.
+    fn show_picture(&mut self) {
+        self.picture.objects = self.session.painter.objects();
+        self.picture.tracing = self.session.tracing();
+        self.picture.is_settling = self.session.painter.renderer.is_settling();
+        let gpu = self.session.gpu.clone();
+        let Some(display) = self.session.display_texture() else { return };
+        let size = display.size();
+        let copy = self.picture.shown.take().filter(|texture| texture.size() == size);
+        let copy = copy.unwrap_or_else(|| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("picture"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: display.format(),
+                usage: wgpu::TextureUsages::COPY_DST
+                    | wgpu::TextureUsages::COPY_SRC
+                    | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        });
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+        encoder.copy_texture_to_texture(display.as_image_copy(), copy.as_image_copy(), size);
+        gpu.queue.submit([encoder.finish()]);
+        self.ui.set_image(&gpu, Some(&copy));
+        self.picture.shown = Some(copy);
+    }
+
+    fn failed(&mut self, error: &anyhow::Error) {
+        let text = format!("{error:#}");
+        if self.frame_error.as_ref() != Some(&text) {
+            log::error!("{text}");
+            self.stale = true;
+        }
+        self.frame_error = Some(text);
+    }
+}

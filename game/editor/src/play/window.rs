@@ -1,0 +1,83 @@
+//! The event loop of interactive play.
+
+use super::player::Player;
+use super::{GameComponents, Opening};
+use anyhow::{Context, Result};
+use lightwell_runtime::cli::Common;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// Plays in a window until it is closed.
+///
+/// # Errors
+/// If the scene cannot be loaded, nothing can draw on the window, or the device is lost.
+pub fn run(event_loop: EventLoop<()>, args: &Opening, common: &Common, own: &GameComponents) -> Result<()> {
+    let mut app = App { args, common, own, player: None, failure: None };
+    event_loop.run_app(&mut app)?;
+    app.failure.map_or(Ok(()), Err)
+}
+
+struct App<'a> {
+    args: &'a Opening,
+    common: &'a Common,
+    own: &'a GameComponents,
+    player: Option<Player>,
+    failure: Option<anyhow::Error>,
+}
+
+impl App<'_> {
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Player> {
+        let memory = super::memory::Memory::file().map(|file| super::memory::Memory::read(&file)).unwrap_or_default();
+        let [width, height] = self.args.size.or(memory.window).unwrap_or([1280, 800]);
+        let attributes =
+            Window::default_attributes().with_title("Lightwell").with_inner_size(PhysicalSize::new(width, height));
+        let window = event_loop.create_window(attributes).context("no window can be opened")?;
+        Player::open(event_loop, window, self.args, self.common, memory, self.own)
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: anyhow::Error) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.player.is_none() {
+            match self.open(event_loop) {
+                Ok(player) => self.player = Some(player),
+                Err(error) => self.fail(event_loop, error),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(player) = &mut self.player else { return };
+        match player.event(&event) {
+            Ok(true) => {}
+            Ok(false) => {
+                player.remember();
+                event_loop.exit();
+            }
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let wait = self.player.as_mut().map_or(Duration::from_millis(100), Player::poll);
+        // A busy frame asks for a redraw, which wakes the loop by itself.
+        event_loop.set_control_flow(match wait {
+            Duration::ZERO => ControlFlow::Poll,
+            wait => ControlFlow::WaitUntil(Instant::now() + wait),
+        });
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // Surface and device go before the display connection does.
+        self.player = None;
+    }
+}

@@ -1,0 +1,78 @@
+//! Scenes by file or by name.
+
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+
+const ENDINGS: [&str; 3] = ["scene.ron", "gltf", "glb"];
+
+/// The scene's file: the path itself if it exists, else `scenes/NAME.scene.ron` in the current folder, above it,
+/// beside the program or above that, or in the source tree.
+///
+/// # Errors
+/// If there is none; lists the scenes that exist.
+pub fn find(scene: &str) -> Result<PathBuf> {
+    let path = PathBuf::from(scene);
+    if path.is_file() {
+        return Ok(path);
+    }
+    let folders = scene_folders();
+    if !scene.contains(['/', '\\']) {
+        for folder in &folders {
+            for file in ENDINGS.map(|ending| folder.join(format!("{scene}.{ending}"))) {
+                if file.is_file() {
+                    return Ok(file);
+                }
+            }
+        }
+    }
+    let mut known: Vec<String> = folders.iter().flat_map(|folder| names_in(folder)).collect();
+    known.sort();
+    known.dedup();
+    let what = if path.is_dir() { "is a folder, not a scene" } else { "is neither a file nor a known scene" };
+    if known.is_empty() {
+        bail!("`{scene}` {what}; give a .scene.ron, .gltf or .glb file");
+    }
+    bail!("`{scene}` {what}; known scenes: {}", known.join(", "))
+}
+
+/// The scene's name: its file name without `.scene.ron`, `.gltf` or `.glb`.
+pub fn name_of(path: &Path) -> String {
+    let file = path.file_name().map(|f| f.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = ENDINGS.iter().find_map(|ending| file.strip_suffix(&format!(".{ending}")));
+    stem.unwrap_or(&file).to_owned()
+}
+
+fn scene_folders() -> Vec<PathBuf> {
+    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
+    let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("scenes")));
+    let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    above.chain([source]).filter(|folder| folder.is_dir()).collect()
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let files = entries.flatten().map(|entry| entry.path());
+    files.filter(|path| path.to_string_lossy().ends_with(".scene.ron")).map(|path| name_of(&path)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn names_lose_their_endings() {
+        assert_eq!(name_of(Path::new("a/cornell.scene.ron")), "cornell");
+        assert_eq!(name_of(Path::new("a/box.glb")), "box");
+    }
+
+    #[test]
+    fn files_come_before_names() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("x.glb");
+        std::fs::write(&file, b"").unwrap();
+        assert_eq!(find(&file.to_string_lossy()).unwrap(), file);
+        let message = find("no such scene").unwrap_err().to_string();
+        assert!(message.contains("`no such scene`"), "{message}");
+    }
+}

@@ -1,0 +1,389 @@
+//! A loaded scene with the device that draws it: load, set the time, draw, read back.
+
+mod painter;
+mod reading;
+mod tracing;
+
+pub use painter::Painter;
+pub use reading::{Objects, PendingPicture};
+pub use tracing::Tracing;
+
+use crate::cli::{Common, Gi, LookArgs};
+use crate::scene_path;
+use crate::set;
+use anyhow::{Context, Result};
+use lightwell::assets::AssetLibrary;
+use lightwell::files::{self, ComponentTypes, EditContext, LoadOptions, load_scene};
+use lightwell::gpu::{self, Gpu, GpuOptions};
+use lightwell::graph::FrameReport;
+use lightwell::measure::Image;
+use lightwell::render::reference::TraceSettings;
+use lightwell::render::{Beside, DisplaySettings, RenderSettings};
+use lightwell::scene::{Scene, SceneCamera, SceneView};
+use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The device that all options ask for.
+///
+/// # Errors
+/// No shaders, no driver, or no adapter of that name.
+pub fn gpu_options(common: &Common) -> Result<GpuOptions> {
+    Ok(GpuOptions { adapter: common.adapter.clone(), shader_dir: gpu::default_shader_dir()? })
+}
+
+/// Keeps what the driver makes of shaders in the user's cache folder, for windows: they are to open quickly.
+pub fn keep_pipelines(gpu: &Gpu) {
+    if let Some(folders) = directories::ProjectDirs::from("", "", "lightwell") {
+        gpu.keep_pipelines(folders.cache_dir());
+    }
+}
+
+/// Opens the device without a window.
+///
+/// # Errors
+/// As [`gpu_options`].
+pub fn open_gpu(common: &Common) -> Result<Gpu> {
+    Ok(Gpu::headless(&gpu_options(common)?)?)
+}
+
+/// A loaded scene with the device that draws it.
+pub struct Session {
+    /// The device, which sessions may share.
+    pub gpu: Arc<Gpu>,
+    path: PathBuf,
+    options: LoadOptions,
+    library: AssetLibrary,
+    world: GameWorld,
+    /// What draws it.
+    pub painter: Painter,
+    /// The reference that frames for a display are shown beside, if any.
+    pub beside: Option<Beside>,
+}
+
+/// The scene's file and where its assets come from.
+pub struct Files<'a> {
+    /// Loaded assets.
+    pub library: &'a mut AssetLibrary,
+    /// Folder of models.
+    pub options: &'a LoadOptions,
+    /// The scene's file.
+    pub path: &'a Path,
+}
+
+impl Files<'_> {
+    /// The same for edits.
+    pub fn context(&mut self) -> EditContext<'_> {
+        EditContext { library: self.library, options: self.options, path: self.path }
+    }
+}
+
+/// What an editor works on.
+pub struct Parts<'a> {
+    /// The world.
+    pub world: &'a mut GameWorld,
+    /// The scene's file and where its assets come from.
+    pub files: Files<'a>,
+    /// Choices that change the picture.
+    pub look: &'a mut LookArgs,
+    /// How light becomes what the screen shows.
+    pub display: &'a mut DisplaySettings,
+    /// What the renderer sees.
+    pub scene: &'a Scene,
+}
+
+impl Session {
+    /// Loads a scene by file or name, and applies what `--set` changes.
+    ///
+    /// # Errors
+    /// If the scene or something in it cannot be loaded, a path of `--set` does not exist, or the camera does not.
+    pub fn open(gpu: impl Into<Arc<Gpu>>, scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+        Self::open_with(gpu, scene, look, common, ComponentTypes::default())
+    }
+
+    /// The same for a scene with components of a game.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_with(
+        gpu: impl Into<Arc<Gpu>>,
+        scene: &str,
+        look: &LookArgs,
+        common: &Common,
+        types: ComponentTypes,
+    ) -> Result<Self> {
+        let path = scene_path::find(scene)?;
+        let options = common.load_options(types);
+        Self::with(gpu.into(), path, options, AssetLibrary::new(), look)
+    }
+
+    /// Opens a device without a window, and loads a scene as [`Session::open`] does.
+    ///
+    /// # Errors
+    /// As [`Session::open`], and if there is no device.
+    pub fn headless(scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
+        // Before the device, which takes its time.
+        scene_path::find(scene)?;
+        Self::open(open_gpu(common)?, scene, look, common)
+    }
+
+    /// The same scene once more with other choices, on the same device. Meshes and images are shared.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn again(&self, look: &LookArgs) -> Result<Self> {
+        Self::with(self.gpu.clone(), self.path.clone(), self.options.clone(), self.library.clone(), look)
+    }
+
+    fn with(
+        gpu: Arc<Gpu>,
+        path: PathBuf,
+        options: LoadOptions,
+        mut library: AssetLibrary,
+        look: &LookArgs,
+    ) -> Result<Self> {
+        let mut painter = Painter::new(gpu.clone(), look.clone());
+        let world = load(&path, &mut library, &options, &mut painter)?;
+        Ok(Self { gpu, path, options, library, world, painter, beside: None })
+    }
+
+    /// Loads the scene anew from its file, into the same world, where entities have the identities of those that stood
+    /// at the same paths. If that fails, the running one stays as it is.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn reload(&mut self) -> Result<()> {
+        let (path, look) = (self.path.clone(), self.painter.look.clone());
+        // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
+        let mut library = AssetLibrary::new();
+        load(&path, &mut library, &self.options, &mut Painter::new(self.gpu.clone(), look))?;
+        files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
+        self.library = library;
+        complete(&mut self.world, &mut self.painter)?;
+        Ok(())
+    }
+
+    /// Loads another scene on the same device. If that fails, the running one stays as it is.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_other(&mut self, path: &Path) -> Result<()> {
+        // What was asked of the scene before need not exist in this one.
+        let look = LookArgs { camera: None, sets: Vec::new(), ..self.painter.look.clone() };
+        self.replace(path.to_owned(), look)
+    }
+
+    fn replace(&mut self, path: PathBuf, look: LookArgs) -> Result<()> {
+        // A fresh library: models and images may have changed too.
+        let mut library = AssetLibrary::new();
+        let mut painter = Painter::new(self.gpu.clone(), look);
+        let world = load(&path, &mut library, &self.options, &mut painter)?;
+        self.painter.take_scene(painter);
+        (self.world, self.library, self.path) = (world, library, path);
+        Ok(())
+    }
+
+    /// Saves the scene.
+    ///
+    /// # Errors
+    /// If something has no form in a file, or the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        Ok(files::save_scene(&self.world, path)?)
+    }
+
+    /// Saves the scene under another name, and goes on with that file. Paths in scene files are relative: in another
+    /// folder the new file is tried first.
+    ///
+    /// # Errors
+    /// As [`Session::save`], and if the file could not be loaded from there.
+    pub fn save_as(&mut self, path: &Path) -> Result<()> {
+        let folder = |path: &Path| path.canonicalize().ok().and_then(|p| p.parent().map(Path::to_owned));
+        let new_folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if folder(&self.path) != new_folder.canonicalize().ok() {
+            let trial = new_folder.join(format!(".{}.trial.scene.ron", std::process::id()));
+            let saved = self.save(&trial);
+            let loaded =
+                saved.and_then(|()| Ok(load_scene(&trial, &mut self.library.clone(), &self.options).map(drop)?));
+            let _ = std::fs::remove_file(&trial);
+            loaded.context("paths in the scene are relative to its folder; save it beside the original")?;
+        }
+        self.save(path)?;
+        self.path = path.to_owned();
+        Ok(())
+    }
+
+    /// What an editor works on.
+    pub fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            world: &mut self.world,
+            files: Files { library: &mut self.library, options: &self.options, path: &self.path },
+            look: &mut self.painter.look,
+            display: &mut self.painter.display,
+            scene: &self.painter.scene,
+        }
+    }
+
+    /// The world.
+    pub fn world(&self) -> &GameWorld {
+        &self.world
+    }
+
+    /// A layer of a kept target as the last frame left it.
+    ///
+    /// # Errors
+    /// If there is no such target, level or layer, or its format has no plain numbers.
+    pub fn target(&self, name: &str, mip: u32, layer: u32) -> Result<gpu::ImageF32> {
+        self.painter.target(name, mip, layer)
+    }
+
+    /// File of the scene.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Name of the scene.
+    pub fn name(&self) -> String {
+        scene_path::name_of(&self.path)
+    }
+
+    /// Settings of the scene.
+    pub fn settings(&self) -> SceneSettings {
+        painter::settings(&self.world)
+    }
+
+    /// What the renderer sees.
+    pub fn scene(&self) -> &Scene {
+        &self.painter.scene
+    }
+
+    /// Moves everything to where it is at a tick of the scene's clock.
+    pub fn set_ticks(&mut self, ticks: u64) {
+        self.world.set_tick(ticks);
+        update(&mut self.world, &mut self.painter);
+    }
+
+    /// Moves everything to where it is after so many seconds.
+    pub fn set_seconds(&mut self, seconds: f64) {
+        self.world.set_seconds(seconds);
+        update(&mut self.world, &mut self.painter);
+    }
+
+    /// The camera that was asked for, or the scene's primary one.
+    ///
+    /// # Errors
+    /// If there is no camera of that name, or none at all.
+    pub fn camera(&self) -> Result<SceneCamera> {
+        self.painter.camera()
+    }
+
+    /// Settings of a frame.
+    pub fn render_settings(&self, display: bool) -> RenderSettings {
+        self.painter.settings(&self.world, display)
+    }
+
+    /// Settings of a frame that is looked at: with smooth edges, unless they are not wanted or a layer is shown.
+    pub fn display_settings(&self) -> RenderSettings {
+        RenderSettings { beside: self.beside, ..self.painter.display_settings(&self.world) }
+    }
+
+    /// What `--bounces` and `--seed` ask of the path tracer.
+    pub fn trace_settings(&self) -> TraceSettings {
+        self.painter.trace_settings()
+    }
+
+    /// All files that the scene was made from, besides its own.
+    pub fn files(&self) -> BTreeSet<PathBuf> {
+        self.library.files()
+    }
+
+    /// What the scene's models hold that is not kept as it is, each with its file.
+    pub fn model_warnings(&self) -> impl Iterator<Item = String> + '_ {
+        self.library.warnings()
+    }
+
+    /// Draws a view of the scene as it stands.
+    ///
+    /// # Errors
+    /// If a pass fails or the device is lost.
+    pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
+        self.painter.render(view, settings)
+    }
+
+    /// Linear radiance of the last frame.
+    ///
+    /// # Errors
+    /// If nothing was drawn or the device is lost.
+    pub fn radiance(&self) -> Result<Image> {
+        self.painter.radiance()
+    }
+
+    /// Virtual lights that the last frame tested and accepted at a pixel with a surface, on average; none if it was
+    /// not drawn with stochastic light culling.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn light_counts(&self) -> Result<Option<[f64; 2]>> {
+        self.painter.light_counts(self.render_settings(false).gi)
+    }
+
+    /// The last frame as a screen shows it: sRGB bytes, three a pixel.
+    ///
+    /// # Errors
+    /// If no display image was drawn or the device is lost.
+    pub fn display_bytes(&self) -> Result<([u32; 2], Vec<u8>)> {
+        self.painter.display_bytes()
+    }
+
+    /// The texture of the last frame for display.
+    pub fn display_texture(&self) -> Option<&wgpu::Texture> {
+        self.painter.display_texture()
+    }
+}
+
+fn update(world: &mut GameWorld, painter: &mut Painter) {
+    world.update();
+    painter.follow(world);
+}
+
+/// Gives the scene a light propagation volume that fits it.
+fn add_light_volume(world: &mut GameWorld, scene: &Scene) {
+    log::info!("the scene has no `clpv` component: one that fits its bounds is used");
+    let bounds = scene.bounds();
+    let translation = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.center() };
+    let entity = world.spawn("Light volume", None);
+    world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
+}
+
+/// Gives the scene the default settings of instant radiosity.
+fn add_virtual_lights(world: &mut GameWorld) {
+    log::info!("the scene has no `vpl` component: the default settings are used");
+    let entity = world.spawn("Virtual lights", None);
+    world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
+}
+
+/// Loads a scene for a painter that has drawn none, with what its choices ask for.
+fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, painter: &mut Painter) -> Result<GameWorld> {
+    let mut world = load_scene(path, library, options)?;
+    complete(&mut world, painter)?;
+    Ok(world)
+}
+
+/// Adds what the painter's choices ask for to a scene that was loaded.
+fn complete(world: &mut GameWorld, painter: &mut Painter) -> Result<()> {
+    let look = painter.look.clone();
+    world.set_tick(0);
+    update(world, painter);
+    if look.gi == Some(Gi::Clpv) && painter.scene.clpv.is_none() {
+        add_light_volume(world, &painter.scene);
+    }
+    if painter.scene.vpl.is_none()
+        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && painter::gi_of_scene(world) == Gi::Vpl)
+    {
+        add_virtual_lights(world);
+    }
+    set::apply_all(world, &look.sets)?;
+    update(world, painter);
+    painter.camera()?;
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! What draws a world: the scene as the renderer sees it, the renderer, and the choices of how.
+
+use crate::cli::{Edges, Gi, LookArgs, Only, Switch};
+use anyhow::{Context, Result, bail};
+use lightwell::files::{self, SceneInfo};
+use lightwell::gpu::Gpu;
+use lightwell::graph::FrameReport;
+use lightwell::render::debug::DebugSettings;
+use lightwell::render::reference::TraceSettings;
+use lightwell::render::{DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Renderer};
+use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
+use lightwell::world::{GameWorld, SceneSettings};
+use std::sync::Arc;
+
+/// What draws a world.
+pub struct Painter {
+    /// The device, which painters may share.
+    pub gpu: Arc<Gpu>,
+    /// Choices that change the picture.
+    pub look: LookArgs,
+    /// How light becomes what the screen shows.
+    pub display: DisplaySettings,
+    /// What the renderer sees.
+    pub scene: Scene,
+    /// The renderer.
+    pub renderer: Renderer,
+    extractor: Extractor,
+}
+
+impl Painter {
+    /// Of nothing yet.
+    pub fn new(gpu: Arc<Gpu>, look: LookArgs) -> Self {
+        let (renderer, display) = (Renderer::new(&gpu), DisplaySettings::default());
+        Self { gpu, look, display, scene: Scene::default(), renderer, extractor: Extractor::new() }
+    }
+
+    /// Takes over scene and choices of a painter that has drawn nothing yet; what was drawn stays.
+    pub(super) fn take_scene(&mut self, other: Self) {
+        (self.scene, self.extractor, self.look) = (other.scene, other.extractor, other.look);
+    }
+
+    /// Takes over what changed in the world.
+    pub fn follow(&mut self, world: &mut GameWorld) {
+        self.extractor.extract(world, &mut self.scene);
+    }
+
+    /// The camera that was asked for, or the scene's primary one.
+    ///
+    /// # Errors
+    /// If there is no camera of that name, or none at all.
+    pub fn camera(&self) -> Result<SceneCamera> {
+        choose_camera(&self.scene, self.look.camera.as_deref())
+    }
+
+    /// Settings of a frame.
+    pub fn settings(&self, world: &GameWorld, display: bool) -> RenderSettings {
+        RenderSettings {
+            gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(world)) {
+                Gi::None => GiMethod::NONE,
+                Gi::Clpv => GiMethod::CLPV,
+                Gi::Vpl => GiMethod::VPL,
+                Gi::Slc => GiMethod::SLC,
+                Gi::Reference => GiMethod::REFERENCE,
+            },
+            reference: ReferenceSettings {
+                trace: self.trace_settings(),
+                samples: self.look.trace.spp,
+                samples_a_frame: self.look.trace.spp,
+            },
+            only: match self.look.only {
+                Only::Total => Layer::Total,
+                Only::Direct => Layer::Direct,
+                Only::Indirect => Layer::Indirect,
+                Only::Albedo => Layer::Albedo,
+                Only::Normal => Layer::Normal,
+                Only::Depth => Layer::Depth,
+            },
+            exposure: settings(world).exposure,
+            no_cache: false,
+            each_light_alone: self.look.each_light_alone,
+            virtual_light: self.look.virtual_light,
+            particle_paths: self.look.particle_paths,
+            display,
+            mlaa: false,
+            mlaa_edges: match self.look.mlaa_edges {
+                Edges::Color => MlaaEdges::Color,
+                Edges::Depth => MlaaEdges::Depth,
+                Edges::Normal => MlaaEdges::Normal,
+            },
+            show: self.display,
+            average: self.look.average == Some(Switch::On),
+            images: 1,
+            beside: None,
+            debug: DebugSettings {
+                views: self.look.debug.views.iter().copied().collect(),
+                cascade: self.look.debug.cascade,
+                bvh_level: self.look.debug.bvh_level,
+                outlined: Vec::new(),
+            },
+        }
+    }
+
+    /// Settings of a frame that is looked at: with smooth edges, unless they are not wanted or a layer is shown.
+    pub fn display_settings(&self, world: &GameWorld) -> RenderSettings {
+        let mlaa = !self.look.no_mlaa && self.look.only == Only::Total;
+        RenderSettings { mlaa, ..self.settings(world, true) }
+    }
+
+    /// What `--bounces` and `--seed` ask of the path tracer.
+    pub fn trace_settings(&self) -> TraceSettings {
+        TraceSettings { bounces: self.look.trace.bounces, seed: self.look.trace.seed }
+    }
+
+    /// Draws a view of the scene as it stands.
+    ///
+    /// # Errors
+    /// If a pass fails or the device is lost.
+    pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
+        Ok(self.renderer.render(&self.gpu, &self.scene, view, settings)?)
+    }
+}
+
+/// The method of indirect light that the scene's file asks for.
+pub(super) fn gi_of_scene(world: &GameWorld) -> Gi {
+    match world.ecs.get_resource::<SceneInfo>().map(|info| info.gi) {
+        Some(files::Gi::None) => Gi::None,
+        Some(files::Gi::Vpl) => Gi::Vpl,
+        Some(files::Gi::Slc) => Gi::Slc,
+        Some(files::Gi::Clpv) | None => Gi::Clpv,
+    }
+}
+
+pub(super) fn settings(world: &GameWorld) -> SceneSettings {
+    world.ecs.get_resource::<SceneSettings>().cloned().unwrap_or_default()
+}
+
+fn choose_camera(scene: &Scene, name: Option<&str>) -> Result<SceneCamera> {
+    let Some(name) = name else {
+        let camera = scene.cameras.iter().find(|c| c.primary).or(scene.cameras.first());
+        return camera.cloned().context("the scene has no camera; give an entity a `camera` component");
+    };
+    let found = scene.cameras.iter().find(|camera| camera.name == name);
+    match found {
+        Some(camera) => Ok(camera.clone()),
+        None if scene.cameras.is_empty() => bail!("there is no camera `{name}`; the scene has none at all"),
+        None => {
+            let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+            bail!("there is no camera `{name}`; there are: {}", names.join(", "))
+        }
+    }
+}

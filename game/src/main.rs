@@ -1,7 +1,0 @@
-//! The program `lightwell`.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    lightwell_game::run()
-}

@@ -1,0 +1,21 @@
+//! The command line of `explain`.
+
+use super::parse::parse_time;
+use clap::Args;
+use lightwell_runtime::cli::{LookArgs, parse_size};
+
+/// Arguments of `explain`.
+#[derive(Args, Debug)]
+pub struct ExplainArgs {
+    /// Scene file, or name of a scene in `scenes`
+    pub scene: String,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Time in seconds
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]
+    pub time: f64,
+    /// Choices that change the picture.
+    #[command(flatten)]
+    pub look: LookArgs,
+}

@@ -1,0 +1,94 @@
+//! Quiet images: frames with other random numbers and shifted pixel grids, averaged until what their mean is still off by
+//! is estimated to be below a bound.
+
+mod goal;
+mod halves;
+mod outcome;
+#[cfg(test)]
+mod tests;
+
+pub use goal::Goal;
+pub use halves::Estimate;
+pub use outcome::{End, Outcome, Tally};
+
+use crate::{capture, jitter};
+use anyhow::Result;
+use halves::Halves;
+use lightwell::measure::Image;
+use lightwell::render::RenderSettings;
+use lightwell::scene::SceneView;
+use lightwell_runtime::session::Session;
+use std::time::{Duration, Instant};
+
+/// How far an average is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Images that are done.
+    pub images: u32,
+    /// Images that it will take, as far as is known.
+    pub expected: u32,
+    /// The last estimate of the error, if there is one yet.
+    pub estimate: Option<Estimate>,
+}
+
+/// Draws the scene as it stands until the goal is reached. The image is the light that a screen would send out, linear
+/// and 0..1. `told` hears of every pair of frames.
+///
+/// # Errors
+/// If there is no camera, or the scene cannot be drawn.
+pub fn average(
+    session: &mut Session,
+    size: [u32; 2],
+    settings: &RenderSettings,
+    goal: Goal,
+    told: &mut dyn FnMut(Progress),
+) -> Result<(Image, Outcome)> {
+    let start = Instant::now();
+    // Shifted images are smooth at their edges, and are averaged anyway, each by itself.
+    let settings =
+        RenderSettings { display: true, mlaa: false, average: false, images: goal.filtered_for, ..settings.clone() };
+    let mut halves = Halves::new(size);
+    let (mut look, mut estimate) = (goal.least, None);
+    loop {
+        let (pair, frame_time) = draw_pair(session, size, &settings, halves.images() / 2)?;
+        halves.add(&pair);
+        let images = halves.images();
+        let is_late = start.elapsed() + 2 * frame_time > goal.time_limit;
+        if images >= look || is_late {
+            let now = halves.estimate()?;
+            let end = match () {
+                () if goal.excess(now) <= 1.0 && images >= goal.least => Some(End::Bound),
+                () if images >= goal.most => Some(End::Most),
+                () if is_late => Some(End::Time),
+                () => None,
+            };
+            if let Some(end) = end {
+                let outcome = Outcome { images, estimate: now, goal, time: start.elapsed(), end };
+                return Ok((halves.mean()?, outcome));
+            }
+            look = goal.next_look(images, now);
+            estimate = Some((images, now));
+        }
+        let expected = estimate.map_or(goal.least, |(then, estimate)| goal.expected(then, estimate));
+        told(Progress { images, expected: expected.max(images), estimate: estimate.map(|(_, estimate)| estimate) });
+    }
+}
+
+/// An image for each half, and how long the second took: the very first frame also compiles shaders.
+fn draw_pair(
+    session: &mut Session,
+    size: [u32; 2],
+    settings: &RenderSettings,
+    pair: u32,
+) -> Result<([Image; 2], Duration)> {
+    let camera = session.camera()?;
+    let [first, second] = jitter::pair(pair);
+    let mut draw = |jitter| {
+        session.render(&SceneView { camera: camera.clone(), size, jitter }, settings)?;
+        capture::display(session)
+    };
+    let first = draw(first)?;
+    let start = Instant::now();
+    let second = draw(second)?;
+    Ok(([first, second], start.elapsed()))
+}
