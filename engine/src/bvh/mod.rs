@@ -6,6 +6,7 @@
 
 mod build;
 mod mesh;
+mod presplit;
 mod ray;
 mod scene;
 #[cfg(test)]
@@ -59,7 +60,7 @@ impl Node {
 pub struct Bvh {
     /// Nodes; the first is the root. Empty if there are no boxes.
     pub nodes: Vec<Node>,
-    /// Indices of the boxes in the order of the leaves.
+    /// Indices of the boxes in the order of the leaves. In the static part of a scene a triangle may be in several leaves.
     pub order: Vec<u32>,
 }
 

@@ -4,6 +4,7 @@
 //! triangle is transformed once. Moved objects have the boxes above them fitted again, which leaves the static part as it
 //! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
 
+use super::presplit::presplit;
 use super::{Bvh, Ray, intersect_triangle};
 use crate::assets::AssetId;
 use crate::scene::{Aabb, Primitive, Scene, SceneId};
@@ -68,6 +69,8 @@ pub struct ScenePart {
     pub(crate) version: u64,
     /// Indices in [`Scene::primitives`].
     primitives: Vec<usize>,
+    /// Number of triangles in the hierarchy: those with a box.
+    placed: usize,
     built_cost: f32,
 }
 
@@ -215,7 +218,7 @@ impl SceneBvh {
             let version = self.next_version();
             let (part, triangles) = self.part(is_moving);
             part.version = version;
-            part.build(triangles);
+            part.build(triangles, !is_moving);
         }
         Updated::Built
     }
@@ -254,7 +257,7 @@ impl SceneBvh {
             let version = self.next_version();
             let (part, triangles) = self.part(is_moving);
             part.version = version;
-            return if moved { part.refit(triangles) } else { Updated::Nothing };
+            return if moved { part.refit(triangles, !is_moving) } else { Updated::Nothing };
         }
         Updated::Nothing
     }
@@ -340,25 +343,33 @@ impl ScenePart {
         sources.flat_map(|source| source.first..source.first + source.count)
     }
 
-    fn build(&mut self, triangles: PartTriangles) -> Updated {
+    /// Builds the hierarchy. Static triangles may be in several leaves, see [`presplit`]; the boxes of dynamic ones are
+    /// fitted again to whole triangles in most frames, and so they are in one.
+    fn build(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
         let indices: Vec<usize> = self.indices(triangles).collect();
         let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
-        self.bvh = Bvh::new(&boxes, LEAF_SIZE);
-        for entry in &mut self.bvh.order {
-            *entry = indices[*entry as usize] as u32;
+        self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
+        if is_static {
+            let corners: Vec<[Vec3; 3]> = indices.iter().map(|&index| triangles.all[index].corners).collect();
+            let (pieces, triangle_of) = presplit(&corners, &boxes);
+            self.bvh = Bvh::new(&pieces, LEAF_SIZE);
+            self.bvh.order.iter_mut().for_each(|entry| *entry = triangle_of[*entry as usize]);
+        } else {
+            self.bvh = Bvh::new(&boxes, LEAF_SIZE);
         }
+        self.bvh.order.iter_mut().for_each(|entry| *entry = indices[*entry as usize] as u32);
         self.built_cost = self.bvh.cost();
         Updated::Built
     }
 
-    fn refit(&mut self, triangles: PartTriangles) -> Updated {
+    fn refit(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
         // Boxes that were empty at the building are in no leaf.
         let placed = self.indices(triangles).filter(|&index| !triangles.bounds(index).is_empty()).count();
-        if placed != self.bvh.order.len() {
-            return self.build(triangles);
+        if placed != self.placed {
+            return self.build(triangles, is_static);
         }
         self.bvh.refit_by(|index| triangles.bounds(index as usize));
-        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles) } else { Updated::Refitted }
+        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles, is_static) } else { Updated::Refitted }
     }
 }
 
