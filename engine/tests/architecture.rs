@@ -149,7 +149,7 @@ fn stages_of_a_frame_import_from_those_before() {
 #[test]
 fn the_page_that_shows_the_way_names_what_is_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for page in ["docs/find-your-way.md", "docs/frame.md"] {
+    for page in ["docs/find-your-way.md", "docs/frame.md", "docs/tests.md"] {
         let text = std::fs::read_to_string(root.join(page)).expect("the page");
         let quoted = text.split('`').skip(1).step_by(2);
         let tops = ["engine", "game", "shaders", "scenes", "prefabs", "tests", "docs"];
@@ -157,6 +157,24 @@ fn the_page_that_shows_the_way_names_what_is_there() {
         let missing: Vec<&str> = named.filter(|name| !root.join(name).exists()).collect();
         assert!(missing.is_empty(), "{page} names what is not there: {missing:?}");
     }
+}
+
+/// Every test target has a row in `docs/tests.md`.
+#[test]
+fn the_page_of_tests_names_all_targets() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let page = std::fs::read_to_string(root.join("docs/tests.md")).expect("the page");
+    let mut missing = Vec::new();
+    for folder in ["engine/tests", "game/tests", "game/program/tests", "tests"] {
+        for entry in std::fs::read_dir(root.join(folder)).expect("tests") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
+            if name.ends_with(".rs") && !page.contains(&format!("`{folder}/{name}`")) {
+                missing.push(format!("{folder}/{name}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "docs/tests.md has no row for {missing:?}");
 }
 
 #[test]

@@ -22,13 +22,13 @@ pub(crate) struct ViewUniform {
     size: UVec2,
 }
 
-/// Which links of surfels there are.
+/// A result of a method that the next frame may go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::render) struct Linked {
-    /// Revision of the surfels.
-    pub surfels: u64,
-    /// Links of each.
-    pub count: u32,
+pub struct Kept {
+    /// Name of the pass that makes it. If that is skipped, nothing is kept.
+    pub pass: &'static str,
+    /// What the result is of: equal numbers, equal layout and contents.
+    pub state: [u64; 2],
 }
 
 /// Inputs of a frame. Cheap to clone into the closure of a pass.
@@ -54,8 +54,8 @@ pub struct Frame<'a> {
     pub probes: &'a [ProbePoint],
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
-    /// The links of surfels that the frame before has left, see `light_volumes/radiosity`.
-    pub(in crate::render) linked: Option<Linked>,
+    /// What the method's [`keeps`](super::indirect::IndirectMethod::keeps) said in the frame before, if that can be gone on with.
+    pub kept: Option<Kept>,
     /// The frames before, whose light this one's is averaged with.
     pub(in crate::render) history: &'a History,
 }

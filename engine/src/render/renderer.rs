@@ -4,10 +4,10 @@
 use super::custom_passes::{self, ExtraPass, Picture};
 use super::debug::DebugView;
 use super::error::RenderError;
-use super::frame::{Frame, Linked};
+use super::frame::{Frame, Kept};
 use super::frame_graph::{self, Drawn};
 use super::history::History;
-use super::indirect::light_volumes::{radiosity, sweep};
+use super::indirect::light_volumes::sweep;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::sky_reflection;
 use super::indirect::{IndirectMethod, Methods, RayUse, Subject};
@@ -52,7 +52,7 @@ pub struct Renderer {
     extra: Vec<ExtraPass>,
     history: History,
     /// The links of surfels that the last frame has left.
-    linked: Option<Linked>,
+    kept: Option<Kept>,
     /// Warnings of the last frame.
     warned: Vec<String>,
 }
@@ -74,7 +74,7 @@ impl Renderer {
             has_probe_light: false,
             extra: Vec::new(),
             history: History::default(),
-            linked: None,
+            kept: None,
             warned: Vec::new(),
         }
     }
@@ -167,7 +167,7 @@ impl Renderer {
             }
             Err(_) => {
                 self.history.forget();
-                self.linked = None;
+                self.kept = None;
             }
         }
         result
@@ -230,7 +230,7 @@ impl Renderer {
             bounds,
             probes: &self.probes,
             views: &self.views,
-            linked: self.linked.filter(|_| !settings.no_cache && !self.targets.is_audited()),
+            kept: self.kept.filter(|_| !settings.no_cache && !self.targets.is_audited()),
             history: &self.history,
         };
         let mut graph = Graph::new(seed(gpu));
@@ -251,11 +251,11 @@ impl Renderer {
         frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
-        let linked = radiosity::linked(&frame);
+        let kept = method.keeps(&frame);
         let report = execute(gpu, graph, &mut self.targets, settings)?;
-        let has_links =
-            report.pass(radiosity::LINKS).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
-        self.linked = linked.filter(|_| has_links);
+        let is_made =
+            |name| report.pass(name).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
+        self.kept = kept.filter(|kept| is_made(kept.pass));
         Ok(report)
     }
 

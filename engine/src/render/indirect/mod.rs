@@ -19,7 +19,7 @@ pub(in crate::render) mod sky_reflection;
 pub use methods::Methods;
 
 use super::error::RenderError;
-use super::frame::Frame;
+use super::frame::{Frame, Kept};
 use super::geometry::GBuffer;
 use super::settings::{GiMethod, RenderSettings};
 use crate::gpu::Gpu;
@@ -113,6 +113,12 @@ pub trait IndirectMethod: Any + Send {
     fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
         let _ = (gpu, scene);
         Ok(())
+    }
+
+    /// What this frame leaves for the next one to go on with, which finds it in [`Frame::kept`].
+    fn keeps(&self, frame: &Frame) -> Option<Kept> {
+        let _ = frame;
+        None
     }
 
     /// Declares its passes; none, with the reason in the report, where no light is indirect.

@@ -23,7 +23,7 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "OPA",
         what: "opacity of cells and faces, and which of them surfels reach",
-        passes: &["walls", "links", "opacity"],
+        passes: &["coverage", "links", "opacity"],
     },
     Stage {
         name: "RAD",

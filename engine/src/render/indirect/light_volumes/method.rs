@@ -1,11 +1,11 @@
 //! The door of the light volumes.
 
 use super::sweep::{self, gather};
-use super::{Indirect, diffusion};
+use super::{Indirect, diffusion, radiosity};
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::render::error::RenderError;
-use crate::render::frame::Frame;
+use crate::render::frame::{Frame, Kept};
 use crate::render::geometry::GBuffer;
 use crate::render::indirect::gloss;
 use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, RayUse, Subject};
@@ -55,6 +55,10 @@ impl IndirectMethod for LightVolumesMethod {
         let quality = gather::quality_of_volumes(&clpv.settings, is_gathered);
         let volumes = sweep::volumes(clpv, quality, subject.bounds, subject.view)?;
         Ok(volumes.first().map(|volume| volume.cell))
+    }
+
+    fn keeps(&self, frame: &Frame) -> Option<Kept> {
+        radiosity::kept(frame)
     }
 
     fn declare<'a>(

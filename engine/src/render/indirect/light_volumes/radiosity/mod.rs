@@ -19,7 +19,7 @@ mod solve;
 pub(crate) use self::{first_bounce::FirstBounceUniform, links::LinksUniform};
 
 use crate::graph::{Buffer, Graph, Handle};
-use crate::render::frame::{Frame, Linked};
+use crate::render::frame::{Frame, Kept};
 use crate::world::{Bounces, Clpv, Quality};
 use glam::Vec3;
 
@@ -67,7 +67,7 @@ impl BounceCount {
 }
 
 /// Name of the pass that finds the links.
-pub(in crate::render) const LINKS: &str = "surfel links";
+const LINKS: &str = "surfel links";
 
 /// Parts that the rays of a surfel are cast in, in turns where objects move.
 const PARTS: u32 = 4;
@@ -91,10 +91,14 @@ fn is_thinned(frame: &Frame) -> bool {
     frame.number().is_some_and(|number| number > 0) && frame.surfels.is_replaced()
 }
 
-/// The links that a frame leaves, if a later one may go on with them.
-pub(in crate::render) fn linked(frame: &Frame) -> Option<Linked> {
+/// The links that a frame leaves, if the next one may go on with them.
+pub(in crate::render) fn kept(frame: &Frame) -> Option<Kept> {
     let clpv = frame.scene.clpv.as_ref().filter(|_| !is_thinned(frame))?;
-    Some(Linked { surfels: frame.surfels.revision(), count: count(frame, &clpv.settings) })
+    Some(links_of(frame, count(frame, &clpv.settings)))
+}
+
+fn links_of(frame: &Frame, count: u32) -> Kept {
+    Kept { pass: LINKS, state: [frame.surfels.revision(), u64::from(count)] }
 }
 
 /// Links of a surfel: a power of two of them, as many as the quality asks for, and as fit a storage binding.
@@ -115,7 +119,7 @@ impl Rays {
         if let Some(number) = frame.number().filter(|_| is_thinned(frame)) {
             return Self { count: (count / PARTS).max(1), part: None, seed: number.wrapping_mul(0x85eb_ca6b) };
         }
-        let has_others = frame.linked == Some(Linked { surfels: frame.surfels.revision(), count });
+        let has_others = frame.kept == Some(links_of(frame, count));
         let number = frame.number().filter(|_| frame.surfels.is_moving() && has_others && count >= PARTS);
         Self { count, part: number.map(|number| number % PARTS), seed: SEED }
     }
