@@ -53,9 +53,9 @@
 //! | render passes and their order (ch. 5) | [`graph::Graph`], declared in [`render`] |
 //! | world, entities, components (4.3, 6.2) | [`world::GameWorld`] and the components in [`world`] |
 //! | scene with primitives and lights (4.2.1) | [`scene::Scene`], [`scene::Extractor`] |
-//! | clones, deferred despawn, behaviours (6.2) | [`world::GameWorld::clone_subtree`], [`world::DespawnQueue`], systems in [`game::FixedStep`] |
+//! | clones, deferred despawn, behaviours (6.2) | [`world::GameWorld::clone_subtree`], [`world::DespawnQueue`], systems in [`game::FixedUpdate`] |
 //! | prefabs and their files (6.3) | [`files`], [`game::GameCommands::spawn_prefab`] |
-//! | picking, ray casts | [`game::Space`], [`bvh`] |
+//! | picking, ray casts | [`game::SpatialQuery`], [`bvh`] |
 //! | main loop, events, input | [`game::Game`], [`game::Input`]; the window in `lightwell_game::App` |
 //! | resources, import (4.4, 6.3) | [`assets::AssetLibrary`], [`assets::Gltf`] |
 //! | reflective shadow maps IGB, GRSM (5.2) | [`render::rsm`] |

@@ -71,7 +71,7 @@ impl Folder {
         let mut game = Game::new();
         game.add_component::<Runner>().unwrap();
         game.add_saved_resource(Score::default()).unwrap();
-        game.add_systems(FixedStep, run);
+        game.add_systems(FixedUpdate, run);
         game.enter(&self.path("a.scene.ron")).unwrap();
         game
     }
@@ -93,7 +93,7 @@ fn steps_are_equally_long_and_frames_come_between() {
     let mut game = folder.game();
     game.set_rate(30);
     game.world.ecs.init_resource::<Seen>();
-    game.add_systems(EachFrame, |time: Res<Time>, mut seen: ResMut<Seen>| seen.0.push((time.step, time.delta)));
+    game.add_systems(Update, |time: Res<Time>, mut seen: ResMut<Seen>| seen.0.push((time.step, time.delta)));
     for step in 0..30 {
         game.step(&[]).unwrap();
         if step % 10 == 9 {
@@ -127,7 +127,7 @@ fn messages_observers_and_events_are_those_of_bevy() {
             commands.trigger(Cheer);
         }
     };
-    game.add_systems(FixedStep, (send, receive).chain());
+    game.add_systems(FixedUpdate, (send, receive).chain());
     for _ in 0..3 {
         game.step(&[]).unwrap();
         game.frame(0.0).unwrap();
@@ -143,7 +143,7 @@ fn prefabs_come_and_subtrees_are_copied() {
     let folder = Folder::new();
     let mut game = folder.game();
     let at = Transform { translation: Vec3::new(3.0, 0.0, 0.0), ..Transform::default() };
-    game.add_systems(FixedStep, move |time: Res<Time>, mut commands: Commands| {
+    game.add_systems(FixedUpdate, move |time: Res<Time>, mut commands: Commands| {
         if time.step <= 2 {
             commands.spawn_prefab("ball.prefab.ron", at).insert(Runner { speed: 0.0 });
         }
@@ -163,7 +163,7 @@ fn prefabs_come_and_subtrees_are_copied() {
             }
         }
     };
-    game.add_systems(FixedStep, copy);
+    game.add_systems(FixedUpdate, copy);
     game.step(&[]).unwrap();
     let third = game.world.find("ball 3").unwrap();
     assert_eq!(game.world.ecs.get::<Runner>(third).unwrap().speed, 9.0);
@@ -177,12 +177,12 @@ fn scenes_change_and_what_persists_stays() {
     let folder = Folder::new();
     let mut game = folder.game();
     game.world.ecs.init_resource::<Starts>();
-    game.add_systems(Start, |scene: Res<CurrentScene>, mut starts: ResMut<Starts>| starts.0.push(scene.name()));
+    game.add_systems(OnSceneEnter, |scene: Res<CurrentScene>, mut starts: ResMut<Starts>| starts.0.push(scene.name()));
     let runner = game.world.find("A").unwrap();
     let wall = game.world.find("Wall").unwrap();
     game.world.ecs.entity_mut(runner).insert(Persistent);
     let next = folder.path("b.scene.ron");
-    game.add_systems(FixedStep, move |time: Res<Time>, mut commands: Commands| match time.step {
+    game.add_systems(FixedUpdate, move |time: Res<Time>, mut commands: Commands| match time.step {
         2 => commands.change_scene(&next),
         4 => commands.restart_scene(),
         _ => {}
@@ -323,7 +323,7 @@ fn a_script_plays_the_same_game_again() {
                 runner.speed += input.axis("right") + if input.just_pressed("boost") { 10.0 } else { 0.0 };
             }
         };
-        game.add_systems(FixedStep, steer.before(run));
+        game.add_systems(FixedUpdate, steer.before(run));
         let mut recorded = InputScript::default();
         for step in 1..=script.steps {
             let events = script.at(step);
@@ -381,7 +381,7 @@ fn tables_and_scripts_with_mistakes_say_where() {
 fn a_system_ends_the_game() {
     let folder = Folder::new();
     let mut game = folder.game();
-    game.add_systems(FixedStep, |time: Res<Time>, mut commands: Commands| {
+    game.add_systems(FixedUpdate, |time: Res<Time>, mut commands: Commands| {
         if time.step == 2 {
             commands.quit();
         }
@@ -421,7 +421,7 @@ fn what_is_pointed_at_is_found() {
         let camera = game.world.find("Camera").unwrap();
         let (camera, place) = (ecs.get::<Camera>(camera).unwrap(), ecs.get::<GlobalTransform>(camera).unwrap());
         let (origin, direction) = ecs.resource::<Input>().pointer_ray(camera, place);
-        let hit = ecs.resource::<Space>().ray(origin, direction, 100.0, |_| true);
+        let hit = ecs.resource::<SpatialQuery>().cast_ray(origin, direction, 100.0, |_| true);
         hit.map(|hit| game.world.name(hit.entity).to_owned())
     };
     assert_eq!(under(&mut game, &[InputEvent::Point(0.5, 0.5)]).as_deref(), Some("Middle"));

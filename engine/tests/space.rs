@@ -4,7 +4,7 @@
 
 use bevy_ecs::prelude::Entity;
 use glam::{DVec3, Quat, Vec3};
-use lightwell::game::{FixedStep, Game, Ghost, LightProbe, Space};
+use lightwell::game::{FixedUpdate, Game, Ghost, LightProbe, SpatialQuery};
 use lightwell::world::Transform;
 use proptest::prelude::*;
 
@@ -30,35 +30,35 @@ const YARD: &str = r#"
 #[test]
 fn rays_meet_what_stands_there() {
     let (_folder, game) = game(YARD);
-    let space = game.world.ecs.resource::<Space>();
+    let space = game.world.ecs.resource::<SpatialQuery>();
     let entity = |name: &str| game.world.find(name).unwrap();
-    let down = space.ray(Vec3::new(0.5, 3.0, 0.5), Vec3::NEG_Y * 7.0, 10.0, ALL).unwrap();
+    let down = space.cast_ray(Vec3::new(0.5, 3.0, 0.5), Vec3::NEG_Y * 7.0, 10.0, ALL).unwrap();
     assert_eq!((down.entity, down.normal), (entity("Floor"), Vec3::Y));
     assert!((down.distance - 3.0).abs() < 1e-5 && down.point.y.abs() < 1e-5);
-    let corner = space.ray(Vec3::new(0.0, 1.0, 0.0), Vec3::X, 10.0, ALL).unwrap();
+    let corner = space.cast_ray(Vec3::new(0.0, 1.0, 0.0), Vec3::X, 10.0, ALL).unwrap();
     assert_eq!(corner.entity, entity("Box"));
     assert!((corner.distance - (4.0 - 2.0_f32.sqrt())).abs() < 1e-4, "{corner:?}");
-    let top = space.ray(Vec3::new(-4.0, 9.0, 0.0), Vec3::NEG_Y, 10.0, ALL).unwrap();
+    let top = space.cast_ray(Vec3::new(-4.0, 9.0, 0.0), Vec3::NEG_Y, 10.0, ALL).unwrap();
     assert!(top.entity == entity("Ball") && (top.point.y - 4.0).abs() < 1e-3, "a stretched ball: {top:?}");
-    let from_below = space.ray(Vec3::new(8.0, -1.0, 0.0), Vec3::Y, 10.0, ALL).unwrap();
+    let from_below = space.cast_ray(Vec3::new(8.0, -1.0, 0.0), Vec3::Y, 10.0, ALL).unwrap();
     assert_eq!(from_below.normal, Vec3::NEG_Y, "both sides count");
     for (z, what) in [(9.0, "a ghost"), (-9.0, "what is hidden")] {
         let way = Vec3::Z * -z;
-        assert_eq!(space.ray(Vec3::new(0.0, 1.0, z), way, 12.0, ALL), None, "{what}");
+        assert_eq!(space.cast_ray(Vec3::new(0.0, 1.0, z), way, 12.0, ALL), None, "{what}");
     }
     let box_out = |e| e != entity("Box");
-    assert_eq!(space.ray(Vec3::new(0.0, 1.0, 0.0), Vec3::X, 10.0, box_out), None);
-    assert_eq!(space.ray(Vec3::new(0.5, 3.0, 0.5), Vec3::NEG_Y, 2.9, ALL), None, "out of reach");
+    assert_eq!(space.cast_ray(Vec3::new(0.0, 1.0, 0.0), Vec3::X, 10.0, box_out), None);
+    assert_eq!(space.cast_ray(Vec3::new(0.5, 3.0, 0.5), Vec3::NEG_Y, 2.9, ALL), None, "out of reach");
     for nonsense in [Vec3::ZERO, Vec3::NAN] {
-        assert_eq!(space.ray(Vec3::Y, nonsense, 10.0, ALL), None);
+        assert_eq!(space.cast_ray(Vec3::Y, nonsense, 10.0, ALL), None);
     }
 }
 
 #[test]
 fn a_ball_stops_at_faces_edges_and_corners() {
     let (_folder, game) = game(r#"(name: "Box", mesh: Box(size: (2, 2, 2)))"#);
-    let space = game.world.ecs.resource::<Space>();
-    let sweep = |from: Vec3, motion: Vec3| space.sweep_sphere(from, 0.5, motion, ALL);
+    let space = game.world.ecs.resource::<SpatialQuery>();
+    let sweep = |from: Vec3, motion: Vec3| space.cast_sphere(from, 0.5, motion, ALL);
     let face = sweep(Vec3::new(5.0, 0.2, 0.1), Vec3::new(-10.0, 0.0, 0.0)).unwrap();
     assert!((face.fraction - 0.35).abs() < 1e-5 && face.normal.distance(Vec3::X) < 1e-4, "{face:?}");
     // Towards an edge along z, 45° from above: the centre stops half a metre from the edge.
@@ -81,9 +81,9 @@ fn a_ball_stops_at_faces_edges_and_corners() {
 #[test]
 fn a_box_stops_at_what_it_meets_first() {
     let (_folder, game) = game(r#"(name: "Box", mesh: Box(size: (2, 2, 2)))"#);
-    let space = game.world.ecs.resource::<Space>();
+    let space = game.world.ecs.resource::<SpatialQuery>();
     let half = Vec3::new(0.5, 0.25, 1.0);
-    let sweep = |rotation: Quat, from: Vec3, way: Vec3| space.sweep_box(from, half, rotation, way, ALL);
+    let sweep = |rotation: Quat, from: Vec3, way: Vec3| space.cast_box(from, half, rotation, way, ALL);
     let face = sweep(Quat::IDENTITY, Vec3::new(5.0, 0.0, 0.0), Vec3::NEG_X * 10.0).unwrap();
     assert!((face.fraction - 0.35).abs() < 1e-5 && face.normal.distance(Vec3::X) < 1e-5, "{face:?}");
     let turned = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
@@ -108,11 +108,11 @@ proptest! {
         radius in 0.1_f32..0.8,
     ) {
         let (_folder, game) = game(YARD);
-        let space = game.world.ecs.resource::<Space>();
+        let space = game.world.ecs.resource::<SpatialQuery>();
         let (from, way) = (Vec3::from(from), Vec3::from(way));
         let free = |t: f32, r: f32| space.overlap_sphere(from + way * t, r, ALL).is_empty();
         prop_assume!(free(0.0, radius + 1e-3) && way.length() > 0.1);
-        match space.sweep_sphere(from, radius, way, ALL) {
+        match space.cast_sphere(from, radius, way, ALL) {
             Some(touch) => {
                 for i in 0..20 {
                     prop_assert!(free(touch.fraction * i as f32 / 20.0, radius - 2e-3), "before {touch:?}");
@@ -134,7 +134,7 @@ fn a_ball_slides_along_walls_and_rests_in_corners() {
            (name: "Wall", transform: (translation: (3, 1, 0)), mesh: Box(size: (1, 2, 20))),
            (name: "End", transform: (translation: (0, 1, -3)), mesh: Box(size: (20, 2, 1)))"#,
     );
-    let space = game.world.ecs.resource::<Space>();
+    let space = game.world.ecs.resource::<SpatialQuery>();
     let mut at = Vec3::new(0.0, 0.5, 4.0);
     for _ in 0..240 {
         (at, _) = space.slide_sphere(at, 0.5, Vec3::new(0.05, -0.02, -0.05), ALL);
@@ -150,9 +150,11 @@ fn the_space_follows_the_world() {
     let (_folder, mut game) = game(YARD);
     let cube = game.world.find("Box").unwrap();
     let mist = game.world.find("Mist").unwrap();
-    let hit = |game: &Game| game.world.ecs.resource::<Space>().ray(Vec3::Y, Vec3::X, 20.0, ALL).map(|h| h.distance);
+    let hit = |game: &Game| {
+        game.world.ecs.resource::<SpatialQuery>().cast_ray(Vec3::Y, Vec3::X, 20.0, ALL).map(|h| h.distance)
+    };
     let before = hit(&game).unwrap();
-    game.add_systems(FixedStep, move |mut transforms: bevy_ecs::prelude::Query<&mut Transform>| {
+    game.add_systems(FixedUpdate, move |mut transforms: bevy_ecs::prelude::Query<&mut Transform>| {
         if let Ok(mut transform) = transforms.get_mut(cube) {
             transform.translation.x += 1.0;
         }
@@ -163,8 +165,8 @@ fn the_space_follows_the_world() {
     game.world.ecs.despawn(cube);
     game.step(&[]).unwrap();
     assert_eq!(hit(&game), None);
-    let space = game.world.ecs.resource::<Space>();
-    assert!(space.ray(Vec3::new(0.0, 1.0, 9.0), Vec3::NEG_Z, 12.0, ALL).is_some_and(|hit| hit.entity == mist));
+    let space = game.world.ecs.resource::<SpatialQuery>();
+    assert!(space.cast_ray(Vec3::new(0.0, 1.0, 9.0), Vec3::NEG_Z, 12.0, ALL).is_some_and(|hit| hit.entity == mist));
 }
 
 #[test]

@@ -15,9 +15,9 @@ pub fn app() -> App {
         .component::<Walker>()
         .component::<Door>()
         .resource(Passed(0))
-        .systems(Start, arrive)
-        .systems(FixedStep, (walk, pass).chain())
-        .systems(EachFrame, tell)
+        .systems(OnSceneEnter, arrive)
+        .systems(FixedUpdate, (walk, pass).chain())
+        .systems(Update, tell)
 }
 
 /// Is moved by the player.
@@ -48,7 +48,12 @@ fn arrive(passed: Res<Passed>, doors: Query<&Door>, mut walkers: Query<&mut Tran
     }
 }
 
-fn walk(time: Res<Time>, input: Res<Input>, space: Res<Space>, mut walkers: Query<(Entity, &Walker, &mut Transform)>) {
+fn walk(
+    time: Res<Time>,
+    input: Res<Input>,
+    space: Res<SpatialQuery>,
+    mut walkers: Query<(Entity, &Walker, &mut Transform)>,
+) {
     for (entity, walker, mut transform) in &mut walkers {
         let motion = Vec3::X * input.axis("right") * walker.speed * time.delta;
         transform.translation = space.slide_sphere(transform.translation, 0.3, motion, |other| other != entity).0;

@@ -11,8 +11,8 @@ fn main() -> std::process::ExitCode {
 pub fn app() -> App {
     App::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/hello.scene.ron"))
         .title("Hello, light")
-        .systems(FixedStep, circle)
-        .systems(EachFrame, tell)
+        .systems(FixedUpdate, circle)
+        .systems(Update, tell)
 }
 
 /// The lamp goes around in eight seconds, its colour with it.

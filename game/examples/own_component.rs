@@ -12,7 +12,7 @@ pub fn app() -> App {
     App::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/lift.scene.ron"))
         .title("Lifts")
         .component::<Lift>()
-        .systems(FixedStep, ride)
+        .systems(FixedUpdate, ride)
 }
 
 /// Rides up and down between two heights.

@@ -16,7 +16,7 @@ pub fn app() -> App {
         .resource(Physics(rapier::PhysicsWorld::new()))
         .observer(on_body)
         .observer(on_body_gone)
-        .systems(FixedStep, simulate)
+        .systems(FixedUpdate, simulate)
 }
 
 /// Takes part in the physics, as a box of the entity's scale around its place.

@@ -111,7 +111,7 @@ fn faulty_games_say_what_to_do() {
     fn needs(_: Res<Hidden>) {}
     #[derive(Resource)]
     struct Hidden;
-    let app = own_component::app().systems(FixedStep, needs);
+    let app = own_component::app().systems(FixedUpdate, needs);
     let failed = format!("{:#}", app.simulate(&script("Script(steps: 3)")).map(drop).unwrap_err());
     assert!(
         failed.starts_with("step 1: system") && failed.contains("needs") && failed.contains(".resource("),

@@ -102,11 +102,12 @@ fn who_falls_into_the_well_has_lost_and_rolls_again() {
             ball.translation = Vec3::new(0.0, 0.5, 0.0);
         }
     };
-    let play = |steps| game::app().systems(FixedStep, into_the_well).simulate(&InputScript { steps, ..script.clone() });
+    let play =
+        |steps| game::app().systems(FixedUpdate, into_the_well).simulate(&InputScript { steps, ..script.clone() });
     // The ball fell 2 m within a second.
     let mut short = script.clone();
     short.events.retain(|(step, _)| *step <= 100);
-    let lost = game::app().systems(FixedStep, into_the_well).simulate(&InputScript { steps: 100, ..short }).unwrap();
+    let lost = game::app().systems(FixedUpdate, into_the_well).simulate(&InputScript { steps: 100, ..short }).unwrap();
     assert_eq!(lost.world.ecs.resource::<Run>().phase, Phase::Lost);
     let again = play(200).unwrap();
     let run = again.world.ecs.resource::<Run>();

@@ -36,7 +36,7 @@ pub trait GameCommands {
     fn clone_subtree(&mut self, entity: Entity) -> EntityCommands<'_>;
 
     /// Goes to another scene; its path is relative to the present one. What has [`Persistent`](super::Persistent) and the
-    /// resources stay, and [`Start`](super::Start) runs. Of several in one step the last one counts.
+    /// resources stay, and [`OnSceneEnter`](super::OnSceneEnter) runs. Of several in one step the last one counts.
     fn change_scene(&mut self, path: impl Into<PathBuf>);
 
     /// Begins the present scene anew.

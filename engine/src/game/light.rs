@@ -4,7 +4,7 @@
 //! looked up where the renderer keeps it, in the light volumes, for all probes at once, and is there one frame later, in
 //! windows up to three; it needs a scene with a `clpv` component, and frames that are drawn.
 
-use super::space::Space;
+use super::space::SpatialQuery;
 use crate::files::SceneData;
 pub use crate::scene::ProbePoint;
 use crate::world::{GameWorld, GlobalTransform, Identity, Light, LightKind, Orientation, forward};
@@ -43,7 +43,7 @@ impl LightProbe {
 
 /// Measures the direct light of all probes.
 pub(super) fn update(
-    space: Res<Space>,
+    space: Res<SpatialQuery>,
     mut probes: Query<(Entity, &mut LightProbe, &GlobalTransform)>,
     lights: Query<(&Light, &GlobalTransform, &Orientation)>,
 ) {

@@ -3,7 +3,7 @@
 //! and observers.
 //!
 //! ```text
-//! events ─▶ Input ─▶ FixedStep ─▶ requests ─▶ animation, transforms ─▶ Space ─▶ (EachFrame ─▶ picture)
+//! events ─▶ Input ─▶ FixedUpdate ─▶ requests ─▶ animation, transforms ─▶ SpatialQuery ─▶ (Update ─▶ picture)
 //! ```
 //! [`Game`] runs without window and device; what it does depends on the steps and their events alone, so that a script
 //! of recorded input plays the same game again.
@@ -11,7 +11,7 @@
 //! ```
 //! use bevy_ecs::prelude::*;
 //! use lightwell::files::SceneData;
-//! use lightwell::game::{FixedStep, Game, Time};
+//! use lightwell::game::{FixedUpdate, Game, Time};
 //! use lightwell::world::Transform;
 //!
 //! /// Rises by itself.
@@ -30,7 +30,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mut game = Game::new();
 //! game.add_component::<Balloon>()?;
-//! game.add_systems(FixedStep, rise);
+//! game.add_systems(FixedUpdate, rise);
 //! # let folder = tempfile::tempdir()?;
 //! # let scene = folder.path().join("sky.scene.ron");
 //! # std::fs::write(&scene, r#"Scene(entities: [(name: "Red", components: {"Balloon": (speed: 3)})])"#)?;
@@ -60,7 +60,7 @@ pub use current_scene::CurrentScene;
 pub use error::GameError;
 pub use input::*;
 pub use light::{LightProbe, ProbePoint};
-pub use running::{EachFrame, FixedStep, Game, Persistent, Start};
+pub use running::{FixedUpdate, Game, OnSceneEnter, Persistent, Update};
 pub use saved::SavedGame;
-pub use space::{Contact, Ghost, Hit, Space};
+pub use space::{Contact, Ghost, Hit, SpatialQuery};
 pub use time::{Time, Timer};

@@ -5,7 +5,7 @@ use super::current_scene::CurrentScene;
 use super::input::{Actions, Input, InputEvent};
 use super::light::{self, LightProbe};
 use super::saved::{SavedGame, SavedTypes};
-use super::space::{self, Ghost, Space};
+use super::space::{self, Ghost, SpatialQuery};
 use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::{AssetLibrary, LoadBudget};
@@ -22,17 +22,17 @@ use std::path::{Path, PathBuf};
 
 /// Systems that run when a scene was entered, before its first step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Start;
+pub struct OnSceneEnter;
 
 /// Systems that run in every step of time. All that decides the game belongs here: steps are equally long, and a
 /// recorded script repeats them exactly.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct FixedStep;
+pub struct FixedUpdate;
 
 /// Systems that run once before a frame is drawn, after none, one or several steps: for what is only looked at, such as
 /// texts and cameras.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct EachFrame;
+pub struct Update;
 
 /// What looks at the world after each step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -77,7 +77,7 @@ impl Game {
         ecs.init_resource::<MessageRegistry>();
         ecs.init_resource::<Requests>();
         ecs.init_resource::<Input>();
-        ecs.init_resource::<Space>();
+        ecs.init_resource::<SpatialQuery>();
         ecs.init_resource::<CurrentScene>();
         ecs.init_resource::<SavedTypes>();
         game.add_systems(Look, (space::update, light::update).chain());
@@ -140,7 +140,7 @@ impl Game {
         MessageRegistry::register_message::<M>(&mut self.world.ecs);
     }
 
-    /// Adds systems to [`Start`], [`FixedStep`], [`EachFrame`] or a schedule of one's own.
+    /// Adds systems to [`OnSceneEnter`], [`FixedUpdate`], [`Update`] or a schedule of one's own.
     pub fn add_systems<M>(&mut self, label: impl ScheduleLabel, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
         self.world.ecs.resource_mut::<Schedules>().add_systems(label, systems);
     }
@@ -155,7 +155,7 @@ impl Game {
         self.world.ecs.resource_mut::<Input>().set_actions(actions);
     }
 
-    /// Goes to a scene, from the one before or from none, and runs [`Start`]. All entities of the scene before go, but
+    /// Goes to a scene, from the one before or from none, and runs [`OnSceneEnter`]. All entities of the scene before go, but
     /// for those that are [`Persistent`]; resources stay.
     ///
     /// # Errors
@@ -165,7 +165,7 @@ impl Game {
         self.begin()
     }
 
-    /// Sets what is done with each scene that was entered, before [`Start`] runs: changes that a command line asks for.
+    /// Sets what is done with each scene that was entered, before [`OnSceneEnter`] runs: changes that a command line asks for.
     pub fn on_entering(&mut self, change: impl Fn(&mut GameWorld, &Path) -> Result<(), String> + 'static) {
         self.entering = Some(Box::new(change));
     }
@@ -183,12 +183,12 @@ impl Game {
         let path = self.world.ecs.resource::<CurrentScene>().path.clone();
         let changed = self.entering.as_ref().map_or(Ok(()), |change| change(&mut self.world, &path));
         self.settle();
-        changed.map_err(|what| GameError::Failed(vec![what])).and(self.run(Start))
+        changed.map_err(|what| GameError::Failed(vec![what])).and(self.run(OnSceneEnter))
     }
 
     /// Takes up what changed in the scene's file since it was read, while the game goes on: fields that the file changed
     /// get its values, entities that it added come, those that it dropped go. All else stays as the game has made it:
-    /// other fields of the same component, resources, the state of systems. [`Start`] does not run.
+    /// other fields of the same component, resources, the state of systems. [`OnSceneEnter`] does not run.
     ///
     /// # Errors
     /// When the file or an asset that it names is faulty; the scene stays as it is then.
@@ -241,7 +241,7 @@ impl Game {
         let time = *self.world.ecs.resource::<Time>();
         self.world.ecs.insert_resource(time.at(time.step + 1));
         self.world.ecs.resource_mut::<Input>().begin_step(events);
-        let result = self.run(FixedStep);
+        let result = self.run(FixedUpdate);
         self.settle();
         result
     }
@@ -252,7 +252,7 @@ impl Game {
     /// As [`Game::step`].
     pub fn frame(&mut self, delta: f32) -> Result<(), GameError> {
         self.world.ecs.resource_mut::<Time>().delta = delta;
-        let result = self.run(EachFrame);
+        let result = self.run(Update);
         self.settle();
         self.world.ecs.resource_scope(|ecs, mut registry: Mut<MessageRegistry>| {
             let tick = ecs.change_tick();
@@ -327,7 +327,7 @@ impl Game {
         SavedGame::of(&self.world)?.write(path)
     }
 
-    /// Goes on with a state that was saved. [`Start`] does not run: the state is from later.
+    /// Goes on with a state that was saved. [`OnSceneEnter`] does not run: the state is from later.
     ///
     /// # Errors
     /// When the file cannot be read or does not fit this game; the present state stays then.

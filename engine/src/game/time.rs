@@ -10,7 +10,7 @@ pub struct Time {
     pub step: u64,
     /// Steps a second.
     pub rate: u32,
-    /// In [`FixedStep`](super::FixedStep) the length of a step, in [`EachFrame`](super::EachFrame) the time since the
+    /// In [`FixedUpdate`](super::FixedUpdate) the length of a step, in [`Update`](super::Update) the time since the
     /// frame before \[s\].
     pub delta: f32,
     /// Since the game began, by its steps \[s\].

@@ -5,7 +5,7 @@ use super::*;
 fn fails<M>(system: impl IntoScheduleConfigs<bevy_ecs::system::ScheduleSystem, M>) -> String {
     let folder = Folder::new();
     let mut game = folder.game();
-    game.add_systems(FixedStep, system);
+    game.add_systems(FixedUpdate, system);
     let error = message(game.step(&[]));
     assert!(x_of(&game, "A") > 0.0, "the step is done nevertheless");
     error
@@ -75,7 +75,7 @@ fn an_observer_that_fails_is_told_with_its_name() {
     let folder = Folder::new();
     let mut game = folder.game();
     game.add_observer(answer);
-    game.add_systems(FixedStep, |mut commands: Commands| commands.trigger(Rang));
+    game.add_systems(FixedUpdate, |mut commands: Commands| commands.trigger(Rang));
     let error = message(game.step(&[]));
     assert!(error.contains("answer") && error.contains("nobody is at home"), "{error}");
 }
@@ -86,7 +86,7 @@ fn the_same_fault_of_many_entities_is_told_once_and_many_are_cut_short() {
     assert_eq!(same.matches("again").count(), 1);
     let folder = Folder::new();
     let mut game = folder.game();
-    game.add_systems(FixedStep, |mut commands: Commands| {
+    game.add_systems(FixedUpdate, |mut commands: Commands| {
         for number in 0..100 {
             commands.queue(move |_: &mut World| -> Result { Err(format!("fault number {number}").into()) });
         }

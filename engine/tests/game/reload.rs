@@ -36,8 +36,8 @@ fn playing(folder: &Folder) -> Game {
     game.add_component::<Runner>().unwrap();
     game.add_component::<Wheel>().unwrap();
     game.world.ecs.init_resource::<Starts>();
-    game.add_systems(Start, |mut starts: ResMut<Starts>| starts.0 += 1);
-    game.add_systems(FixedStep, |time: Res<Time>, mut wheels: Query<(&mut Wheel, &mut Transform)>| {
+    game.add_systems(OnSceneEnter, |mut starts: ResMut<Starts>| starts.0 += 1);
+    game.add_systems(FixedUpdate, |time: Res<Time>, mut wheels: Query<(&mut Wheel, &mut Transform)>| {
         for (mut wheel, mut transform) in &mut wheels {
             let way = wheel.speed * time.delta;
             wheel.way += way;
@@ -193,7 +193,7 @@ fn a_scene_is_changed_before_it_begins_whenever_it_is_entered() {
     #[derive(Resource, Default)]
     struct Seen(Vec<f32>);
     game.world.ecs.init_resource::<Seen>();
-    game.add_systems(Start, |wheels: Query<&Wheel>, mut seen: ResMut<Seen>| {
+    game.add_systems(OnSceneEnter, |wheels: Query<&Wheel>, mut seen: ResMut<Seen>| {
         seen.0.extend(wheels.iter().map(|wheel| wheel.speed));
     });
     game.on_entering(|world, path| {

@@ -108,11 +108,11 @@ pub fn app() -> App {
         .component::<Gate>()
         .saved_resource(Run::default())
         .observer(on_lit)
-        .systems(Start, begin)
-        .systems(FixedStep, menu)
-        .systems(FixedStep, (roll, switch_on, catch, fade, leave).chain().after(menu).run_if(is_playing))
-        .systems(FixedStep, (shine, glow, follow, hover).after(menu))
-        .systems(EachFrame, hud)
+        .systems(OnSceneEnter, begin)
+        .systems(FixedUpdate, menu)
+        .systems(FixedUpdate, (roll, switch_on, catch, fade, leave).chain().after(menu).run_if(is_playing))
+        .systems(FixedUpdate, (shine, glow, follow, hover).after(menu))
+        .systems(Update, hud)
 }
 
 fn is_playing(run: Res<Run>) -> bool {
@@ -141,7 +141,7 @@ fn menu(input: Res<Input>, mut run: ResMut<Run>, mut commands: Commands) {
 fn roll(
     time: Res<Time>,
     input: Res<Input>,
-    space: Res<Space>,
+    space: Res<SpatialQuery>,
     mut run: ResMut<Run>,
     ball: Single<(Entity, &mut Ball, &mut Transform)>,
 ) {

@@ -5,7 +5,7 @@ use egui::{Align2, Color32, Context, FontId, FullOutput, LayerId, Pos2, RawInput
 use glam::Vec2;
 use lightwell::game::Game;
 
-/// What is drawn over the picture, by systems in [`EachFrame`](lightwell::game::EachFrame). Lengths are percents of the
+/// What is drawn over the picture, by systems in [`Update`](lightwell::game::Update). Lengths are percents of the
 /// picture's height, so that texts look alike at every size.
 #[derive(Resource, Clone, Default)]
 pub struct Hud {

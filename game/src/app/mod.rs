@@ -17,7 +17,7 @@
 //! }
 //!
 //! fn main() -> std::process::ExitCode {
-//!     App::new("mill.scene.ron").component::<Spinner>().systems(FixedStep, spin).run()
+//!     App::new("mill.scene.ron").component::<Spinner>().systems(FixedUpdate, spin).run()
 //! }
 //! ```
 //!
@@ -53,7 +53,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
 use clap::{CommandFactory, FromArgMatches};
 use lightwell::files::{ComponentTypes, SceneData};
-use lightwell::game::{Actions, EachFrame, Game, GameError, Ghost, InputScript, LightProbe, Persistent};
+use lightwell::game::{Actions, Game, GameError, Ghost, InputScript, LightProbe, Persistent, Update};
 use lightwell::graph::{Graph, Handle, Texture};
 use lightwell::render::Picture;
 #[cfg(feature = "editor")]
@@ -89,7 +89,7 @@ impl App {
         let mut game = Game::new();
         game.world.ecs.init_resource::<Hud>();
         game.world.ecs.init_resource::<Sounds>();
-        game.add_systems(EachFrame, hud::show_trouble);
+        game.add_systems(Update, hud::show_trouble);
         let app = Self {
             game,
             scene: scene.into(),
@@ -128,7 +128,7 @@ impl App {
         self
     }
 
-    /// Adds systems to [`Start`](lightwell::game::Start), [`FixedStep`](lightwell::game::FixedStep) or [`EachFrame`].
+    /// Adds systems to [`OnSceneEnter`](lightwell::game::OnSceneEnter), [`FixedUpdate`](lightwell::game::FixedUpdate) or [`Update`].
     pub fn systems<M>(
         mut self,
         label: impl ScheduleLabel,

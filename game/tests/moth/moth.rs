@@ -42,8 +42,8 @@ pub fn app() -> App {
         .actions("moth.actions.ron")
         .component::<Moth>()
         .component::<Sleeper>()
-        .systems(FixedStep, (fly, wake).chain())
-        .systems(EachFrame, tell)
+        .systems(FixedUpdate, (fly, wake).chain())
+        .systems(Update, tell)
 }
 
 fn main() -> std::process::ExitCode {

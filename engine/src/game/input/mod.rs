@@ -137,7 +137,7 @@ impl Input {
         self.pointer
     }
 
-    /// The line of sight through the pointer, from where to which direction: for [`Space::ray`](super::Space::ray), to
+    /// The line of sight through the pointer, from where to which direction: for [`SpatialQuery::cast_ray`](super::SpatialQuery::cast_ray), to
     /// find what is pointed at.
     pub fn pointer_ray(&self, camera: &Camera, place: &GlobalTransform) -> (Vec3, Vec3) {
         let [right, up, back] = [0, 1, 2].map(|axis| Vec3::from(place.0.matrix3.col(axis)).normalize_or_zero());

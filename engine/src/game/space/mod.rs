@@ -16,7 +16,7 @@ use crate::scene::Aabb;
 use bevy_ecs::prelude::{Entity, Resource};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use std::sync::Arc;
-use sweep::{Touch, closest_point, sweep_box, sweep_sphere};
+use sweep::{Touch, cast_box, cast_sphere, closest_point};
 
 /// Where a ray meets something.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,18 +59,18 @@ struct Instance {
 
 /// All that can be hit and touched.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct Space {
+pub struct SpatialQuery {
     instances: Vec<Instance>,
     boxes: Vec<Aabb>,
     top: Bvh,
 }
 
-/// How far two surfaces are kept apart by [`Space::slide_sphere`] \[m\], against rounding.
+/// How far two surfaces are kept apart by [`SpatialQuery::slide_sphere`] \[m\], against rounding.
 const SKIN: f32 = 1e-3;
 
-impl Space {
+impl SpatialQuery {
     /// The nearest thing that a ray meets within a distance \[m\], of those that count.
-    pub fn ray(&self, origin: Vec3, direction: Vec3, reach: f32, counts: impl Fn(Entity) -> bool) -> Option<Hit> {
+    pub fn cast_ray(&self, origin: Vec3, direction: Vec3, reach: f32, counts: impl Fn(Entity) -> bool) -> Option<Hit> {
         self.cast(origin, direction, reach, |instance| !instance.is_ghost && counts(instance.entity))
     }
 
@@ -103,7 +103,7 @@ impl Space {
     }
 
     /// What a ball touches first on its way, of what counts. What it is in already does not hold it from leaving.
-    pub fn sweep_sphere(
+    pub fn cast_sphere(
         &self,
         center: Vec3,
         radius: f32,
@@ -111,11 +111,11 @@ impl Space {
         counts: impl Fn(Entity) -> bool,
     ) -> Option<Contact> {
         let half = Vec3::splat(radius);
-        self.sweep(center, half, motion, counts, |corners| sweep_sphere(center, radius, motion, corners))
+        self.sweep(center, half, motion, counts, |corners| cast_sphere(center, radius, motion, corners))
     }
 
     /// What a box of these half edges, turned about its centre, touches first on its way, of what counts.
-    pub fn sweep_box(
+    pub fn cast_box(
         &self,
         center: Vec3,
         half: Vec3,
@@ -128,7 +128,7 @@ impl Space {
         let inverse = rotation.inverse();
         self.sweep(center, reach, motion, counts, |corners| {
             let local = corners.map(|corner| inverse * (corner - center));
-            let touch = sweep_box(half, inverse * motion, local)?;
+            let touch = cast_box(half, inverse * motion, local)?;
             Some(Touch { point: center + rotation * touch.point, normal: rotation * touch.normal, ..touch })
         })
     }
@@ -191,7 +191,7 @@ impl Space {
         }
         for _ in 0..4 {
             let Some(length) = Some(left.length()).filter(|length| *length > 1e-7) else { break };
-            let Some(contact) = self.sweep_sphere(at, radius, left, &counts) else {
+            let Some(contact) = self.cast_sphere(at, radius, left, &counts) else {
                 at += left;
                 break;
             };

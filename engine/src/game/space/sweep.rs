@@ -62,7 +62,7 @@ fn ratio(part: f32, whole: f32) -> f32 {
 
 /// The first touch of a ball with centre c that moves by v: its centre enters the triangle, widened by the radius. That
 /// is the face pushed out to the ball's side, a cylinder around each edge, and a sphere around each corner.
-pub fn sweep_sphere(c: Vec3, radius: f32, v: Vec3, corners: [Vec3; 3]) -> Option<Touch> {
+pub fn cast_sphere(c: Vec3, radius: f32, v: Vec3, corners: [Vec3; 3]) -> Option<Touch> {
     let nearest = closest_point(c, corners);
     let away = c - nearest;
     let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
@@ -129,7 +129,7 @@ fn first_root(a: f32, b: f32, c: f32) -> Option<f32> {
 
 /// The first touch of a box around the origin, in its own axes, that moves by v: separating axes over time, the three
 /// of the box, the triangle's normal, and the products of their edges.
-pub fn sweep_box(half: Vec3, v: Vec3, corners: [Vec3; 3]) -> Option<Touch> {
+pub fn cast_box(half: Vec3, v: Vec3, corners: [Vec3; 3]) -> Option<Touch> {
     let edges = [corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]];
     let mut axes = vec![Vec3::X, Vec3::Y, Vec3::Z, edges[0].cross(edges[1])];
     axes.extend(edges.iter().flat_map(|edge| [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis.cross(*edge))));

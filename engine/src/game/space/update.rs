@@ -1,6 +1,6 @@
 //! The space follows the world.
 
-use super::{Instance, Space};
+use super::{Instance, SpatialQuery};
 use crate::bvh::Bvh;
 use crate::files::SceneData;
 use crate::scene::Aabb;
@@ -16,7 +16,7 @@ type IsChanged = (With<MeshRenderer>, Or<(Changed<GlobalTransform>, Changed<Mesh
 
 /// Brings the space up to date, if anything in it changed.
 pub fn update(
-    mut space: ResMut<Space>,
+    mut space: ResMut<SpatialQuery>,
     all: Query<Row>,
     changed: Query<(), IsChanged>,
     mut gone: RemovedComponents<MeshRenderer>,
@@ -31,7 +31,7 @@ pub fn update(
     space.follow(rows.into_iter().map(|(entity, _, place, renderer, is_ghost)| (entity, place, renderer, is_ghost)));
 }
 
-impl Space {
+impl SpatialQuery {
     fn follow<'a>(&mut self, rows: impl Iterator<Item = (Entity, &'a GlobalTransform, &'a MeshRenderer, bool)>) {
         let before: Vec<Entity> = self.instances.iter().map(|instance| instance.entity).collect();
         self.instances.clear();

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "own_pass/dusk.rs"]
+#[path = "custom_pass/dusk.rs"]
 mod dusk;
 mod support;
 
@@ -14,12 +14,12 @@ use lightwell::render::{GiMethod, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
 use support::{Stage, gpu};
 
-const SHADER: &str = include_str!("own_pass/dusk.wgsl");
+const SHADER: &str = include_str!("custom_pass/dusk.wgsl");
 
 #[test]
 fn the_page_shows_the_pass_as_it_is() {
     let page = include_str!("../../docs/frame.md");
-    assert!(page.contains(include_str!("own_pass/dusk.rs").trim()), "docs/frame.md shows another dusk.rs");
+    assert!(page.contains(include_str!("custom_pass/dusk.rs").trim()), "docs/frame.md shows another dusk.rs");
     assert!(page.contains(SHADER.trim()), "docs/frame.md shows another dusk.wgsl");
 }
 
