@@ -245,7 +245,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     }
     // All of them. Where a loop depends on a uniform alone, Mesa's software driver (22.3) recompiles the shader for every
     // dispatch and keeps each.
-    light_count = min(params.light_count, 0xffffu + index);
+    light_count = min(params.light_count, 0xfffffffu + index);
     emitter_count = min(params.emitter_count, 0xfffffffu + index);
     var taken = 0u;
     var random: Sampler;

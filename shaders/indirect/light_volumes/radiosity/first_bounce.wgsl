@@ -54,7 +54,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     let position = link_start(surfels[index], first_bounce.before);
     // All of them. Where a loop hangs on a uniform alone, Mesa's software driver (22.3) makes the shader anew in every frame,
     // and keeps all.
-    let light_count = min(first_bounce.light_count, 0xffffu + index);
+    let light_count = min(first_bounce.light_count, 0xfffffffu + index);
     var light = vec3f(0.0);
     for (var i = 0u; i < SAMPLES; i++) {
         let hit = link_hit(surfel_links[index * RAYS + i], position);
