@@ -26,7 +26,7 @@ impl Views {
         self.then = std::mem::take(self.now.get_mut().unwrap_or_else(PoisonError::into_inner));
     }
 
-    /// Whether to draw dynamic objects apart: from when it first changes in a view that rests, until the view changes.
+    /// Whether to draw dynamic objects apart: from when one first changes in a view that rests, until the view changes.
     pub(super) fn are_apart(&self, name: &str, view: u64, moving: &[[u64; 3]]) -> bool {
         let changes = hash(&moving);
         let apart = match self.then.get(name) {

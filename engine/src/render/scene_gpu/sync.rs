@@ -36,7 +36,7 @@ impl Synced {
 
     /// Changes with anything of what does not move.
     fn still_key(&self) -> [u64; 3] {
-        // A scene that does not tell dynamic objects is static as a whole.
+        // A scene that does not say which objects are dynamic is static as a whole.
         let revisions = if self.statics == 0 { [self.geometry, self.materials] } else { [self.statics, 0] };
         [self.identity, revisions[0], revisions[1]]
     }

@@ -375,7 +375,7 @@ fn what_changes_is_moving_from_then_on() {
     nudge(&mut s);
     let begun = s.frame().statics;
     assert!(begun > before && moving(&s) == [true, false]);
-    // Further moves are none of static objects, nor is a light, nor rest.
+    // Further moves change nothing static, nor do lights, nor does rest.
     for step in 0..40 {
         if step < 5 {
             nudge(&mut s);
