@@ -54,10 +54,14 @@ fn room(settings: Clpv) -> Stage {
 }
 
 fn traced(gpu: &Gpu, stage: &Stage, bounces: u32) -> Image {
+    traced_with(gpu, stage, bounces, 256)
+}
+
+fn traced_with(gpu: &Gpu, stage: &Stage, bounces: u32, samples: u32) -> Image {
     let mut tracer = PathTracer::new(gpu);
     let settings = TraceSettings { bounces: Some(bounces), seed: 3 };
     tracer.begin(gpu, &stage.scene, &stage.view, &settings).expect("a scene that can be traced");
-    tracer.advance(gpu, 256).expect("a device");
+    tracer.advance(gpu, samples).expect("a device");
     let estimate = tracer.estimate(gpu).expect("an image");
     let [even, odd] = &estimate.indirect;
     let mut image = even.clone();
@@ -382,4 +386,62 @@ fn the_filter_is_narrower_where_many_images_are_averaged() {
     assert_eq!(image(8, 8), image(4, 1));
     assert_eq!(image(8, 1000), image(0, 1));
     assert_ne!(image(8, 1), image(8, 8));
+}
+
+/// A bright panel three centimetres before a wall: the light of its rim changes over that distance, which few rays tell.
+fn panel(settings: Clpv) -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.3, 0.1, 1.2), Vec3::new(0.0, 0.0, -2.0), 96);
+    stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.7, 0.5, 0.3));
+    let glow = Material { emissive: Vec3::splat(20.0), ..Material::diffuse("glow", Vec3::splat(0.5)) };
+    stage.add_material(
+        Shape::Box { size: [0.8, 0.5, 0.04] },
+        glow,
+        Affine3A::from_translation(Vec3::new(0.0, 0.0, -1.95)),
+    );
+    stage.clpv(Vec3::ZERO, settings);
+    stage
+}
+
+/// Across the rim of something that glows the filter would spread light by many times what is there.
+#[test]
+fn the_filter_keeps_the_bright_rim_beside_what_glows() {
+    let gpu = gpu();
+    let with = |gather_filter, rays| {
+        panel(Clpv { gather_filter, gather_rays: GatherRays::Count(rays), ..settings(Bounces::Count(1)) })
+    };
+    let best = averaged(&gpu, with(0, 16));
+    let expected = Image::from_rgba(best.width, best.height, &best.rgba).expect("an image");
+    // The same pixel grids, so that edges are alike.
+    let [(noise, _), (nrmse, bias)] = [0, 8].map(|filter| error(&averaged(&gpu, with(filter, 2)), &expected));
+    assert!(nrmse < noise && bias.abs() < 0.03, "filtered {nrmse}, as gathered {noise}, bias {bias}");
+}
+
+/// Above a metal floor a wall's rays end nearer than a patch is large, and go on from there as the metal reflects.
+#[test]
+fn walls_are_lit_by_the_metal_that_they_stand_on() {
+    let gpu = gpu();
+    let metal =
+        Material { metallic: 1.0, roughness: 0.5, specular: 1.0, ..Material::diffuse("metal", Vec3::splat(0.9)) };
+    let mut stage = room(Clpv { gather_filter: 2, ..settings(Bounces::Converged) });
+    let floor = Affine3A::from_translation(Vec3::new(0.0, -1.95, 0.0));
+    stage.add_material(Shape::Box { size: [3.98, 0.1, 3.98] }, metal, floor);
+    stage.view = Stage::new(Vec3::new(0.6, -1.6, -1.3), Vec3::new(0.6, -1.75, -2.0), 48).view;
+    let expected = traced_with(&gpu, &stage, 64, 1024);
+    let (nrmse, bias) = error(&averaged(&gpu, stage), &expected);
+    assert!(nrmse < 0.06 && bias.abs() < 0.01, "nrmse {nrmse}, bias {bias}");
+}
+
+/// Rays that go on as paths need nothing that is kept at surfaces, and bring all bounces.
+#[test]
+fn paths_have_the_mean_of_the_path_tracer_and_no_patches() {
+    let gpu = gpu();
+    let paths = |bounces| Clpv { gather_rays: GatherRays::Paths(8), ..settings(bounces) };
+    for (bounces, limit) in [(Bounces::Converged, 64), (Bounces::Count(3), 3), (Bounces::Count(1), 1)] {
+        let stage = room(paths(bounces));
+        let (_, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &RenderSettings::default());
+        assert!(report.ran("gather") && !report.ran("radiosity") && !report.ran("surfel links"), "{report}");
+        let expected = traced(&gpu, &stage, limit);
+        let (nrmse, bias) = error(&averaged(&gpu, stage), &expected);
+        assert!(nrmse < 0.06 && bias.abs() < 0.005, "{bounces:?}: nrmse {nrmse}, bias {bias}");
+    }
 }

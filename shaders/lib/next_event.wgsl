@@ -17,6 +17,9 @@
 // Nothing brighter is counted, so that no sum over samples leaves the range of floats.
 const MAX_RADIANCE: f32 = 1e30;
 
+// Places on emissive surfaces of which `resample_emitter` takes one.
+const EMITTER_CANDIDATES: u32 = 4u;
+
 fn bounded(value: vec3f) -> vec3f {
     return clamp(value, vec3f(0.0), vec3f(MAX_RADIANCE));
 }
@@ -200,9 +203,11 @@ fn choose_emitter(count: u32, random: f32) -> u32 {
     return low;
 }
 
-// A place on an emissive triangle, chosen by flux, weighted against `sample_direction`.
-fn sample_emitter(surface: Surface, to_eye: vec3f, share: f32, count: u32, choice: vec2f, on_triangle: vec2f) -> LightSample {
-    let emitter = emitters[choose_emitter(count, choice.x)];
+// A place on an emissive triangle, chosen by flux, as one of `candidates`, weighted against `sample_direction`.
+fn sample_emitter(
+    surface: Surface, to_eye: vec3f, share: f32, count: u32, candidates: f32, choice: f32, on_triangle: vec2f,
+) -> LightSample {
+    let emitter = emitters[choose_emitter(count, choice)];
     let triangle = load_triangle(emitter.triangle);
     // Uniform over the triangle (Turk 1990).
     let root = sqrt(on_triangle.x);
@@ -226,21 +231,57 @@ fn sample_emitter(surface: Surface, to_eye: vec3f, share: f32, count: u32, choic
         return no_light();
     }
     // Solid angle of the triangle's area as seen from here.
-    let density = emitter.density * distance_squared / cosine;
+    let density = candidates * (emitter.density * distance_squared / cosine);
     let weight = density / (density + direction_density(surface, to_eye, direction, share));
     let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
         * coverage(emitter.triangle, triangle.material, barycentric);
     let origin = leave_surface(surface, direction);
     return LightSample(response * emitted * (weight / density), Ray(origin, place_on - origin), 0.9999, 0.0);
 }
+
+// Of several places the one that brings most if nothing is in its way is the likeliest to be chosen (resampling: Talbot,
+// Cline and Egbert 2005): beside something that glows most places on it are too far off or turned away. The first pair
+// chooses emitters and among the places, the second places on them: each candidate's is shifted by a step of the R2
+// sequence (Roberts 2018), so that they lie apart.
+fn resample_emitter(
+    surface: Surface, to_eye: vec3f, share: f32, count: u32, choice: vec2f, on_triangle: vec2f,
+) -> LightSample {
+    var chosen = no_light();
+    var chosen_weight = 0.0;
+    var total = 0.0;
+    var pick = choice.y;
+    for (var i = 0u; i < EMITTER_CANDIDATES; i++) {
+        let step = f32(i);
+        let emitter = fract(choice.x + step / f32(EMITTER_CANDIDATES));
+        let place = fract(on_triangle + step * vec2f(0.7548776662, 0.5698402909));
+        let sample = sample_emitter(surface, to_eye, share, count, f32(EMITTER_CANDIDATES), emitter, place);
+        let light = bounded(sample.light);
+        let weight = light.r + light.g + light.b;
+        if weight <= 0.0 {
+            continue;
+        }
+        total += weight;
+        // The random number is used up and stretched again at each choice.
+        let chance = weight / total;
+        if pick < chance {
+            pick /= chance;
+            chosen = sample;
+            chosen_weight = weight;
+        } else {
+            pick = (pick - chance) / (1.0 - chance);
+        }
+    }
+    chosen.light *= total / max(chosen_weight, 1e-37);
+    return chosen;
+}
 #endif
 
 // Weight of the emission of a surface that a ray in a unit direction, sampled with that density, has met, against
-// `sample_emitter` where the ray came from.
-fn emission_weight(surface: Surface, hit: Hit, direction: vec3f, density: f32) -> f32 {
+// so many candidates of `sample_emitter` where the ray came from.
+fn emission_weight(surface: Surface, hit: Hit, direction: vec3f, density: f32, candidates: f32) -> f32 {
 #ifndef UNLIT
     if surface.emitter != NONE {
-        let per_area = emitters[surface.emitter].density;
+        let per_area = candidates * emitters[surface.emitter].density;
         let of_emitter = per_area * hit.t * hit.t / max(1e-20, abs(dot(surface.geometric_normal, direction)));
         return density / (density + of_emitter);
     }

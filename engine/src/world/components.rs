@@ -231,6 +231,10 @@ pub enum GatherRays {
     Auto,
     /// So many, 0 to 16; 0: the volumes are looked up at the visible surfaces themselves.
     Count(u32),
+    /// So many, 1 to 16, each of which goes on as a path over all further bounces instead of ending in light that is kept
+    /// at the surfaces it meets: path tracing (Kajiya 1986) behind the same filter. Right in the mean whatever the surfaces
+    /// are, with more noise and more rays than `Count`. For `gather_rays` alone.
+    Paths(u32),
 }
 
 /// How precisely light is kept on its way from cell to cell (sweep transport). What is summed up is in single precision

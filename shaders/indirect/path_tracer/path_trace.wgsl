@@ -132,7 +132,7 @@ fn add_emission(path: ptr<function, Path>, surface: Surface, hit: Hit) {
         add(path, surface.emissive, true);
         return;
     }
-    add(path, surface.emissive * emission_weight(surface, hit, (*path).ray.direction, (*path).density), false);
+    add(path, surface.emissive * emission_weight(surface, hit, (*path).ray.direction, (*path).density, 1.0), false);
 }
 
 // ---- The sky ----
@@ -211,7 +211,7 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
     let share = specular_share(surface, to_eye);
 #ifndef UNLIT
     let choice_of_emitter = next_pair(random);
-    add_unless_blocked(path, sample_emitter(surface, to_eye, share, emitter_count, choice_of_emitter, next_pair(random)));
+    add_unless_blocked(path, sample_emitter(surface, to_eye, share, emitter_count, 1.0, choice_of_emitter.x, next_pair(random)));
 #endif
 #ifndef EVEN_SKY
     let choice_of_texel = next_pair(random);

@@ -221,7 +221,11 @@ fn clpv() -> impl Strategy<Value = Clpv> {
     let transport = prop_oneof![Just(Transport::Sweep), Just(Transport::Diffusion)];
     let bounces = prop_oneof![Just(Bounces::Converged), (1u32..=32).prop_map(Bounces::Count)];
     let quality = prop_oneof![Just(Quality::Low), Just(Quality::Medium), Just(Quality::High), Just(Quality::Ultra)];
-    let rays = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
+    let rays = prop_oneof![
+        Just(GatherRays::Auto),
+        (0u32..=16).prop_map(GatherRays::Count),
+        (1u32..=16).prop_map(GatherRays::Paths)
+    ];
     let precision = prop_oneof![Just(Precision::Single), Just(Precision::Half)];
     let points = prop_oneof![Just(GatherRays::Auto), (0u32..=16).prop_map(GatherRays::Count)];
     let method = (transport, bounces, quality, rays, points, precision);

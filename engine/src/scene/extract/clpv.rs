@@ -65,6 +65,7 @@ fn at_most_sixteen(rays: GatherRays) -> GatherRays {
     match rays {
         GatherRays::Auto => GatherRays::Auto,
         GatherRays::Count(count) => GatherRays::Count(count.min(16)),
+        GatherRays::Paths(count) => GatherRays::Paths(count.clamp(1, 16)),
     }
 }
 
@@ -79,7 +80,10 @@ fn sanitized(clpv: &Clpv) -> Clpv {
         },
         cascades: clpv.cascades.clamp(1, 4),
         gather_rays: at_most_sixteen(clpv.gather_rays),
-        gather_points: at_most_sixteen(clpv.gather_points),
+        gather_points: match at_most_sixteen(clpv.gather_points) {
+            GatherRays::Paths(_) => GatherRays::Auto,
+            points => points,
+        },
         gather_filter: clpv.gather_filter.min(32),
         cells: clpv.cells.map(|n| n.clamp(1, 128)),
         cell_size: match clpv.cell_size {

@@ -110,10 +110,32 @@ struct Sums {
     sum: f64,
 }
 
+/// Errors of all light of a row of images.
+#[derive(Clone)]
+struct TotalError {
+    squares: Squares,
+    /// Of the images' means.
+    sum: f64,
+}
+
+impl TotalError {
+    fn new(size: [u32; 2]) -> Self {
+        Self { squares: Squares::new(size), sum: 0.0 }
+    }
+
+    fn push(&mut self, image: &Image, halves: &[Image; 2]) {
+        let values = |image: &Image| image.values().map(f64::from).collect::<Vec<_>>();
+        let [one, two] = [&halves[0], &halves[1]].map(values);
+        self.squares.add(&values(image), [&one, &two]);
+        self.sum += image.mean();
+    }
+}
+
 /// A variant's row as it is played, and one with smooth edges.
 struct Rows {
     played: Sums,
     smooth: Option<Sums>,
+    total: TotalError,
 }
 
 impl Sums {
@@ -162,11 +184,11 @@ pub fn measure(
     // What frames before lend to it would be lent to images that are drawn twice.
     let lends = |variant: &Variant| variant.is_traced() || variant.average == Some(Switch::On);
     let smooth = |index: &usize| (!lends(&lab.runners[*index].0)).then(|| Sums::new(size));
-    let rows = |index: &usize| Rows { played: Sums::new(size), smooth: smooth(index) };
+    let rows = |index: &usize| Rows { played: Sums::new(size), smooth: smooth(index), total: TotalError::new(size) };
     let mut rows: Vec<Rows> = which.iter().map(rows).collect();
     let mut own = Sums::new(size);
     let mut halves = [Trail::default(), Trail::default()];
-    let mut mean = 0.0;
+    let (mut mean, mut total_mean) = (0.0, 0.0);
     lead_in(lab, which, course)?;
     for frame in course.first..course.first + course.frames {
         let time = f64::from(frame) / f64::from(rate.max(1));
@@ -175,11 +197,14 @@ pub fn measure(
         let found = references.get(lab.tracer(), &wanted, &mut |_| progress(None))?;
         let both = found.estimate.halves(Layer::Indirect);
         mean += 0.5 * (both[0].mean() + both[1].mean()) / f64::from(course.frames);
+        let totals = found.estimate.halves(Layer::Total);
+        total_mean += 0.5 * (totals[0].mean() + totals[1].mean()) / f64::from(course.frames);
         halves.iter_mut().zip(both).for_each(|(trail, half)| trail.push(half));
         own.push(black.clone(), &halves);
         for (rows, &index) in rows.iter_mut().zip(which) {
             let traced = lab.runners[index].0.is_traced();
             let light = if traced { lab.trace(index, size)? } else { lab.draw(index, size, 1)? };
+            rows.total.push(&light.total, &totals);
             rows.played.push(light.indirect, &halves);
             if let Some(smooth) = &mut rows.smooth {
                 smooth.push(lab.draw(index, size, course.aa)?.indirect, &halves);
@@ -200,6 +225,8 @@ pub fn measure(
             reference_tremble: Some(own.tremble.root() / mean),
             error: Some(sums.error.root() / mean),
             bias: Some(sums.sum / f64::from(course.frames) / mean - 1.0),
+            total_error: Some(rows.total.squares.root() / total_mean),
+            total_bias: Some(rows.total.sum / f64::from(course.frames) / total_mean - 1.0),
             smooth: rows.smooth.as_ref().map(|smooth| smooth.change.root() / mean),
             ..Flicker::default()
         };

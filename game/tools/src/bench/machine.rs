@@ -25,7 +25,17 @@ pub fn header(gpu: &Gpu, settings: String) -> Result<Header> {
         program: program(gpu.shaders.dir())?,
         date: jiff::Timestamp::now().strftime("%Y-%m-%d %H:%M UTC").to_string(),
         settings,
+        command: command(std::env::args().skip(1)),
     })
+}
+
+/// A command line as one would type it.
+fn command(args: impl Iterator<Item = String>) -> String {
+    let quoted = |arg: String| match arg.contains([' ', '=', '"', '*']) {
+        true => format!("\"{}\"", arg.replace('"', "\\\"")),
+        false => arg,
+    };
+    std::iter::once("lightwell".to_owned()).chain(args.map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
 /// A hash of the running program and the shaders beside it: results of one build are not mixed with another's.
@@ -85,6 +95,12 @@ mod tests {
         assert_eq!(program(dir.path()).unwrap(), before);
         std::fs::write(&shader, "two").unwrap();
         assert_ne!(program(dir.path()).unwrap(), before);
+    }
+
+    #[test]
+    fn a_command_line_can_be_typed_again() {
+        let args = ["bench", "cornell", "--variant", "window: average=on"].map(str::to_owned);
+        assert_eq!(command(args.into_iter()), "lightwell bench cornell --variant \"window: average=on\"");
     }
 
     #[cfg(target_os = "linux")]

@@ -293,6 +293,8 @@ mod tests {
             "gather medium",
             "gather high",
             "gather ultra",
+            "filtered paths 1 spp",
+            "filtered paths 4 spp",
         ];
         let sweeps = sweeps.map(str::to_owned);
         let culled = ["slc coarse", "slc", "slc fine", "slc no visibility"].map(str::to_owned);

@@ -58,6 +58,9 @@ pub struct Header {
     pub date: String,
     /// The settings of the last run, in words.
     pub settings: String,
+    /// The last run's command line.
+    #[serde(default)]
+    pub command: String,
 }
 
 impl Header {
@@ -272,6 +275,12 @@ pub struct Flicker {
     /// Their mean over the reference's, less 1.
     #[serde(default)]
     pub bias: Option<f64>,
+    /// Error of all light of the frames, in the same measure.
+    #[serde(default)]
+    pub total_error: Option<f64>,
+    /// Its mean over the reference's, less 1.
+    #[serde(default)]
+    pub total_bias: Option<f64>,
     /// The change, where each frame is averaged over shifts by parts of a pixel.
     #[serde(default)]
     pub smooth: Option<f64>,

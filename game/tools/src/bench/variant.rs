@@ -43,6 +43,9 @@ const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
 const NO_RAYS: (&str, &str) = ("clpv.gather_rays", "Count(0)");
 const BY_QUALITY: (&str, &str) = ("clpv.gather_rays", "Auto");
 const HALF: (&str, &str) = ("clpv.precision", "Half");
+const ONE_PATH: (&str, &str) = ("clpv.gather_rays", "Paths(1)");
+const FOUR_PATHS: (&str, &str) = ("clpv.gather_rays", "Paths(4)");
+const NO_POINTS: (&str, &str) = ("clpv.gather_points", "Count(0)");
 const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
 /// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
@@ -58,6 +61,8 @@ pub const METHODS: &[Method] = &[
     Method { name: "gather medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY], what: "medium quality: volumes of low quality, gathered by 4 rays a pixel", runs: Runs::Always },
     Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, BY_QUALITY], what: "high quality: volumes of medium quality, gathered by 8 rays a pixel", runs: Runs::Always },
     Method { name: "gather ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, BY_QUALITY], what: "ultra quality: volumes of high quality, gathered by 16 rays a pixel", runs: Runs::Thorough },
+    Method { name: "filtered paths 1 spp", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ONE_PATH, NO_POINTS], what: "path tracing, one path a pixel, behind the gather's filter", runs: Runs::Always },
+    Method { name: "filtered paths 4 spp", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, FOUR_PATHS, NO_POINTS], what: "path tracing, four paths a pixel, behind the gather's filter", runs: Runs::Always },
     Method { name: "gather 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
     Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
     Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },

@@ -8,9 +8,9 @@
 //   AT_ONCE   those of a dispatch
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
-#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, even_reflectance}
+#import lightwell::next_event::{EMITTER_CANDIDATES, LightSample, bounded, direction_density, emission_weight, even_reflectance}
 #ifndef UNLIT
-#import lightwell::next_event::sample_emitter
+#import lightwell::next_event::resample_emitter
 #endif
 #ifndef EVEN_SKY
 #import lightwell::next_event::{sample_sky_light, sky_weight}
@@ -79,7 +79,7 @@ fn sampled_light(surface: Surface, random: ptr<function, Sampler>) -> vec3f {
 #ifndef UNLIT
     let emitter = next_pair(random);
     let place = next_pair(random);
-    light += unless_blocked(sample_emitter(surface, surface.normal, 0.0, links.emitter_count, emitter, place));
+    light += unless_blocked(resample_emitter(surface, surface.normal, 0.0, links.emitter_count, emitter, place));
 #endif
 #ifndef EVEN_SKY
     let texel = next_pair(random);
@@ -120,7 +120,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
             } else {
                 let met = surface_at(hit, direction);
                 if met.visible {
-                    light += bounded(met.emissive * emission_weight(met, hit, direction, density));
+                    light += bounded(met.emissive * emission_weight(met, hit, direction, density, f32(EMITTER_CANDIDATES)));
                     let seen = patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal);
                     link = encode_link(seen, even_reflectance(met, -direction), hit);
                 }

@@ -6,15 +6,17 @@
 //   RAYS      rays of a pixel
 //   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
 //   ONE_BOUNCE  patches have no light
+//   PATHS     rays go on as paths (Kajiya 1986), each with so many rays more at most, and nothing ends in patches
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
 #import lightwell::gbuffer::{decode_surface, world_position}
 #ifdef POINTS
 #import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
-#import lightwell::next_event::{LightSample, bounded, emission_weight, even_reflectance, no_light, sample_light}
+#import lightwell::next_event::{EMITTER_CANDIDATES, LightSample, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
 #ifndef UNLIT
-#import lightwell::next_event::sample_emitter
+#import lightwell::color::luminance
+#import lightwell::next_event::resample_emitter
 #endif
 #ifndef EVEN_SKY
 #import lightwell::next_event::{sample_sky_light, sky_weight}
@@ -79,8 +81,16 @@ const POINTS: u32 = #{POINTS}u;
 const CANDIDATES: u32 = 4u;
 #endif
 
-// Rays more that follow one another where surfaces are near.
+// Rays more that follow one another where surfaces are near or glossy.
+#ifdef PATHS
+const MOST_NEAR: u32 = #{PATHS}u;
+#else
 const MOST_NEAR: u32 = 2u;
+#endif
+// Rays that always go on; later ones by Russian roulette.
+const SAFE_BOUNCES: u32 = 3u;
+// Share of the specular lobe in what a surface reflects from which on light in other directions than its own says little.
+const GLOSSY: f32 = 0.5;
 
 // Where a ray begins.
 struct Vertex {
@@ -95,6 +105,9 @@ struct Sums {
     specular: vec3f,
     toward: vec3f,         // what the rays met: direction/distance [1/m]
     inverse_distance: f32,         // the same: 1/distance [1/m]
+#ifndef UNLIT
+    emitted: f32,          // luminance of diffuse light from emissive surfaces, over their distances
+#endif
 }
 
 // A ray from a vertex.
@@ -125,15 +138,24 @@ fn add(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f) 
     (*sums).specular += brought.specular;
 }
 
+#ifndef UNLIT
+// Notes how far the light from an emissive surface has come.
+fn add_emitted(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f, distance: f32) {
+    (*sums).emitted += luminance(by_lobe(seen.start, direction, light).diffuse) / max(distance, 1e-20);
+}
+#endif
+
 // The direction in which the visible surface sees light that arrives at a vertex.
 fn seen_along(vertex: Vertex, direction: vec3f) -> vec3f {
     return select(vertex.seen_along, direction, vertex.depth == 0u);
 }
 
-fn add_unless_blocked(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, sample: LightSample) {
-    if sample.reach > 0.0 && trace(gather.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
-        add(sums, seen, seen_along(vertex, normalize(sample.ray.direction)), vertex.throughput * bounded(sample.light));
+fn add_unless_blocked(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, sample: LightSample) -> bool {
+    if sample.reach <= 0.0 || trace(gather.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
+        return false;
     }
+    add(sums, seen, seen_along(vertex, normalize(sample.ray.direction)), vertex.throughput * bounded(sample.light));
+    return true;
 }
 
 // Emissive surfaces and the sky, sampled from a vertex.
@@ -141,10 +163,13 @@ fn add_sampled(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, random: 
 #ifndef UNLIT
     let emitter = next_pair(random);
     let place = next_pair(random);
-    add_unless_blocked(
-        sums, seen, vertex,
-        sample_emitter(vertex.start.surface, vertex.start.to_eye, vertex.start.to_specular, gather.emitter_count, emitter, place),
+    let sample = resample_emitter(
+        vertex.start.surface, vertex.start.to_eye, vertex.start.to_specular, gather.emitter_count, emitter, place,
     );
+    if add_unless_blocked(sums, seen, vertex, sample) && vertex.depth == 0u {
+        let distance = length(sample.ray.direction);
+        add_emitted(sums, seen, sample.ray.direction / distance, bounded(sample.light), distance);
+    }
 #endif
 #ifndef EVEN_SKY
     let texel = next_pair(random);
@@ -249,8 +274,22 @@ fn patch_radiance(surface: Surface, hit: Hit, direction: vec3f) -> vec3f {
 #endif
 }
 
+#ifdef PATHS
+// Russian roulette, as the path tracer has it: a path that ends goes on from the visible surface, with the next ray.
+fn survive(vertex: ptr<function, Vertex>, random: ptr<function, Sampler>) {
+    if (*vertex).depth < SAFE_BOUNCES {
+        return;
+    }
+    let t = (*vertex).throughput;
+    let chance = clamp(max(t.r, max(t.g, t.b)), 0.05, 0.98);
+    (*vertex).throughput /= chance;
+    (*vertex).depth = select(0u, (*vertex).depth, next_pair(random).y < chance);
+}
+#endif
+
 // Adds what a ray has found, but for the light from a light. The light of patches is not known where surfaces are nearer to
-// each other than those are large: from what is met there `vertex` goes on with a ray more (Jensen 1996, section 4).
+// each other than those are large, and what metals reflect depends on its direction: from what is met there `vertex` goes
+// on with a ray more (Jensen 1996, section 4).
 fn arrive(
     sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, ray: GatherRay, hit: Hit,
     random: ptr<function, Sampler>,
@@ -271,12 +310,18 @@ fn arrive(
     if !surface.visible {
         return Waiting(no_light(), ray.seen_along);
     }
-    var light = surface.emissive * emission_weight(surface, hit, direction, ray.density);
-    if hit.t < gather.nearest && depth < MOST_NEAR {
-        // Diffuse, as patches are.
-        *vertex = Vertex(VisibleSurface(surface, -direction, 0.0), ray.throughput, ray.seen_along, depth + 1u);
-        (*vertex).start.surface.normal_reflectance = vec3f(0.0);
-        (*vertex).start.surface.grazing_reflectance = 0.0;
+    var light = surface.emissive * emission_weight(surface, hit, direction, ray.density, f32(EMITTER_CANDIDATES));
+#ifndef UNLIT
+    if depth == 0u {
+        add_emitted(sums, seen, direction, ray.throughput * bounded(light), hit.t);
+    }
+#endif
+    let to_specular = specular_share(surface, -direction);
+    if (hit.t < gather.nearest || to_specular > GLOSSY) && gather.nearest > 0.0 && depth < MOST_NEAR {
+        *vertex = Vertex(VisibleSurface(surface, -direction, to_specular), ray.throughput, ray.seen_along, depth + 1u);
+#ifdef PATHS
+        survive(vertex, random);
+#endif
     } else {
         light += patch_radiance(surface, hit, direction);
     }
@@ -356,7 +401,23 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
         }
     }
     let share = 1.0 / f32(RAYS);
-    return Sums(share * sums.diffuse, share * sums.specular, share * sums.toward, share * sums.inverse_distance);
+    sums.diffuse *= share;
+    sums.specular *= share;
+    sums.toward *= share;
+    sums.inverse_distance *= share;
+#ifndef UNLIT
+    sums.emitted *= share;
+#endif
+    return sums;
+}
+
+// Mean of 1/distance over the light, of which only that from emissive surfaces counts [1/m].
+fn emitted_nearness(sums: Sums) -> f32 {
+#ifdef UNLIT
+    return 0.0;
+#else
+    return sums.emitted / max(luminance(sums.diffuse), 1e-30);
+#endif
 }
 
 @compute @workgroup_size(8, 8)
@@ -372,7 +433,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 {
         let seen = seen_at(pixel, z);
         sums = gathered(pixel, seen);
-        inverse_distance = encode_inverse_distance(nearness_around(sums.toward, sums.inverse_distance, seen.start.surface.normal));
+        let met = nearness_around(sums.toward, sums.inverse_distance, seen.start.surface.normal);
+        inverse_distance = encode_inverse_distance(met, emitted_nearness(sums));
     }
     textureStore(diffuse, texel, vec4f(sums.diffuse, inverse_distance.x));
     textureStore(specular, texel, vec4f(sums.specular, inverse_distance.y));

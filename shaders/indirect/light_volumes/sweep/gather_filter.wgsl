@@ -5,13 +5,19 @@
 // Irradiance changes over a distance d by about d/R of itself, with the harmonic mean R of the distances of all that a
 // point sees (Ward, Rubinstein and Clear 1988), and mostly towards the side where the near surfaces are (Ward and Heckbert
 // 1992, "Irradiance gradients"): weights fall off quickly with d/R to that side and slowly along, so that corners and
-// contact shadows stay sharp without noise in them, and open walls are smooth.
+// contact shadows stay sharp without noise in them, and open walls are smooth. That takes all that a point sees for equally
+// bright. Beside something that glows light changes over its distance instead, and what is filtered across its bright rim
+// is wrong by the rim's brightness: there the mean of 1/t over the light bounds the filter as well.
+//   UNLIT     nothing glows
 
 #import lightwell::bilateral::likeness
 #import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::inverse_distance::{decode_inverse_distance, encode_inverse_distance}
+#ifndef UNLIT
+#import lightwell::inverse_distance::decode_emitted
+#endif
 #import lightwell::sampling::basis
 #import lightwell::view::View
 
@@ -39,6 +45,8 @@ struct Reach {
 const TOLERANCE: f32 = 0.15;
 const TOLERANCE_ALONG: f32 = 0.8;
 const LEAST: f32 = 2.0;
+// The same over the distance of light from what glows, without a least.
+const TOLERANCE_EMITTED: f32 = 0.3;
 
 struct Filtered {
     diffuse: vec3f,
@@ -65,6 +73,26 @@ fn mean_nearness(texel: vec2u) -> vec3f {
     return sum / max(count, 1.0);
 }
 
+#ifndef UNLIT
+// How near what glows is, over all light that the filter can reach from a texel along the axis: what is bright counts, so
+// that nothing bright is filtered into its surroundings.
+fn emitted_along(center: vec2u, along: vec2i) -> f32 {
+    var sum = 0.0;
+    var light = 1e-30;
+    for (var d = 1 - reach.radius; d < reach.radius; d++) {
+        let at = vec2i(center) + d * along;
+        if any(at < vec2i(0)) || any(at >= vec2i(reach.interleave.texels)) {
+            continue;
+        }
+        let found = textureLoad(diffuse, at, 0);
+        let weight = luminance(found.rgb) * (1.0 - f32(abs(d)) / f32(reach.radius));
+        sum += weight * decode_emitted(vec2f(found.a, textureLoad(specular, at, 0).a));
+        light += weight;
+    }
+    return sum / light;
+}
+#endif
+
 fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Filtered {
     let pixel = pixel_at(vec2i(center));
     let position = world_position(pixel, view.size, z, view.world_from_clip);
@@ -78,6 +106,9 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
     let pixels = f32(reach.interleave.stride) / LEAST;
     let least = pixels * pixels;
     var weights = vec2f(1.0);
+#ifndef UNLIT
+    let emitted = emitted_along(center, along) / TOLERANCE_EMITTED;
+#endif
     for (var d = 1 - reach.radius; d < reach.radius; d++) {
         let at = vec2i(center) + d * along;
         if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(reach.interleave.texels)) {
@@ -93,7 +124,11 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
         let off = other_position - position;
         let across = dot(off, toward_near);
         let any_way = length(off) * (inverse_distance.z / TOLERANCE_ALONG);
-        let near = exp(-min(across * across + any_way * any_way, f32(d * d) * least));
+        var spread = min(across * across + any_way * any_way, f32(d * d) * least);
+#ifndef UNLIT
+        spread += dot(off, off) * emitted * emitted;
+#endif
+        let near = exp(-spread);
         let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
         sum.diffuse += weight.x * textureLoad(diffuse, at, 0).rgb;
         sum.specular += weight.y * textureLoad(specular, at, 0).rgb;
@@ -102,8 +137,17 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
     return Filtered(sum.diffuse / weights.x, sum.specular / weights.y);
 }
 
+// How near what glows is to a texel alone.
+fn emitted_at_texel(texel: vec2u) -> f32 {
+#ifdef UNLIT
+    return 0.0;
+#else
+    return decode_emitted(vec2f(textureLoad(diffuse, texel, 0).a, textureLoad(specular, texel, 0).a));
+#endif
+}
+
 fn store_filtered(texel: vec2u, light: Filtered, inverse_distance: vec3f) {
-    let code = encode_inverse_distance(inverse_distance);
+    let code = encode_inverse_distance(inverse_distance, emitted_at_texel(texel));
     textureStore(diffuse_out, texel, vec4f(light.diffuse, code.x));
     textureStore(specular_out, texel, vec4f(light.specular, code.y));
 }

@@ -28,7 +28,7 @@ pub fn draw(folder: &Path, results: &Results) -> Result<()> {
             }
             let at = facts.first().map_or(String::new(), |fact| size(fact.timing.size));
             let title = format!("{}: time against error of {} light", scene.name, light.name());
-            let x = format!("time of a frame at {at}, everything computed [ms]");
+            let x = format!("time of a frame at {at} from start to end, everything computed [ms]");
             plot::time_error(&folder.join(file(&scene.name, light)), &title, &dots, &x, "nrmse")?;
         }
     }

@@ -48,8 +48,13 @@ impl Fact<'_> {
         }
     }
 
-    /// Time of a frame [ms].
+    /// Time of a frame from start to end, on the clock that path tracing is measured with too [ms].
     pub fn time(&self) -> f64 {
+        self.timing.wall.median
+    }
+
+    /// What of that the device's passes take [ms].
+    pub fn device_time(&self) -> f64 {
         self.timing.total.median
     }
 }
@@ -60,7 +65,7 @@ pub fn bounces(results: &Results) -> Option<u32> {
 }
 
 /// The timings of a scene that plots show: at the first size.
-fn timing<'a>(results: &'a Results, scene: &str, variant: &str, mode: Mode) -> Option<&'a Timing> {
+pub fn timing<'a>(results: &'a Results, scene: &str, variant: &str, mode: Mode) -> Option<&'a Timing> {
     let of_scene = || results.timings.iter().filter(|t| t.scene == scene);
     let size = of_scene().filter(|t| t.mode == Mode::Full).map(|timing| timing.size).min()?;
     of_scene().find(|timing| timing.variant == variant && timing.size == size && timing.mode == mode)
@@ -83,12 +88,12 @@ pub fn of<'a>(results: &'a Results, scene: &str, swept: bool) -> Vec<Fact<'a>> {
         let timing = of_mode(Mode::Full)?;
         let more = match images {
             0 | 1 => Some(0.0),
-            _ => of_mode(Mode::Shifted).map(|shifted| f64::from(images - 1) * shifted.total.median),
+            _ => of_mode(Mode::Shifted).map(|shifted| f64::from(images - 1) * shifted.wall.median),
         };
         Some(Fact {
             variant,
             timing,
-            image_time: more.map(|more| timing.total.median + more),
+            image_time: more.map(|more| timing.wall.median + more),
             total: mean(errors().map(|error| &error.total)),
             direct: mean(errors().map(|error| &error.direct)),
             indirect: mean(errors().map(|error| &error.indirect)),
@@ -121,7 +126,7 @@ pub fn dots(facts: &[Fact], light: Light) -> Vec<Dot> {
         .map(|fact| Dot {
             label: fact.variant.name.clone(),
             time: fact.time(),
-            range: (fact.timing.total.min, fact.timing.total.max),
+            range: (fact.timing.wall.min, fact.timing.wall.max),
             error: fact.of(light).nrmse,
             baseline: is_baseline(fact),
             on_front: false,

@@ -1,7 +1,9 @@
 //! Flicker: methods by scenes, and what it means in words.
 
-use super::markdown::{list, percent, table};
-use crate::bench::results::{Flicker, Results};
+use super::facts::{self, Light};
+use super::markdown::{error, list, ms, percent, table};
+use super::words::over_path_tracing;
+use crate::bench::results::{Flicker, Mode, Results};
 
 /// From this share of trembling in the change on, it is called one to and fro.
 const NOISE: f64 = 0.7;
@@ -35,6 +37,7 @@ pub fn section(results: &Results) -> Option<String> {
         text += "\n";
         text += &grid(results, &scenes, |f| f.bias, |_| None);
     }
+    text += &as_played(results);
     if results.flicker.iter().any(|flicker| flicker.smooth.is_some()) {
         text += "\nThe change again with smooth edges: each frame is the mean of several, shifted by parts of a pixel, as the \
                  reference's are. What is left is the light's own unrest; noise is less by the number of those frames, so that \
@@ -46,6 +49,33 @@ pub fn section(results: &Results) -> Option<String> {
         text += &format!("\n**{scene}.** {}\n", words.join(" "));
     }
     Some(text + &pictures(results))
+}
+
+/// Frames as a window shows them, one after the other, against plain path tracing of each.
+fn as_played(results: &Results) -> String {
+    let mut rows = Vec::new();
+    for flicker in &results.flicker {
+        let facts = facts::of(results, &flicker.scene, false);
+        let timing = facts::timing(results, &flicker.scene, &flicker.variant, Mode::Animated);
+        let (Some(timing), Some(indirect), Some(total)) = (timing, flicker.error, flicker.total_error) else { continue };
+        let own = timing.wall.median;
+        let mut row = vec![flicker.scene.clone(), format!("`{}`", flicker.variant), ms(own)];
+        for (light, found) in [(Light::Indirect, indirect), (Light::Total, total)] {
+            row.push(error(found));
+            row.extend(over_path_tracing(&facts, light, found, [Some(own)]));
+        }
+        rows.push(row);
+    }
+    let head =
+        ["scene", "variant", "frame [ms]", "indirect nrmse", "path tracing over frame", "all light nrmse", "over frame"];
+    match rows.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nThe same frames against plain path tracing of each: how many times as long as an animated frame it takes for the \
+             error of indirect and of all light. Where frames are averaged, those before it lend theirs.\n\n{}",
+            table(&head, &rows)
+        ),
+    }
 }
 
 fn of<'a>(results: &'a Results, scene: &str) -> impl Iterator<Item = &'a Flicker> {

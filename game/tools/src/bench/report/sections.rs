@@ -21,6 +21,12 @@ pub fn head(results: &Results) -> Option<String> {
         header.date,
         header.settings,
     );
+    if !header.command.is_empty() {
+        text += &format!("\n```sh\n{}\n```\n", header.command);
+    }
+    if header.commit.as_ref().is_some_and(|commit| commit.ends_with("-dirty")) {
+        text += "\n**The source tree had changes that no commit holds: nobody can measure this again.**\n";
+    }
     if header.device_type == "Cpu" {
         text += "\nThis adapter draws in software on the processor: compare times with each other, not with those of a \
                  graphics card.\n";
@@ -86,8 +92,9 @@ pub fn method(results: &Results) -> Option<String> {
              caches of their own. Times are medians over frames; the clock of the scene runs.\n";
     text += "- *Everything computed*: no result of an earlier frame is used.";
     text += if animated { " *Animated*: only what the motion of the scene changes is computed anew.\n" } else { "\n" };
-    text += "- Times of passes are the device's own timestamps. Path tracing waits for each of its pieces, and its time is \
-             that of a clock on the wall from start to end, without reading the image back.\n";
+    text += "- Times of frames, drawn and traced, are those of one clock on the wall from start to end, without reading the \
+             image back. Times of passes, and their sum (*device*), are the device's own timestamps. Path tracing waits for \
+             each of its pieces.\n";
     text += "- nrmse, bias, p95: on unexposed linear RGB over all pixels, without gain fitting. nrmse is unbiased by \
              the noise of the reference (two independent halves).";
     text += &format!(" Noise of the references of indirect light: at most {}.", percent(noise));

@@ -1,7 +1,7 @@
 //! The thesis's tables 7.1, 7.3 and 7.4 in our figures, errors and memory.
 
-use super::facts::{self, is_baseline};
-use super::markdown::{NONE, error, mib, ms, percent, signed, size, table, whole};
+use super::facts::{self, Fact, Light, is_baseline};
+use super::markdown::{NONE, error, list, mib, ms, percent, signed, size, table, whole};
 use crate::bench::paper;
 use crate::bench::results::{Mode, Results, Timing};
 use crate::bench::stage;
@@ -75,14 +75,30 @@ pub fn errors(results: &Results) -> Option<String> {
             "direct nrmse",
         ];
         let noise = format!(
-            "Noise of the reference: indirect {}, total {}.",
+            "Noise of the reference: indirect {}, total {}.{}",
             percent(first.indirect.noise),
-            percent(first.total.noise)
+            percent(first.total.noise),
+            too_noisy(&all)
         );
         text += &format!("\n### {}\n\n{}\n{noise}\n", scene.name, table(&head, &rows));
         text += &other_bounces(results, &scene.name);
     }
     any.then_some(text)
+}
+
+/// The variants whose error the reference's noise is more than a quarter of.
+fn too_noisy(all: &[Fact]) -> String {
+    let of = |what: &str, light: Light| {
+        let is_noisy = |fact: &&Fact| !fact.variant.traced && fact.of(light).noise > 0.25 * fact.of(light).nrmse;
+        let names: Vec<String> = all.iter().filter(is_noisy).map(|fact| format!("`{}`", fact.variant.name)).collect();
+        (!names.is_empty()).then(|| format!("{what} of {}", list(&names)))
+    };
+    let found = [of("indirect light", Light::Indirect), of("all light", Light::Total)];
+    let found: Vec<String> = found.into_iter().flatten().collect();
+    match found.is_empty() {
+        true => String::new(),
+        false => format!(" That is more than a quarter of the error of {}.", found.join(", and of ")),
+    }
 }
 
 /// Errors against references of other numbers of bounces, where there are some.

@@ -10,12 +10,14 @@ use crate::bench::stage::STAGES;
 const MOSTLY: f64 = 0.6;
 
 /// What the columns of the tables mean.
-const LEGEND: &str = "Each table is of indirect light. *Level* is the share of the squared error that a constant factor would take away: \
-    from 60 % on, the image is too bright or too dark as the bias says; below, the light is in the wrong places. *Time* is \
-    that of a frame, *averaged* that of the image whose error is stated: a frame, and as often as images are averaged what another \
-    shift of the pixels computes anew. Then the time in which path tracing reaches the same error, and that over \
-    both: volumes that are looked up bring the same light in each image, so that the first is fair to them; rays bring other \
-    noise in each, so that the second is. In brackets: by the square-root law from the nearest measured point.";
+const LEGEND: &str = "*Level* is the share of the squared error that a constant factor would take away: from 60 % on, the image \
+    is too bright or too dark as the bias says; below, the light is in the wrong places. *Frame* is the time of a frame from \
+    start to end, *device* what of it the device's passes take, *image* the time of the image whose error is stated: a frame, and \
+    as often as images are averaged what another shift of the pixels computes anew. Then, of indirect and of all light, the \
+    error, and how many times as long plain path tracing takes for the same error, over the time of a frame and over that of the \
+    image: volumes that are looked up bring the same light in each image, so that the first is fair to them; rays bring other \
+    noise in each, so that the second is. Below 1 path tracing wins. In brackets: by the square-root law from the nearest measured \
+    point. `filtered paths` are path tracing behind the filter of the gather, the rival that a denoised path tracer is.";
 
 /// A paragraph and a table a scene.
 pub fn verdict(results: &Results) -> Option<String> {
@@ -46,14 +48,17 @@ fn of_scene(facts: &[Fact]) -> Option<String> {
     let rows: Vec<Vec<String>> = light.iter().map(|fact| row(facts, fact)).collect();
     let head = [
         "method",
-        "time [ms]",
-        "averaged [ms]",
-        "nrmse",
+        "frame [ms]",
+        "device [ms]",
+        "image [ms]",
         "bias",
         "level",
-        "path tracing [ms]",
-        "over time",
-        "over averaged",
+        "indirect nrmse",
+        "path tracing over frame",
+        "over image",
+        "all light nrmse",
+        "path tracing over frame",
+        "over image",
     ];
     let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
     Some(words.join(" ") + rows.trim_end())
@@ -75,34 +80,43 @@ fn levels(light: &[&&Fact]) -> Option<String> {
 }
 
 fn row(facts: &[Fact], fact: &Fact) -> Vec<String> {
-    let error = &fact.indirect;
-    let sampling = time_for_error(&facts::baseline(facts, Light::Indirect), error.nrmse);
-    let [time, over_frame, over_image] = match sampling {
-        None => [(); 3].map(|()| String::new()),
-        Some((time, beyond)) => {
-            let bracketed = |text: String| if beyond { format!("({text})") } else { text };
-            let over = |own: f64| bracketed(times(time / own));
-            [bracketed(ms(time)), over(fact.time()), fact.image_time.map_or(NONE.to_owned(), over)]
-        }
-    };
-    vec![
+    let mut row = vec![
         format!("`{}`", fact.variant.name),
         ms(fact.time()),
+        ms(fact.device_time()),
         fact.image_time.map_or(NONE.to_owned(), ms),
-        super::markdown::error(error.nrmse),
-        signed(error.bias),
+        signed(fact.indirect.bias),
         percent(level(fact)),
-        time,
-        over_frame,
-        over_image,
-    ]
+    ];
+    for light in [Light::Indirect, Light::Total] {
+        row.push(super::markdown::error(fact.of(light).nrmse));
+        row.extend(over_path_tracing(facts, light, fact.of(light).nrmse, [Some(fact.time()), fact.image_time]));
+    }
+    row
+}
+
+/// How many times as long as each of these times [ms] plain path tracing takes for an error; bracketed where that is beyond
+/// what was measured.
+pub fn over_path_tracing<const N: usize>(
+    facts: &[Fact],
+    light: Light,
+    error: f64,
+    own: [Option<f64>; N],
+) -> [String; N] {
+    let sampling = time_for_error(&facts::baseline(facts, light), error);
+    own.map(|own| match (sampling, own) {
+        (None, _) => String::new(),
+        (_, None) => NONE.to_owned(),
+        (Some((time, true)), Some(own)) => format!("({})", times(time / own)),
+        (Some((time, false)), Some(own)) => times(time / own),
+    })
 }
 
 /// Where the time goes.
 fn cost(fact: &Fact) -> Option<String> {
     let mut stages: Vec<(&String, f64)> = fact.timing.stages.iter().map(|(name, time)| (name, time.median)).collect();
     stages.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let all = fact.time();
+    let all = fact.device_time();
     let named = |(name, time): &(&String, f64)| {
         let what = STAGES.iter().find(|stage| stage.name == name.as_str()).map_or(name.as_str(), |stage| stage.what);
         format!("{what} {}", percent(time / all))

@@ -20,6 +20,8 @@ const MAX_RAYS: u32 = 16;
 const MAX_FILTER: u32 = 32;
 /// Most rays of all kinds of a gathered pixel that stands for four: 1.25 a pixel.
 const RAYS_A_SQUARE: u32 = 5;
+/// Rays that follow the first of a path: by chance far fewer do.
+const MOST_OF_A_PATH: u32 = 64;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -47,7 +49,7 @@ pub(crate) struct GatherUniform {
 }
 
 /// Declares the gather and its filter; the result is reflected radiance. `light` is that of the patches, if
-/// more than one bounce counts.
+/// more than one bounce counts and rays end in it.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -61,8 +63,13 @@ pub(super) fn declare<'a>(
         diffuse: graph.retained_texture("gathered diffuse", interleave.image_desc(frame)),
         specular: graph.retained_texture("gathered specular", interleave.image_desc(frame)),
     };
+    let paths = paths(settings);
     let is_known_near = light.is_none() || settings.bounces != Bounces::Converged;
-    let nearest = if is_known_near { 0.0 } else { NEAR * frame.surfels.patch_size() };
+    let nearest = match paths {
+        Some(_) => f32::MAX,
+        None if is_known_near => 0.0,
+        None => NEAR * frame.surfels.patch_size(),
+    };
     let mut pass = graph.pass("gather");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
@@ -72,7 +79,7 @@ pub(super) fn declare<'a>(
     let scene = frame.scene;
     let (rays, points) = (rays(frame, settings, interleave), points(settings, interleave));
     pass.key(&(
-        rays,
+        (rays, paths),
         points,
         lit.is_some(),
         interleave.key(),
@@ -81,7 +88,7 @@ pub(super) fn declare<'a>(
         (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
     ));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, light, nearest, lit, gathered, rays, points, interleave };
+    let work = Work { frame: frame.clone(), inputs, light, nearest, paths, lit, gathered, rays, points, interleave };
     pass.execute(move |cx| work.run(cx));
     gather_filter::declare(graph, frame, gbuffer, gathered, interleave, filter_radius(settings, frame.images()))
 }
@@ -92,6 +99,7 @@ struct Work<'a> {
     light: Option<Handle<Buffer>>,
     /// Distance \[m\] from the beginning of a ray within which that is not known.
     nearest: f32,
+    paths: Option<u32>,
     lit: Option<RsmSamples>,
     gathered: Gathered,
     rays: u32,
@@ -153,6 +161,9 @@ impl Work<'_> {
             }
             None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
         }
+        if let Some(further) = self.paths {
+            key = key.def("PATHS", ShaderDef::Uint(further));
+        }
         if let Some(lit) = &lit {
             key = key.def("POINTS", ShaderDef::Uint(self.points));
             group.push(("rsm_samples", Binding::Buffer(lit)));
@@ -209,10 +220,24 @@ pub(in crate::render) fn is_wanted(settings: &Clpv) -> bool {
     settings.transport == Transport::Sweep && wanted_rays(settings) > 0
 }
 
+/// Whether rays go on as paths.
+pub(super) fn are_paths(settings: &Clpv) -> bool {
+    paths(settings).is_some()
+}
+
+/// Rays of a path that may follow its first, if rays go on as paths.
+fn paths(settings: &Clpv) -> Option<u32> {
+    let further = match settings.bounces {
+        Bounces::Converged => MOST_OF_A_PATH,
+        Bounces::Count(count) => count.saturating_sub(1),
+    };
+    matches!(settings.gather_rays, GatherRays::Paths(_)).then_some(further)
+}
+
 /// Rays of a gathered pixel that are asked for.
 fn wanted_rays(settings: &Clpv) -> u32 {
     match (settings.gather_rays, settings.quality) {
-        (GatherRays::Count(count), _) => count.min(MAX_RAYS),
+        (GatherRays::Count(count) | GatherRays::Paths(count), _) => count.min(MAX_RAYS),
         (GatherRays::Auto, Quality::Low) => 0,
         (GatherRays::Auto, Quality::Medium) => 4,
         (GatherRays::Auto, Quality::High) => 8,
@@ -241,7 +266,7 @@ fn casts_a_ray(frame: &Frame) -> u32 {
 pub(super) fn points(settings: &Clpv, interleave: Interleave) -> u32 {
     let wanted = match settings.gather_points {
         GatherRays::Auto => wanted_rays(settings).div_ceil(4),
-        GatherRays::Count(count) => count.min(MAX_RAYS),
+        GatherRays::Count(count) | GatherRays::Paths(count) => count.min(MAX_RAYS),
     };
     if interleave.is_sparse() { wanted.min(1) } else { wanted }
 }

@@ -2,7 +2,7 @@
 
 use super::gather_upsample;
 use super::interleave::{Interleave, InterleaveUniform};
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -133,7 +133,8 @@ fn pass<'a, const N: usize>(
     let mut pass = graph.pass(name);
     inputs.iter().for_each(|(_, input)| pass.read(*input));
     let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
-    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing()));
+    let is_unlit = is_unlit(frame);
+    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing(), is_unlit));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let views: Vec<_> = inputs.iter().chain(&outputs).map(|(name, handle)| (*name, cx.view(*handle))).collect();
@@ -141,6 +142,11 @@ fn pass<'a, const N: usize>(
         run(cx, &frame, reach, entry, &bindings)
     });
     outputs.map(|(_, output)| output)
+}
+
+/// Whether no surface that rays meet emits light.
+fn is_unlit(frame: &Frame) -> bool {
+    frame.rays.is_none_or(|rays| rays.emitter_count == 0)
 }
 
 fn run(
@@ -163,6 +169,9 @@ fn run(
     let mut group = vec![("view", Binding::Buffer(&view)), ("reach", Binding::Buffer(&reach))];
     group.extend_from_slice(bindings);
     cx.counts().texels += u64::from(width) * u64::from(height);
-    let key = ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry);
+    let mut key = ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry);
+    if is_unlit(frame) {
+        key = key.def("UNLIT", ShaderDef::Flag(true));
+    }
     cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
 }

@@ -162,9 +162,10 @@ pub(super) fn declare<'a>(
         (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
     let radiance = if is_gathered {
-        let interleave = Interleave::new(frame, radiosity.is_some());
+        let patches = radiosity.map(|light| light.patches).filter(|_| !gather::are_paths(settings));
+        let interleave = Interleave::new(frame, patches.is_some());
         let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
-        gather::declare(graph, frame, gbuffer, settings, radiosity.map(|light| light.patches), lit, interleave)
+        gather::declare(graph, frame, gbuffer, settings, patches, lit, interleave)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
@@ -178,7 +179,8 @@ pub(super) fn declare<'a>(
         .filter(|_| !is_gathered && sky_reflection::is_mirrored(frame.scene))
         .map(|level| (level.obstacles, level.volume));
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
-    let change = radiosity.filter(|_| is_gathered).and_then(|light| light.change);
+    let ends_in_patches = is_gathered && !gather::are_paths(settings);
+    let change = radiosity.filter(|_| ends_in_patches).and_then(|light| light.change);
     let indirect =
         |level: &Level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky, change };
     Ok(levels.last().map(indirect))
