@@ -5,7 +5,7 @@
 use bevy_ecs::prelude::*;
 use lightwell::assets::AssetLibrary;
 use lightwell::files::{
-    ComponentType, ComponentTypes, EditContext, FileErrorKind, LoadOptions, OwnValue, SceneData, TypeNote,
+    ComponentType, ComponentTypes, CustomValue, EditContext, FileErrorKind, LoadOptions, SceneData, TypeNote,
     describe_entity, edit_entity, load_scene, save_scene,
 };
 use lightwell::world::GameWorld;
@@ -201,14 +201,14 @@ fn an_edit_changes_adds_and_removes_them() {
     let bob = world.find("Bob").unwrap();
     let before = describe_entity(&world, bob, &path).unwrap();
     let mut now = before.clone();
-    now.components.insert("Weight".into(), OwnValue::new(" 5 "));
+    now.components.insert("Weight".into(), CustomValue::new(" 5 "));
     now.components.remove("Loot");
     let mut context = EditContext { library: &mut library, options: &options, path: &path };
     edit_entity(&mut world, &mut context, bob, &now).unwrap();
     assert_eq!(world.ecs.get::<Weight>(bob), Some(&Weight(5.0)));
     assert!(world.ecs.get::<Loot>(bob).is_none() && world.ecs.get::<Guard>(bob).is_some());
     let mut wrong = now.clone();
-    wrong.components.insert("Weight".into(), OwnValue::new("\"heavy\""));
+    wrong.components.insert("Weight".into(), CustomValue::new("\"heavy\""));
     let mut context = EditContext { library: &mut library, options: &options, path: &path };
     assert!(edit_entity(&mut world, &mut context, bob, &wrong).is_err());
     assert_eq!(world.ecs.get::<Weight>(bob), Some(&Weight(5.0)), "nothing changes then");

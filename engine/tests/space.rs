@@ -4,7 +4,7 @@
 
 use bevy_ecs::prelude::Entity;
 use glam::{DVec3, Quat, Vec3};
-use lightwell::game::{FixedUpdate, Game, Ghost, LightProbe, SpatialQuery};
+use lightwell::game::{FixedUpdate, Game, LightProbe, NonSolid, SpatialQuery};
 use lightwell::world::Transform;
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ const YARD: &str = r#"
     (name: "Floor", mesh: Plane(size: (20, 20))),
     (name: "Box", transform: (translation: (4, 1, 0), rotation: (0, 45, 0), scale: 2), mesh: Box(size: (1, 1, 1))),
     (name: "Ball", transform: (translation: (-4, 2, 0), scale: (1, 2, 1)), mesh: Sphere(radius: 1, segments: 96, rings: 48)),
-    (name: "Mist", transform: (translation: (0, 1, 3)), mesh: Box(size: (1, 1, 1)), components: {"Ghost": ()}),
+    (name: "Mist", transform: (translation: (0, 1, 3)), mesh: Box(size: (1, 1, 1)), components: {"NonSolid": ()}),
     (name: "Hidden", transform: (translation: (0, 1, -3)), mesh: Box(size: (1, 1, 1)), visible: false),
 "#;
 
@@ -42,7 +42,7 @@ fn rays_meet_what_stands_there() {
     assert!(top.entity == entity("Ball") && (top.point.y - 4.0).abs() < 1e-3, "a stretched ball: {top:?}");
     let from_below = space.cast_ray(Vec3::new(8.0, -1.0, 0.0), Vec3::Y, 10.0, ALL).unwrap();
     assert_eq!(from_below.normal, Vec3::NEG_Y, "both sides count");
-    for (z, what) in [(9.0, "a ghost"), (-9.0, "what is hidden")] {
+    for (z, what) in [(9.0, "what is not solid"), (-9.0, "what is hidden")] {
         let way = Vec3::Z * -z;
         assert_eq!(space.cast_ray(Vec3::new(0.0, 1.0, z), way, 12.0, ALL), None, "{what}");
     }
@@ -52,6 +52,16 @@ fn rays_meet_what_stands_there() {
     for nonsense in [Vec3::ZERO, Vec3::NAN] {
         assert_eq!(space.cast_ray(Vec3::Y, nonsense, 10.0, ALL), None);
     }
+}
+
+/// Files of versions in which the component was called so still load.
+#[test]
+fn the_old_name_of_non_solid_is_read() {
+    let (_folder, game) = game(r#"(name: "Mist", mesh: Box(size: (1, 1, 1)), components: {"Ghost": ()})"#);
+    let mist = game.world.find("Mist").unwrap();
+    assert!(game.world.ecs.get::<NonSolid>(mist).is_some());
+    let space = game.world.ecs.resource::<SpatialQuery>();
+    assert_eq!(space.cast_ray(Vec3::Z * 3.0, Vec3::NEG_Z, 9.0, ALL), None);
 }
 
 #[test]
@@ -161,7 +171,7 @@ fn the_space_follows_the_world() {
     });
     game.step(&[]).unwrap();
     assert!((hit(&game).unwrap() - before - 1.0).abs() < 1e-4);
-    game.world.ecs.entity_mut(mist).remove::<Ghost>();
+    game.world.ecs.entity_mut(mist).remove::<NonSolid>();
     game.world.ecs.despawn(cube);
     game.step(&[]).unwrap();
     assert_eq!(hit(&game), None);

@@ -9,11 +9,11 @@ use std::path::Path;
 #[path = "../examples/change_scene.rs"]
 mod change_scene;
 #[allow(dead_code)]
+#[path = "../examples/custom_component.rs"]
+mod custom_component;
+#[allow(dead_code)]
 #[path = "../examples/hello_light.rs"]
 mod hello_light;
-#[allow(dead_code)]
-#[path = "../examples/own_component.rs"]
-mod own_component;
 
 fn script(text: &str) -> InputScript {
     InputScript::parse(Path::new("a.script.ron"), text).unwrap()
@@ -26,7 +26,7 @@ fn place(game: &Game, name: &str) -> Vec3 {
 #[test]
 fn lifts_ride_as_the_scene_says() {
     let at = |steps: u64| {
-        let game = own_component::app().simulate(&InputScript { steps, ..Default::default() }).unwrap();
+        let game = custom_component::app().simulate(&InputScript { steps, ..Default::default() }).unwrap();
         ["First", "Second", "Third"].map(|name| place(&game, name).y)
     };
     let close = |a: [f32; 3], b: [f32; 3]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.03), "{a:?} {b:?}");
@@ -83,7 +83,7 @@ fn own_components_are_set_on_the_command_line() {
         ]
         .map(Into::into)
         .to_vec();
-        let code = own_component::app().run_with(words.into_iter().chain([out.clone().into_os_string()]));
+        let code = custom_component::app().run_with(words.into_iter().chain([out.clone().into_os_string()]));
         (code == std::process::ExitCode::SUCCESS, std::fs::read(out.join("step_0001.png")).ok())
     };
     let (low, high) = (run("low", "First.Lift.low=0.25"), run("high", "First.Lift.low=1.5"));
@@ -102,16 +102,16 @@ fn faulty_games_say_what_to_do() {
     let error = |app: App| format!("{:#}", app.start().map(drop).unwrap_err());
     let bare = error(App::new(scene));
     assert!(bare.contains("the game has no component `Lift`") && bare.contains(".component::<Lift>()"), "{bare}");
-    let twice = error(own_component::app().component::<Lift>());
+    let twice = error(custom_component::app().component::<Lift>());
     assert!(twice.contains("two types are named `Lift`") && twice.contains("rename one of them"), "{twice}");
     let lost = error(App::new("nowhere.scene.ron"));
     assert!(lost.contains("nowhere.scene.ron"), "{lost}");
-    let table = error(App::new(scene).component::<own_component::Lift>().actions("none.actions.ron"));
+    let table = error(App::new(scene).component::<custom_component::Lift>().actions("none.actions.ron"));
     assert!(table.contains("none.actions.ron"), "{table}");
     fn needs(_: Res<Hidden>) {}
     #[derive(Resource)]
     struct Hidden;
-    let app = own_component::app().systems(FixedUpdate, needs);
+    let app = custom_component::app().systems(FixedUpdate, needs);
     let failed = format!("{:#}", app.simulate(&script("Script(steps: 3)")).map(drop).unwrap_err());
     assert!(
         failed.starts_with("step 1: system") && failed.contains("needs") && failed.contains(".resource("),

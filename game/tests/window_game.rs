@@ -61,7 +61,7 @@ fn lamplight_is_played_with_the_keyboard() {
 
 #[needs("Xvfb", "xdotool", "import")]
 fn a_scene_that_changes_shows_in_the_running_game() {
-    let (display, program) = (Display::open(), example("own_component"));
+    let (display, program) = (Display::open(), example("custom_component"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
     // At rest, so that the picture changes by the file alone.
@@ -101,7 +101,7 @@ fn a_scene_that_changes_shows_in_the_running_game() {
 #[cfg(feature = "editor")]
 #[needs("Xvfb", "xdotool", "import")]
 fn a_component_of_the_game_is_edited_undone_and_saved() {
-    let (display, program) = (Display::open(), example("own_component"));
+    let (display, program) = (Display::open(), example("custom_component"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
     std::fs::write(&path, scene("scenes/lift.scene.ron")).unwrap();

@@ -91,9 +91,9 @@ as_its_content!(Option<T>, Vec<T>, Box<T>);
 
 /// A value of a game's component as it is written, which only the game can read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct OwnValue(String);
+pub struct CustomValue(String);
 
-impl OwnValue {
+impl CustomValue {
     /// Of a text in RON.
     pub fn new(text: impl Into<String>) -> Self {
         Self(text.into())
@@ -105,20 +105,23 @@ impl OwnValue {
     }
 }
 
-impl Serialize for OwnValue {
+impl Serialize for CustomValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         RawValue::from_ron(&self.0).map_err(serde::ser::Error::custom)?.serialize(serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for OwnValue {
+impl<'de> Deserialize<'de> for CustomValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Ok(Self(Box::<RawValue>::deserialize(deserializer)?.trim().get_ron().to_owned()))
     }
 }
 
 /// Components of a game by their name in files.
-pub type OwnComponents = BTreeMap<String, OwnValue>;
+pub type CustomComponents = BTreeMap<String, CustomValue>;
+
+/// Components of the engine that had another name in earlier versions, with the one that they have now.
+const RENAMED: [(&str, &str); 1] = [("Ghost", "NonSolid")];
 
 /// A component of a game that scene files can hold.
 #[derive(Clone)]
@@ -261,7 +264,7 @@ impl ComponentTypes {
     }
 
     /// Puts the components on an entity; those that are not known are passed over.
-    pub(super) fn put(&self, components: &OwnComponents, world: &mut World, entity: Entity) -> Result<(), String> {
+    pub(super) fn put(&self, components: &CustomComponents, world: &mut World, entity: Entity) -> Result<(), String> {
         for (name, value) in components {
             let Some(known) = self.get(name) else { continue };
             (known.put)(value.text(), world, entity).map_err(|error| format!("`{name}`: {}", error.code))?;
@@ -281,15 +284,15 @@ impl ComponentTypes {
         &self,
         world: &World,
         entity: Entity,
-        described: &OwnComponents,
-    ) -> Result<OwnComponents, String> {
+        described: &CustomComponents,
+    ) -> Result<CustomComponents, String> {
         let unknown = described.iter().filter(|(name, _)| self.get(name).is_none());
-        let mut now: OwnComponents = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
+        let mut now: CustomComponents = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
         for known in self.iter() {
             let Some(text) = (known.text)(world, entity) else { continue };
             let text = text.map_err(|error| format!("`{}` has a value that cannot be written: {error}", known.name))?;
             let text = rest_text(world, entity, known.name, text);
-            now.insert(known.name.to_owned(), OwnValue(text));
+            now.insert(known.name.to_owned(), CustomValue(text));
         }
         Ok(now)
     }
@@ -344,8 +347,9 @@ impl Canonical<'_> {
         self.entities(&mut patch.children, &with(at, Step::Key("children".into())))
     }
 
-    fn components(&self, components: &mut OwnComponents, at: &[Step]) -> Checked {
+    fn components(&self, components: &mut CustomComponents, at: &[Step]) -> Checked {
         let at = with(at, Step::Key("components".into()));
+        self.rename(components);
         for (name, value) in components {
             let at = with(&at, Step::Key(name.clone()));
             match self.types.get(name) {
@@ -358,6 +362,18 @@ impl Canonical<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Gives components of older files the names that they have now; where a game's own types are not known, any of them
+    /// may have the old name.
+    fn rename(&self, components: &mut CustomComponents) {
+        let is_old = |(old, new): &(&str, &str)| self.types.get(old).is_none() && self.types.get(new).is_some();
+        for (old, new) in RENAMED.into_iter().filter(|pair| self.types.is_complete && is_old(pair)) {
+            if let Some(value) = components.remove(old) {
+                log::info!("the component `{old}` is called `{new}` now; a save writes it so");
+                components.entry(new.to_owned()).or_insert(value);
+            }
+        }
     }
 
     fn unknown(&self, name: &str, at: &[Step]) -> FileError {

@@ -2,7 +2,7 @@
 //!
 //! Everything has a default that can have one, so that hand-written files say only what matters.
 
-pub use super::custom_components::OwnComponents;
+pub use super::custom_components::CustomComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
@@ -103,7 +103,7 @@ pub struct EntityFile {
     pub animation: Option<Animation>,
     /// Components of the game, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub components: OwnComponents,
+    pub components: CustomComponents,
     /// A prefab whose entities become children; its path is relative to this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prefab: Option<String>,
@@ -163,7 +163,7 @@ pub struct OverrideFile {
     pub animation: Option<Animation>,
     /// Components of the game, by their names; each one given replaces the prefab's.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub components: OwnComponents,
+    pub components: CustomComponents,
     /// Components that the prefab gives and the instance does not want.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<ComponentKind>,

@@ -62,5 +62,5 @@ pub use input::*;
 pub use light::{LightProbe, ProbePoint};
 pub use running::{FixedUpdate, Game, OnSceneEnter, Persistent, Update};
 pub use saved::SavedGame;
-pub use space::{Contact, Ghost, Hit, SpatialQuery};
+pub use space::{Contact, Hit, NonSolid, SpatialQuery};
 pub use time::{Time, Timer};

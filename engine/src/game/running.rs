@@ -5,7 +5,7 @@ use super::current_scene::CurrentScene;
 use super::input::{Actions, Input, InputEvent};
 use super::light::{self, LightProbe};
 use super::saved::{SavedGame, SavedTypes};
-use super::space::{self, Ghost, SpatialQuery};
+use super::space::{self, NonSolid, SpatialQuery};
 use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::{AssetLibrary, LoadBudget};
@@ -82,7 +82,7 @@ impl Game {
         ecs.init_resource::<SavedTypes>();
         game.add_systems(Look, (space::update, light::update).chain());
         // No other types can have these names yet.
-        let _ = game.add_component::<Ghost>();
+        let _ = game.add_component::<NonSolid>();
         let _ = game.add_component::<LightProbe>();
         let _ = game.add_component::<Persistent>();
         game

@@ -5,8 +5,8 @@ use super::current_scene::CurrentScene;
 use super::time::Time;
 use crate::assets::AssetLibrary;
 use crate::files::{
-    self, Document, DuplicateType, FileError, FileErrorKind, LoadOptions, OwnValue, Roots, SceneData, SceneFile, Step,
-    ron_options,
+    self, CustomValue, Document, DuplicateType, FileError, FileErrorKind, LoadOptions, Roots, SceneData, SceneFile,
+    Step, ron_options,
 };
 use crate::world::GameWorld;
 use bevy_ecs::prelude::*;
@@ -70,7 +70,7 @@ pub struct SavedGame {
     /// The step in which the scene was entered.
     pub scene_since: u64,
     /// Resources by their name.
-    pub resources: BTreeMap<String, OwnValue>,
+    pub resources: BTreeMap<String, CustomValue>,
     /// All entities, with settings and materials.
     pub world: SceneFile,
 }
@@ -88,7 +88,7 @@ impl SavedGame {
             let text = text.map_err(|error| {
                 FileError::new(&scene.path, FileErrorKind::Unsavable, format!("the resource `{name}`: {error}"))
             })?;
-            resources.insert((*name).to_owned(), OwnValue::new(text));
+            resources.insert((*name).to_owned(), CustomValue::new(text));
         }
         let step = world.ecs.get_resource::<Time>().map_or(0, |time| time.step);
         let file = files::describe_all(world, &scene.path)?;

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::audit::Audited;
 use super::cost::Costs;
 use super::desc::ResourceDesc;
+use super::frame_pacing::FramePacing;
 use super::key::{Key, Recipe};
-use super::pace::Pace;
 use super::plan::{Layout, Place, PlannedResource};
 use super::timer::{PassTimer, Timing};
 
@@ -76,7 +76,7 @@ pub struct TargetCache<P = Target> {
     created: usize,
     evicted: usize,
     pub(super) audit: Option<Audited>,
-    pub(super) pace: Option<Arc<Pace>>,
+    pub(super) pacing: Option<Arc<FramePacing>>,
     pub(super) timer: PassTimer,
     pub(super) costs: Costs,
 }
@@ -132,8 +132,8 @@ impl TargetCache {
     }
 
     /// Sets what frames are paced by; none: they are submitted as one.
-    pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
-        self.pace = pace;
+    pub fn set_pacing(&mut self, pacing: Option<Arc<FramePacing>>) {
+        self.pacing = pacing;
     }
 }
 
@@ -155,7 +155,7 @@ impl<P: Clone> TargetCache<P> {
             created: 0,
             evicted: 0,
             audit: None,
-            pace: None,
+            pacing: None,
             timer: PassTimer::default(),
             costs: Costs::default(),
         }

@@ -5,8 +5,8 @@ use std::cell::{OnceCell, RefCell};
 use super::cache::Target;
 use super::cost::Costs;
 use super::error::PassError;
+use super::frame_pacing::{FramePacing, wait_gently};
 use super::handle::{Buffer, Handle, Texture, Version};
-use super::pace::{Pace, wait_gently};
 use super::plan::Layout;
 use super::report::Counts;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, TimestampQueries};
@@ -21,12 +21,12 @@ pub(super) struct Recorder<'g> {
     pub costs: Costs,
     /// Time that what is recorded since the last submit is going to take, as far as it is known \[ms\].
     spent: f64,
-    pace: Option<Arc<Pace>>,
+    pacing: Option<Arc<FramePacing>>,
 }
 
 impl<'g> Recorder<'g> {
-    pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>, pace: Option<Arc<Pace>>) -> Self {
-        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, costs: Costs::default(), spent: 0.0, pace }
+    pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>, pacing: Option<Arc<FramePacing>>) -> Self {
+        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, costs: Costs::default(), spent: 0.0, pacing }
     }
 
     /// Begins a pass, in a submit of its own if that is full; true if it is timed.
@@ -50,17 +50,17 @@ impl<'g> Recorder<'g> {
 
     /// Between passes: lets work of others have its turn, if that is wanted.
     pub fn pause(&mut self) {
-        let Some(pace) = self.pace.clone() else { return };
-        if pace.is_gentle() {
+        let Some(pacing) = self.pacing.clone() else { return };
+        if pacing.is_interruptible() {
             self.submit();
         }
-        pace.step();
+        pacing.step();
     }
 
     /// Submits what was recorded so far.
     fn submit(&mut self) {
         let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
-        submit(self.gpu, recorded, self.pace.as_deref());
+        submit(self.gpu, recorded, self.pacing.as_deref());
         self.submits += 1;
         self.spent = 0.0;
     }
@@ -77,9 +77,9 @@ impl<'g> Recorder<'g> {
 }
 
 /// Submits what was recorded, and waits for it where others are to have their turn.
-fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pace: Option<&Pace>) {
+fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pacing: Option<&FramePacing>) {
     gpu.submit(Some(recorded));
-    if pace.is_some_and(Pace::is_gentle) {
+    if pacing.is_some_and(FramePacing::is_interruptible) {
         wait_gently(gpu);
     }
 }
@@ -104,7 +104,7 @@ pub struct PassContext<'c> {
     costs: &'c mut Costs,
     /// Time of what is recorded before this pass and not submitted yet \[ms\].
     spent: &'c mut f64,
-    pace: Option<&'c Pace>,
+    pacing: Option<&'c FramePacing>,
     name: &'c str,
     counts: Counts,
     /// Work of this pass since the last submit, and all of it.
@@ -127,9 +127,9 @@ pub(super) struct Resources<'c> {
 
 impl<'c> PassContext<'c> {
     pub(super) fn new(recorder: &'c mut Recorder<'_>, name: &'c str, resources: Resources<'c>) -> Self {
-        let Recorder { gpu, encoder, submits, costs, spent, pace, .. } = recorder;
-        let (pace, counts, work) = (pace.as_deref(), Counts::default(), [0; 2]);
-        Self { gpu, encoder, compute: None, submits, costs, spent, pace, name, counts, work, resources }
+        let Recorder { gpu, encoder, submits, costs, spent, pacing, .. } = recorder;
+        let (pacing, counts, work) = (pacing.as_deref(), Counts::default(), [0; 2]);
+        Self { gpu, encoder, compute: None, submits, costs, spent, pacing, name, counts, work, resources }
     }
 
     /// Its counts, and the first resource that it used without having declared it.
@@ -181,7 +181,7 @@ impl<'c> PassContext<'c> {
         self.compute = None;
         self.encoder.pop_debug_group();
         let recorded = std::mem::replace(self.encoder, new_encoder(self.gpu));
-        submit(self.gpu, recorded, self.pace);
+        submit(self.gpu, recorded, self.pacing);
         *self.submits += 1;
         (*self.spent, self.work[0]) = (0.0, 0);
         self.encoder.push_debug_group(self.name);

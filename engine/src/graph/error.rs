@@ -35,7 +35,7 @@ pub enum GraphError {
         /// What is wrong with it.
         fault: &'static str,
     },
-    /// The frame is not wanted any more: [`Pace::stop`](super::Pace::stop).
+    /// The frame is not wanted any more: [`FramePacing::stop`](super::FramePacing::stop).
     #[error("the frame was ended before it was finished")]
     Stopped,
     /// A pass has no work.

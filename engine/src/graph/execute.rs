@@ -24,8 +24,8 @@ impl Plan<'_> {
             return Err(GraphError::StalePlan);
         }
         let written = self.written_slots();
-        let pace = cache.pace.clone();
-        let mut recorder = Recorder::new(gpu, cache.timer.begin(gpu, self.steps.len()), pace);
+        let pacing = cache.pacing.clone();
+        let mut recorder = Recorder::new(gpu, cache.timer.begin(gpu, self.steps.len()), pacing);
         recorder.costs = std::mem::take(&mut cache.costs);
         gpu.audit.set(cache.audit.is_some());
         let result = check(gpu, "a frame", || self.run(gpu, cache, &mut recorder)).and_then(|result| result);
@@ -62,10 +62,10 @@ impl Plan<'_> {
         let targets = check(gpu, "the memory of a frame", || self.place(gpu, cache))?;
         let resources = self.layout.reports();
         let steps = std::mem::take(&mut self.steps);
-        let pace = cache.pace.clone();
-        pace.iter().for_each(|pace| pace.begin(steps.len()));
+        let pacing = cache.pacing.clone();
+        pacing.iter().for_each(|pacing| pacing.begin(steps.len()));
         for step in steps {
-            if pace.as_ref().is_some_and(|pace| pace.is_stopped()) {
+            if pacing.as_ref().is_some_and(|pacing| pacing.is_stopped()) {
                 recorder.submit_last();
                 return Err(GraphError::Stopped);
             }

@@ -23,7 +23,9 @@ use super::sky::sky_light;
 use super::transparency::blend;
 use super::views::Views;
 use crate::gpu::{Gpu, ReadbackError, begin_read_buffer};
-use crate::graph::{Buffer, CompileOptions, FrameReport, Graph, Handle, Pace, PassState, TargetCache, Texture, Timing};
+use crate::graph::{
+    Buffer, CompileOptions, FramePacing, FrameReport, Graph, Handle, PassState, TargetCache, Texture, Timing,
+};
 use crate::scene::{Aabb, ProbePoint, Scene, SceneView, ViewProjection};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -98,8 +100,8 @@ impl Renderer {
     }
 
     /// Sets what the frames are paced by, where an interface shares the device; none: nothing.
-    pub fn set_pace(&mut self, pace: Option<Arc<Pace>>) {
-        self.targets.set_pace(pace);
+    pub fn set_pacing(&mut self, pacing: Option<Arc<FramePacing>>) {
+        self.targets.set_pacing(pacing);
     }
 
     /// Sets whether frames are audited: see [`TargetCache::set_audit`]. Path tracing restarts with each.

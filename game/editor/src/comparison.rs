@@ -110,7 +110,7 @@ fn layer_error(session: &mut Session, view: &SceneView, only: Layer) -> Result<(
     let settings = RenderSettings { only, ..session.render_settings(false) };
     session.render(view, &settings)?;
     let image = session.radiance()?;
-    let tracer = session.painter.renderer.tracer().context("no reference is being traced")?;
+    let tracer = session.rendering.renderer.tracer().context("no reference is being traced")?;
     let [even, odd] = tracer.estimate(&session.gpu)?.halves(only);
     let measured = two_halves(&image, &even, &odd)?;
     let mean = 0.5 * (even.mean() + odd.mean());

@@ -6,7 +6,7 @@
 //! | to | look at |
 //! | --- | --- |
 //! | open a scene in the editor | [`Display::edit`] |
-//! | show a component of a game in the inspector | [`OwnComponent::of`] |
+//! | show a component of a game in the inspector | [`CustomComponent::of`] |
 //! | add a panel, a dialog, a key | `src/editor`: panels, selection and history, which know neither device nor window |
 //! | change what the window does with what the panels ask for | `src/play`: the window, the thread that draws, exports |
 //! | change how the reference is shown beside the picture | `src/comparison.rs` |
@@ -15,5 +15,5 @@ mod comparison;
 mod editor;
 mod play;
 
-pub use editor::OwnComponent;
+pub use editor::CustomComponent;
 pub use play::{Display, GameComponents, Opening};

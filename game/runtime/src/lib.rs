@@ -6,7 +6,7 @@
 //! | to | look at |
 //! | --- | --- |
 //! | draw a scene without a game | [`session::Session`] |
-//! | draw a world that a game changes | [`session::Painter`] |
+//! | draw a world that a game changes | [`session::RenderState`] |
 //! | find a scene by its name | [`scene_path`] |
 //! | add what every command line takes | [`cli::Common`], [`cli::LookArgs`] |
 //! | change a value of a loaded scene by its path | [`set`] |

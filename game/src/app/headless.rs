@@ -2,7 +2,7 @@
 
 use super::canvas::Canvas;
 use super::player::Drawn;
-use super::{App, GameArgs, Hud, OwnPass, Sounds, default_folder};
+use super::{App, CustomPassAdder, GameArgs, Hud, Sounds, default_folder};
 use anyhow::{Context, Result};
 use lightwell::game::{Game, InputScript, Time};
 use lightwell::gpu::Gpu;
@@ -56,7 +56,7 @@ pub(super) fn run_args(mut app: App, args: &GameArgs, script: Option<InputScript
 pub(super) fn play(
     game: Game,
     gpu: Gpu,
-    passes: &[OwnPass],
+    passes: &[CustomPassAdder],
     script: &InputScript,
     pictures: &Pictures,
 ) -> Result<Outcome> {
@@ -71,7 +71,7 @@ fn go_on(drawn: &mut Drawn, script: &InputScript, pictures: &Pictures) -> Result
     if let Some(folder) = &pictures.folder {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
-    let (mut canvas, mut last, mut count) = (Canvas::new(&drawn.painter.gpu, pictures.size), None, 0);
+    let (mut canvas, mut last, mut count) = (Canvas::new(&drawn.rendering.gpu, pictures.size), None, 0);
     let bar = progress::bar(script.steps, "playing");
     let every = pictures.every.max(1);
     for step in 1..=script.steps {
@@ -99,14 +99,14 @@ fn go_on(drawn: &mut Drawn, script: &InputScript, pictures: &Pictures) -> Result
 /// Draws the picture with what stands over it.
 fn picture(drawn: &mut Drawn, canvas: &mut Canvas, steps: u64) -> Result<Picture> {
     let rate = drawn.game.world.ecs.resource::<Time>().rate;
-    let gpu = drawn.painter.gpu.clone();
+    let gpu = drawn.rendering.gpu.clone();
     let size = canvas.size();
     let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size.map(|edge| edge as f32).into());
     let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
     let (result, mut output) = drawn.frame(steps as f32 / rate as f32, Some(input));
     result?;
     drawn.render(size)?;
-    let image = canvas.set_image(&gpu, drawn.painter.display_texture());
+    let image = canvas.set_image(&gpu, drawn.rendering.display_texture());
     let context = drawn.game.world.ecs.resource::<Hud>().context().clone();
     let painted = Painted::over(image, screen, &mut output);
     let picture = canvas.paint(&gpu, &context, painted)?;

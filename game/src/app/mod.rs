@@ -53,13 +53,13 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
 use clap::{CommandFactory, FromArgMatches};
 use lightwell::files::{ComponentTypes, SceneData};
-use lightwell::game::{Actions, Game, GameError, Ghost, InputScript, LightProbe, Persistent, Update};
+use lightwell::game::{Actions, Game, GameError, InputScript, LightProbe, NonSolid, Persistent, Update};
 use lightwell::graph::{Graph, Handle, Texture};
 use lightwell::render::Picture;
 #[cfg(feature = "editor")]
-use lightwell_editor::{Display, GameComponents, Opening, OwnComponent};
+use lightwell_editor::{CustomComponent, Display, GameComponents, Opening};
 use lightwell_runtime::cli::Common;
-use lightwell_runtime::session::{self, Painter};
+use lightwell_runtime::session::{self, RenderState};
 use lightwell_runtime::window::has_display;
 use lightwell_runtime::{logging, scene_path, set};
 use std::ffi::OsString;
@@ -67,7 +67,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Adds a pass to what draws the game.
-type OwnPass = Box<dyn Fn(&mut Painter)>;
+type CustomPassAdder = Box<dyn Fn(&mut RenderState)>;
 
 /// A game: what it is made of, until it runs.
 ///
@@ -78,8 +78,8 @@ pub struct App {
     actions: Option<String>,
     title: Option<String>,
     #[cfg(feature = "editor")]
-    shown: Vec<OwnComponent>,
-    passes: Vec<OwnPass>,
+    shown: Vec<CustomComponent>,
+    passes: Vec<CustomPassAdder>,
     fault: Option<GameError>,
 }
 
@@ -100,7 +100,7 @@ impl App {
             passes: Vec::new(),
             fault: None,
         };
-        app.show::<Ghost>().show::<LightProbe>().show::<Persistent>()
+        app.show::<NonSolid>().show::<LightProbe>().show::<Persistent>()
     }
 
     fn try_to(mut self, work: impl FnOnce(&mut Game) -> Result<(), GameError>) -> Self {
@@ -118,7 +118,7 @@ impl App {
     /// Has the editor show a component in its inspector.
     #[cfg(feature = "editor")]
     fn show<C: SceneData>(mut self) -> Self {
-        self.shown.push(OwnComponent::of::<C>());
+        self.shown.push(CustomComponent::of::<C>());
         self
     }
 
@@ -173,9 +173,9 @@ impl App {
     where
         F: Fn(&mut Graph<'_>, &Picture<'_>) -> Handle<Texture> + Send + Sync + Clone + 'static,
     {
-        self.passes.push(Box::new(move |painter| {
-            painter.gpu.shaders.add(shader, source);
-            painter.renderer.add_pass(pass.clone());
+        self.passes.push(Box::new(move |rendering| {
+            rendering.gpu.shaders.add(shader, source);
+            rendering.renderer.add_pass(pass.clone());
         }));
         self
     }

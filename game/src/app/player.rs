@@ -1,6 +1,6 @@
 //! A game with what draws it: the same with and without a window.
 
-use super::OwnPass;
+use super::CustomPassAdder;
 use super::hud::Hud;
 use anyhow::{Result, bail};
 use bevy_ecs::entity::Entity;
@@ -10,7 +10,7 @@ use lightwell::gpu::Gpu;
 use lightwell::render::PendingProbes;
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::LookArgs;
-use lightwell_runtime::session::Painter;
+use lightwell_runtime::session::RenderState;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const MOST_PENDING: usize = 4;
 /// A game with what draws it.
 pub struct Drawn {
     pub game: Game,
-    pub painter: Painter,
+    pub rendering: RenderState,
     /// The probes of the last frame.
     probed: Vec<Entity>,
     /// Light on its way to probes.
@@ -29,16 +29,17 @@ pub struct Drawn {
 
 impl Drawn {
     /// A game that was started.
-    pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs, passes: &[OwnPass]) -> Self {
-        let mut drawn = Self { game, painter: Painter::new(gpu, look), probed: Vec::new(), pending: VecDeque::new() };
-        passes.iter().for_each(|add| add(&mut drawn.painter));
+    pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs, passes: &[CustomPassAdder]) -> Self {
+        let mut drawn =
+            Self { game, rendering: RenderState::new(gpu, look), probed: Vec::new(), pending: VecDeque::new() };
+        passes.iter().for_each(|add| add(&mut drawn.rendering));
         drawn.follow();
         drawn
     }
 
     /// Takes over what changed in the world.
     pub fn follow(&mut self) {
-        self.painter.follow(&mut self.game.world);
+        self.rendering.follow(&mut self.game.world);
     }
 
     /// One step.
@@ -64,14 +65,14 @@ impl Drawn {
     /// # Errors
     /// If there is no camera, a pass fails, or the device is lost.
     pub fn render(&mut self, size: [u32; 2]) -> Result<()> {
-        let limit = self.painter.gpu.limits.max_texture_dimension_2d;
+        let limit = self.rendering.gpu.limits.max_texture_dimension_2d;
         let view =
-            SceneView { camera: self.painter.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
+            SceneView { camera: self.rendering.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
         self.probed = self.game.probe_entities();
-        self.painter.renderer.set_probes(self.game.probe_points(self.painter.scene.origin));
-        let settings = self.painter.display_settings(&self.game.world);
-        self.painter.render(&view, &settings)?;
-        if let Some(reason) = self.painter.gpu.device_lost() {
+        self.rendering.renderer.set_probes(self.game.probe_points(self.rendering.scene.origin));
+        let settings = self.rendering.display_settings(&self.game.world);
+        self.rendering.render(&view, &settings)?;
+        if let Some(reason) = self.rendering.gpu.device_lost() {
             bail!("the graphics device was lost: {reason}");
         }
         Ok(())
@@ -83,7 +84,7 @@ impl Drawn {
     /// # Errors
     /// If the device fails.
     pub fn take_late_light(&mut self) -> Result<()> {
-        let gpu = &self.painter.gpu;
+        let gpu = &self.rendering.gpu;
         while let Some((entities, light)) = self.pending.front_mut() {
             let Some(light) = light.try_take(gpu) else { break };
             let entities = std::mem::take(entities);
@@ -91,7 +92,7 @@ impl Drawn {
             self.game.set_probe_light_of(&entities, &light?);
         }
         if !self.probed.is_empty() && self.pending.len() < MOST_PENDING {
-            self.pending.push_back((self.probed.clone(), self.painter.renderer.begin_probe_light(gpu)?));
+            self.pending.push_back((self.probed.clone(), self.rendering.renderer.begin_probe_light(gpu)?));
         }
         Ok(())
     }
@@ -101,7 +102,7 @@ impl Drawn {
     /// # Errors
     /// If the device fails.
     pub fn take_light(&mut self) -> Result<()> {
-        let light = self.painter.renderer.probe_light(&self.painter.gpu)?;
+        let light = self.rendering.renderer.probe_light(&self.rendering.gpu)?;
         self.game.set_probe_light(&light);
         Ok(())
     }

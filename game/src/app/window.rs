@@ -7,7 +7,7 @@ use super::player::Drawn;
 use super::reload::Reloader;
 #[cfg(feature = "sound")]
 use super::speaker::Speaker;
-use super::{App, GameArgs, Hud, OwnPass, Sounds};
+use super::{App, CustomPassAdder, GameArgs, Hud, Sounds};
 use anyhow::{Context, Result};
 use lightwell::game::{CurrentScene, Game, InputScript, Time};
 use lightwell::graph::Timing;
@@ -43,7 +43,7 @@ pub(super) fn run(mut app: App, args: &GameArgs, script: Option<InputScript>) ->
 
 struct Handler<'a> {
     begun: Option<(Game, Reloader)>,
-    passes: Vec<OwnPass>,
+    passes: Vec<CustomPassAdder>,
     title: String,
     args: &'a GameArgs,
     script: Option<InputScript>,
@@ -85,7 +85,7 @@ impl Handler<'_> {
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
         let look = self.args.look().in_window(&gpu);
         let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
-        drawn.painter.renderer.set_timing(Timing::Late);
+        drawn.rendering.renderer.set_timing(Timing::Late);
         Ok(Open {
             window,
             screen,
@@ -169,7 +169,7 @@ impl Open {
         let elapsed = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         let Some(size) = self.screen.size() else { return Ok(true) };
-        self.drawn.painter.gpu.shaders.poll();
+        self.drawn.rendering.gpu.shaders.poll();
         self.reload();
         self.input.size(size);
         // What is played from a script is to be the same each time, whatever the device takes.
@@ -185,14 +185,14 @@ impl Open {
         let (result, mut output) = self.drawn.frame(elapsed as f32, Some(input));
         self.tell(result.map_err(Into::into));
         let result = self.drawn.render(size.map(|edge| (edge as f32 * self.scale).ceil() as u32));
-        if let Some(reason) = self.drawn.painter.gpu.device_lost() {
+        if let Some(reason) = self.drawn.rendering.gpu.device_lost() {
             anyhow::bail!("the graphics device was lost: {reason}");
         }
         self.tell(result);
         self.sound();
-        self.ui.set_image(&self.drawn.painter.gpu, self.drawn.painter.display_texture());
+        self.ui.set_image(&self.drawn.rendering.gpu, self.drawn.rendering.display_texture());
         let painted = self.ui.over_image(&self.window, screen, &mut output);
-        self.ui.present(&self.drawn.painter.gpu, &mut self.screen, &self.window, painted)?;
+        self.ui.present(&self.drawn.rendering.gpu, &mut self.screen, &self.window, painted)?;
         Ok(!self.drawn.game.has_ended())
     }
 

@@ -22,7 +22,7 @@ impl Sequence {
     /// # Errors
     /// If the system gives no thread to write with.
     pub fn start(session: &mut Session) -> Result<Self> {
-        session.painter.renderer.set_timing(Timing::Off);
+        session.rendering.renderer.set_timing(Timing::Off);
         Ok(Self { writer: Writer::start()?, last: None, tally: Tally::default() })
     }
 

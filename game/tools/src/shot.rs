@@ -147,7 +147,7 @@ impl Shot {
             let settings = if self.linear { settings } else { session.display_settings() };
             session.render(&view, &settings)?;
             told(Step::Frame);
-            return Ok((Taken::Coming(session.painter.begin_reading(self.linear)?), None));
+            return Ok((Taken::Coming(session.rendering.begin_reading(self.linear)?), None));
         }
         let told = &mut || told(Step::Frame);
         let image = capture::take_telling(session, self.size, count, &settings, told)?;

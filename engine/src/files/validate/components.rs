@@ -157,7 +157,12 @@ impl Validator {
             self.require(n <= 16, "gather_points", format!("{n} points"), "use Count(0) to Count(16), or Auto")?;
         }
         if let GatherRays::Paths(n) = c.gather_rays {
-            self.require((1..=16).contains(&n), "gather_rays", format!("{n} paths"), "use Paths(1) to Paths(16), or Auto")?;
+            self.require(
+                (1..=16).contains(&n),
+                "gather_rays",
+                format!("{n} paths"),
+                "use Paths(1) to Paths(16), or Auto",
+            )?;
         }
         let are_points = !matches!(c.gather_points, GatherRays::Paths(_));
         self.require(are_points, "gather_points", "points have no paths", "use Count(0) to Count(16), or Auto")?;

@@ -1,13 +1,13 @@
 //! Questions to the space around: what a ray meets, how far a ball or a box can move.
 //!
-//! Every drawn mesh counts, by its triangles and from both sides, unless its entity is a [`Ghost`]. Two levels: a
+//! Every drawn mesh counts, by its triangles and from both sides, unless its entity is a [`NonSolid`]. Two levels: a
 //! hierarchy over the objects' boxes, fitted again when one moves, and one over the triangles of each mesh, built when
 //! it is first needed. A step sees the space as the step before left it.
 
 mod sweep;
 mod update;
 
-pub use update::Ghost;
+pub use update::NonSolid;
 pub(super) use update::update;
 
 use crate::assets::Mesh;

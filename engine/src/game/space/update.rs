@@ -9,10 +9,10 @@ use bevy_ecs::prelude::*;
 
 /// What can be seen and not touched: rays and moving bodies of a game pass through it.
 #[derive(Component, SceneData, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Ghost;
+pub struct NonSolid;
 
-type Row = (Entity, &'static Identity, &'static GlobalTransform, &'static MeshRenderer, Has<Ghost>);
-type IsChanged = (With<MeshRenderer>, Or<(Changed<GlobalTransform>, Changed<MeshRenderer>, Added<Ghost>)>);
+type Row = (Entity, &'static Identity, &'static GlobalTransform, &'static MeshRenderer, Has<NonSolid>);
+type IsChanged = (With<MeshRenderer>, Or<(Changed<GlobalTransform>, Changed<MeshRenderer>, Added<NonSolid>)>);
 
 /// Brings the space up to date, if anything in it changed.
 pub fn update(
@@ -20,7 +20,7 @@ pub fn update(
     all: Query<Row>,
     changed: Query<(), IsChanged>,
     mut gone: RemovedComponents<MeshRenderer>,
-    mut solid: RemovedComponents<Ghost>,
+    mut solid: RemovedComponents<NonSolid>,
 ) {
     let removed = gone.read().count() + solid.read().count();
     if changed.is_empty() && removed == 0 {

@@ -4,8 +4,8 @@
 mod caching;
 mod device;
 mod errors;
+mod frame_pacing;
 mod memory;
-mod pace;
 mod property;
 mod simulation;
 

@@ -150,16 +150,16 @@ impl Editor {
             if before.parent == parent || parent == Some(id) {
                 continue;
             }
-            let kept = stage.world.stash(entity, false)?;
+            let kept = stage.world.snapshot(entity, false)?;
             let place = stage.world.ecs.get::<GlobalTransform>(entity).copied().unwrap_or_default();
             let count = parent.and_then(|p| stage.world.entity(p)).map_or(0, |p| stage.world.children(p).len());
             let after = Seat { parent, index: count };
             if let Err(error) = seat(stage.world, id, &after) {
-                stage.world.drop_stash(kept);
+                stage.world.drop_snapshot(kept);
                 return Err(error);
             }
             stand_at(stage.world, entity, &place);
-            let new = stage.world.stash(entity, false)?;
+            let new = stage.world.snapshot(entity, false)?;
             changes.push(Change::Moved { id, before, after });
             changes.push(Change::Components { id, before: kept, after: new });
         }
@@ -229,7 +229,7 @@ impl Editor {
             let before = Existence::of(stage.world, *id)?;
             let entity = stage.world.entity(*id).context("the entity is gone")?;
             if let Err(error) = edit_entity(stage.world, &mut stage.files.context(), entity, now) {
-                stage.world.drop_stash(before.stash);
+                stage.world.drop_snapshot(before.snapshot);
                 return Err(error.into());
             }
             changes.push(Change::Went(before));
@@ -264,7 +264,7 @@ impl Editor {
         let new = match spawn_entity(stage.world, &mut stage.files.context(), parent, &instance) {
             Ok(new) => new,
             Err(error) => {
-                stage.world.put_back(before.stash, parent, before.seat.index)?;
+                stage.world.put_back(before.snapshot, parent, before.seat.index)?;
                 return Err(error.into());
             }
         };
@@ -304,7 +304,7 @@ impl Editor {
         if files::is_repeated(stage.world, entity) {
             anyhow::bail!("the selected entity makes several copies of its prefab: apply an instance that makes one");
         }
-        let holder = stage.world.stash(entity, true)?;
+        let holder = stage.world.snapshot(entity, true)?;
         // Written in full, as if it were no instance.
         files::break_prefab(stage.world, entity);
         let children = stage.world.children(entity);
@@ -313,7 +313,7 @@ impl Editor {
         let index = Seat::of(stage.world, stage.world.id(entity).unwrap_or_default()).index;
         stage.world.ecs.despawn(entity);
         stage.world.put_back(holder, parent, index)?;
-        stage.world.drop_stash(holder);
+        stage.world.drop_snapshot(holder);
         saved?;
         Ok(path)
     }

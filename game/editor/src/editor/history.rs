@@ -4,7 +4,7 @@ use super::stage::Stage;
 use anyhow::{Result, anyhow};
 use lightwell::files::{SceneFile, describe_scene, edit_scene};
 use lightwell::scene::SceneId;
-use lightwell::world::{GameWorld, Stash};
+use lightwell::world::{EntitySnapshot, GameWorld};
 
 /// Most steps that are remembered.
 const MOST: usize = 500;
@@ -37,9 +37,9 @@ pub enum Change {
         /// Whose.
         id: SceneId,
         /// Before.
-        before: Stash,
+        before: EntitySnapshot,
         /// After.
-        after: Stash,
+        after: EntitySnapshot,
     },
     /// An entity came, with all below it.
     Came(Existence),
@@ -64,7 +64,7 @@ pub struct Existence {
     /// Which.
     pub id: SceneId,
     /// The entity with all below it.
-    pub stash: Stash,
+    pub snapshot: EntitySnapshot,
     /// Where it stands.
     pub seat: Seat,
 }
@@ -76,12 +76,12 @@ impl Existence {
     /// If there is none.
     pub fn of(world: &mut GameWorld, id: SceneId) -> Result<Self> {
         let entity = world.entity(id).ok_or_else(|| anyhow!("the entity is gone"))?;
-        Ok(Self { id, stash: world.stash(entity, true)?, seat: Seat::of(world, id) })
+        Ok(Self { id, snapshot: world.snapshot(entity, true)?, seat: Seat::of(world, id) })
     }
 
     fn come(&self, world: &mut GameWorld) -> Result<()> {
         let parent = self.seat.parent.and_then(|id| world.entity(id));
-        world.put_back(self.stash, parent, self.seat.index)?;
+        world.put_back(self.snapshot, parent, self.seat.index)?;
         Ok(())
     }
 
@@ -98,7 +98,7 @@ impl Change {
         match self {
             Self::Components { id, before, after } => {
                 let entity = world.entity(*id).ok_or_else(|| anyhow!("the entity is gone"))?;
-                world.copy_from_stash(if forth { *after } else { *before }, entity)?;
+                world.copy_from_snapshot(if forth { *after } else { *before }, entity)?;
             }
             Self::Came(existence) if forth => existence.come(world)?,
             Self::Went(existence) if !forth => existence.come(world)?,
@@ -121,7 +121,7 @@ impl Change {
         Ok(Some(match self {
             Self::Components { id, .. } => {
                 let entity = world.entity(*id).ok_or_else(|| anyhow!("the entity is gone"))?;
-                let now = world.stash(entity, false)?;
+                let now = world.snapshot(entity, false)?;
                 Self::Components { id: *id, before: now, after: now }
             }
             Self::Came(existence) | Self::Went(existence) => {
@@ -154,10 +154,10 @@ impl Change {
     fn drop(&self, world: &mut GameWorld) {
         match self {
             Self::Components { before, after, .. } => {
-                world.drop_stash(*before);
-                world.drop_stash(*after);
+                world.drop_snapshot(*before);
+                world.drop_snapshot(*after);
             }
-            Self::Came(existence) | Self::Went(existence) => world.drop_stash(existence.stash),
+            Self::Came(existence) | Self::Went(existence) => world.drop_snapshot(existence.snapshot),
             Self::Moved { .. } | Self::Scene(..) => {}
         }
     }
@@ -230,7 +230,7 @@ impl Step {
 #[derive(Debug)]
 struct Open {
     label: String,
-    before: Vec<(SceneId, Stash)>,
+    before: Vec<(SceneId, EntitySnapshot)>,
     scene: Option<Box<SceneFile>>,
 }
 
@@ -290,7 +290,7 @@ impl History {
         let open = self.open.get_or_insert_with(|| Open { label: label.to_owned(), before: Vec::new(), scene: None });
         for id in ids.iter().filter(|id| !open.before.iter().any(|(known, _)| known == *id)).collect::<Vec<_>>() {
             let entity = stage.world.entity(*id).ok_or_else(|| anyhow!("the entity is gone"))?;
-            open.before.push((*id, stage.world.stash(entity, false)?));
+            open.before.push((*id, stage.world.snapshot(entity, false)?));
         }
         Ok(())
     }
@@ -325,7 +325,7 @@ impl History {
         }
         for (id, before) in open.before {
             let Some(entity) = world.entity(id) else { continue };
-            let after = world.stash(entity, false)?;
+            let after = world.snapshot(entity, false)?;
             changes.push(Change::Components { id, before, after });
         }
         if !changes.is_empty() {
@@ -361,7 +361,7 @@ impl History {
                 _ => None,
             });
             match (known, change) {
-                (Some(known), Change::Came(now)) => world.drop_stash(std::mem::replace(known, now).stash),
+                (Some(known), Change::Came(now)) => world.drop_snapshot(std::mem::replace(known, now).snapshot),
                 // What went by the step went at its begin.
                 (_, change) => change.drop(world),
             }

@@ -1,7 +1,7 @@
 //! The inspector: what the selected entity is made of.
 
 use super::Editor;
-use super::own::{self, OwnComponent};
+use super::custom_component::{self, CustomComponent};
 use super::schema::Shape;
 use super::stage::Stage;
 use super::value::Value;
@@ -12,7 +12,7 @@ use lightwell::scene::SceneId;
 use std::sync::LazyLock;
 
 /// Fields of an override that are no components.
-const NO_COMPONENTS: [&str; 5] = ["remove", "without", "children", "overrides", own::FIELD];
+const NO_COMPONENTS: [&str; 5] = ["remove", "without", "children", "overrides", custom_component::FIELD];
 
 /// The components that scene files know, with their shapes.
 static COMPONENTS: LazyLock<Vec<(&'static str, Shape)>> =
@@ -55,7 +55,7 @@ fn origin(ui: &mut Ui, stage: &Stage, entity: bevy_ecs::prelude::Entity) {
         ui.weak(format!("instance of {prefab}"));
     }
     if stage.world.rest_transform(entity) != stage.world.ecs.get(entity).copied().unwrap_or_default() {
-        ui.weak("animated: the transform is that without the animation; handles in the view move both");
+        ui.weak("animated: the transform is that without the animation; gizmos in the view move both");
     }
     if files::is_in_prefab(stage.world, entity) {
         ui.weak("part of a prefab; changes are kept as overrides of this instance");
@@ -101,22 +101,23 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
         }
     }
     let own_components = editor.kit.own.clone();
-    for OwnComponent { name, shape, .. } in &own_components {
-        let Some(mut component) = own::get(&value, name) else { continue };
+    for CustomComponent { name, shape, .. } in &own_components {
+        let Some(mut component) = custom_component::get(&value, name) else { continue };
         let mut remove = false;
         let edited = section(ui, editor, name, name, shape, &mut component, &mut remove);
         if remove || edited {
-            own::set(&mut value, name, Some(component).filter(|_| !remove));
+            custom_component::set(&mut value, name, Some(component).filter(|_| !remove));
             changed = Some(format!("{} {name}", if remove { "remove" } else { "change" }));
         }
     }
     ui.add_space(6.0);
     ui.menu_button("Add component", |ui| {
-        let missing: Vec<_> = own_components.iter().filter(|c| own::get(&value, c.name).is_none()).collect();
-        for OwnComponent { name, .. } in missing {
+        let missing: Vec<_> =
+            own_components.iter().filter(|c| custom_component::get(&value, c.name).is_none()).collect();
+        for CustomComponent { name, .. } in missing {
             let Some(starter) = stage.files.options.types.get(name).and_then(|t| t.starter().ok()) else { continue };
             if ui.button(*name).on_hover_text(editor.kit.note(name).help).clicked() {
-                own::set(&mut value, name, Value::parse(&starter));
+                custom_component::set(&mut value, name, Value::parse(&starter));
                 changed = Some(format!("add {name}"));
                 ui.close();
             }

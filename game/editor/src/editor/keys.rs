@@ -45,7 +45,7 @@ pub enum Action {
     Keep(usize),
     /// Goes to a place that was kept.
     Recall(usize),
-    /// Chooses a handle.
+    /// Chooses a gizmo.
     Gizmo(Mode),
     /// Saves a picture.
     Screenshot,
@@ -89,10 +89,10 @@ pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
     (NONE, Key::Equals, Action::Speed(1), "faster"),
     (NONE, Key::Minus, Action::Speed(-1), "slower"),
     (NONE, Key::C, Action::SceneCamera, "back to the scene's camera"),
-    (NONE, Key::Num1, Action::Gizmo(Mode::Move), "handle: move"),
-    (NONE, Key::Num2, Action::Gizmo(Mode::Rotate), "handle: rotate"),
-    (NONE, Key::Num3, Action::Gizmo(Mode::Scale), "handle: scale"),
-    (NONE, Key::Num4, Action::Gizmo(Mode::None), "no handle"),
+    (NONE, Key::Num1, Action::Gizmo(Mode::Move), "gizmo: move"),
+    (NONE, Key::Num2, Action::Gizmo(Mode::Rotate), "gizmo: rotate"),
+    (NONE, Key::Num3, Action::Gizmo(Mode::Scale), "gizmo: scale"),
+    (NONE, Key::Num4, Action::Gizmo(Mode::None), "no gizmo"),
     (NONE, Key::F12, Action::Screenshot, "save a picture into out/"),
     (NONE, Key::F1, Action::Help, "this help"),
 ];
@@ -100,7 +100,7 @@ pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
 /// The mouse, as the help lists it.
 pub const MOUSE: [(&str, &str); 9] = [
     ("click", "select (Ctrl: more; Alt: the part of a model itself)"),
-    ("drag a handle", "move, rotate, scale (Ctrl: in steps)"),
+    ("drag a gizmo", "move, rotate, scale (Ctrl: in steps)"),
     ("drag left", "look around"),
     ("drag right", "orbit"),
     ("drag middle", "move sideways"),

@@ -24,7 +24,7 @@ pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             ui.separator();
             play(ui, editor, stage);
             ui.separator();
-            handles(ui, editor);
+            gizmos(ui, editor);
         });
     });
 }
@@ -188,9 +188,9 @@ fn play(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     }
 }
 
-fn handles(ui: &mut Ui, editor: &mut Editor) {
+fn gizmos(ui: &mut Ui, editor: &mut Editor) {
     for (mode, text) in [(Mode::Move, "Move"), (Mode::Rotate, "Rotate"), (Mode::Scale, "Scale")] {
-        if ui.selectable_label(editor.view.mode == mode, text).on_hover_text("handle in the view").clicked() {
+        if ui.selectable_label(editor.view.mode == mode, text).on_hover_text("gizmo in the view").clicked() {
             editor.view.mode = if editor.view.mode == mode { Mode::None } else { mode };
         }
     }

@@ -6,6 +6,7 @@ pub mod camera;
 pub mod clock;
 mod commands;
 pub mod console;
+mod custom_component;
 mod dialogs;
 mod docs;
 mod gizmo;
@@ -15,7 +16,6 @@ mod inspector;
 mod keys;
 mod layout;
 mod menu;
-mod own;
 mod panels;
 mod reload;
 pub(crate) mod schema;
@@ -26,7 +26,7 @@ mod value;
 mod view;
 mod widgets;
 
-pub use own::OwnComponent;
+pub use custom_component::CustomComponent;
 pub use stage::{Export, Facts, Request, Stage, Tracing, Working};
 
 use anyhow::Result;
@@ -99,7 +99,7 @@ impl Default for Editor {
 
 impl Editor {
     /// Sets the components of a game that are shown besides those of the engine.
-    pub fn set_own(&mut self, own: Vec<OwnComponent>) {
+    pub fn set_own(&mut self, own: Vec<CustomComponent>) {
         self.kit.add_own(own);
     }
 

@@ -40,7 +40,7 @@ impl Editor {
 
     /// The file could not be read: all is as it was.
     pub fn not_reloaded(&mut self, world: &mut GameWorld, before: Before) {
-        before.roots.iter().for_each(|root| world.drop_stash(root.stash));
+        before.roots.iter().for_each(|root| world.drop_snapshot(root.snapshot));
     }
 }
 

@@ -25,7 +25,7 @@ impl Player {
                 Err(error) => self.editor.tell(format!("no screenshot: {error:#}"), true),
             },
             // Before the first picture there is nothing to click on yet.
-            Request::Pick { .. } if self.picture.objects.is_none() && !self.artist.is_idle() => {
+            Request::Pick { .. } if self.picture.objects.is_none() && !self.render_thread.is_idle() => {
                 self.waiting.push(request);
             }
             Request::Pick { pixel, add } => match self.seen_at(pixel) {
@@ -40,7 +40,7 @@ impl Player {
                 self.editor.tell(format!("{count} shaders in use were read and compiled anew"), false);
             }
             // What is drawn lies with the thread that draws.
-            Request::Target(_) if !self.artist.is_idle() => {
+            Request::Target(_) if !self.render_thread.is_idle() => {
                 self.waiting.retain(|other| !matches!(other, Request::Target(_)));
                 self.waiting.push(request);
             }

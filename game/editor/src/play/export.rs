@@ -1,7 +1,7 @@
 //! The animation as image files, a frame at a time while the window stays alive; and as a video where `ffmpeg` is.
 
-use super::artist::Purpose;
 use super::player::Player;
+use super::render_thread::Purpose;
 use crate::editor::Export;
 use anyhow::{Context, Result, bail};
 use lightwell::measure;
@@ -129,7 +129,7 @@ impl Player {
         let next = job.next(&mut self.session, |session| Ok(camera.apply(&session.camera()?)));
         let begun = next.and_then(|next| match next {
             Next::Frame(frame) => {
-                self.artist.begin(&mut self.session, frame.0, frame.1, Purpose::Export).map(|()| false)
+                self.render_thread.begin(&mut self.session, frame.0, frame.1, Purpose::Export).map(|()| false)
             }
             Next::Wait => Ok(false),
             Next::Done => Ok(true),

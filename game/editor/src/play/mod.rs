@@ -1,16 +1,16 @@
 //! A scene in a window, with the editor around it.
 
 mod answers;
-mod artist;
 pub(crate) mod export;
 mod memory;
 mod meter;
 mod picture;
 mod player;
 mod remembered;
+mod render_thread;
 mod window;
 
-use crate::editor::{OwnComponent, console};
+use crate::editor::{CustomComponent, console};
 use anyhow::Result;
 use lightwell::files::ComponentTypes;
 use lightwell_runtime::cli::{Common, LookArgs};
@@ -34,7 +34,7 @@ pub struct GameComponents {
     /// How files hold them.
     pub types: ComponentTypes,
     /// How the inspector shows them.
-    pub shown: Vec<OwnComponent>,
+    pub shown: Vec<CustomComponent>,
 }
 
 /// A connection to a display that windows open on.

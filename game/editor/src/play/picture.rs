@@ -1,7 +1,7 @@
 //! The picture of the window: begun when there is something new to see, taken up when it is finished.
 
-use super::artist::{Finished, Purpose};
 use super::player::Player;
+use super::render_thread::{Finished, Purpose};
 use anyhow::Result;
 use lightwell::profile::FrameRecorder;
 use lightwell::render::RenderSettings;
@@ -53,7 +53,7 @@ impl Player {
 
     /// Begins the next picture, of the view or of an export, and takes it up if it comes soon; whether it did.
     pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder) -> Result<bool> {
-        if self.artist.is_idle() {
+        if self.render_thread.is_idle() {
             if self.job.is_some() {
                 self.continue_export();
             } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
@@ -74,7 +74,7 @@ impl Player {
         if key == self.picture.key && !self.picture.gets_better() {
             return self.measure_late();
         }
-        self.artist.begin(&mut self.session, view.clone(), settings, Purpose::View)?;
+        self.render_thread.begin(&mut self.session, view.clone(), settings, Purpose::View)?;
         (self.picture.key, self.picture.view) = (key, Some(view));
         Ok(())
     }
@@ -103,7 +103,7 @@ impl Player {
 
     /// Takes up the picture once it is finished; waits for that at most so long. Whether there is one.
     pub(super) fn take_picture(&mut self, frame: &mut FrameRecorder, patience: Duration) -> Result<bool> {
-        let Some(Finished { begun, result }) = self.artist.take(&mut self.session, patience)? else {
+        let Some(Finished { begun, result }) = self.render_thread.take(&mut self.session, patience)? else {
             return Ok(false);
         };
         frame.beside("render", begun.start);
@@ -145,9 +145,9 @@ impl Player {
 
     /// Copies what was drawn: the next picture is drawn over it in several passes.
     fn show_picture(&mut self) {
-        self.picture.objects = self.session.painter.objects();
+        self.picture.objects = self.session.rendering.objects();
         self.picture.tracing = self.session.tracing();
-        self.picture.is_settling = self.session.painter.renderer.is_settling();
+        self.picture.is_settling = self.session.rendering.renderer.is_settling();
         let gpu = self.session.gpu.clone();
         let Some(display) = self.session.display_texture() else { return };
         let size = display.size();

@@ -1,10 +1,10 @@
 //! A scene that is playing in a window.
 
-use super::artist::Artist;
 use super::export::Job;
 use super::memory::Memory;
 use super::meter::Meter;
 use super::picture::Picture;
+use super::render_thread::RenderThread;
 use super::{GameComponents, Opening};
 use crate::comparison::Comparison;
 use crate::editor::camera::FlyCamera;
@@ -56,7 +56,7 @@ pub struct Player {
     pub(super) repaint_at: Option<Instant>,
     pub(super) ended: bool,
     pub(super) job: Option<Job>,
-    pub(super) artist: Artist,
+    pub(super) render_thread: RenderThread,
     pub(super) picture: Picture,
     /// What can be answered once no picture is being drawn.
     pub(super) waiting: Vec<Request>,
@@ -88,7 +88,7 @@ impl Player {
         let look = args.look.in_window(&gpu);
         let session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
         lightwell::files::remove_leftovers(session.path());
-        let artist = Artist::new(&session.gpu);
+        let render_thread = RenderThread::new(&session.gpu);
         let mut player = Self {
             watcher: SceneWatcher::new(session.path(), &session.files()),
             clock: PlayClock::new(&session.settings()),
@@ -110,7 +110,7 @@ impl Player {
             repaint_at: None,
             ended: false,
             job: None,
-            artist,
+            render_thread,
             picture: Picture::default(),
             waiting: Vec::new(),
             recorder: None,
@@ -160,13 +160,13 @@ impl Player {
             self.repaint_at = None;
             self.stale = true;
         }
-        let goes_on = self.artist.is_idle() && (self.clock.playing || self.job.is_some());
-        let busy = self.stale || goes_on || self.artist.is_finished();
+        let goes_on = self.render_thread.is_idle() && (self.clock.playing || self.job.is_some());
+        let busy = self.stale || goes_on || self.render_thread.is_finished();
         let visible = self.screen.size().is_some();
         if busy && visible {
             self.window.request_redraw();
         }
-        match (busy && visible, self.artist.is_idle()) {
+        match (busy && visible, self.render_thread.is_idle()) {
             (true, _) => Duration::ZERO,
             (false, false) => GLANCE,
             (false, true) => IDLE,
@@ -182,7 +182,7 @@ impl Player {
         // A picture that the interface outruns is one frame of the profile all the same.
         let mut frame = self.recorder.take().unwrap_or_else(FrameRecorder::begin);
         let mut is_new = self.take_picture(&mut frame, Duration::ZERO)?;
-        if self.artist.is_idle() {
+        if self.render_thread.is_idle() {
             // Where pictures take long, time waits for them.
             self.clock.advance(self.last_frame.elapsed().as_secs_f64());
             self.last_frame = Instant::now();
@@ -204,7 +204,7 @@ impl Player {
             bail!("the graphics device was lost: {reason}");
         }
         frame.span("present", |_| self.present(painted))?;
-        match (is_new, self.artist.is_idle()) {
+        match (is_new, self.render_thread.is_idle()) {
             (true, is_idle) => {
                 self.profiler.push(frame.finish());
                 self.recorder = (!is_idle).then(FrameRecorder::begin);
@@ -228,8 +228,10 @@ impl Player {
         let adapter = self.session.gpu.info.name.clone();
         let scene_camera = self.session.camera().ok();
         let tracing = self.picture.tracing.map(|(samples, target)| Tracing { samples, target });
-        let working =
-            Working { picture: self.artist.progress(), export: self.job.as_ref().map(super::export::Job::progress) };
+        let working = Working {
+            picture: self.render_thread.progress(),
+            export: self.job.as_ref().map(super::export::Job::progress),
+        };
         let image = self.ui.image();
         let parts = self.session.parts();
         let mut stage = Stage {
@@ -259,7 +261,7 @@ impl Player {
         let mut requests = Vec::new();
         let size_before = self.editor.view.size;
         let painted = self.ui.run(&self.window, |ui| requests.extend(self.editor.show(ui, &mut stage)));
-        self.session.beside = self.comparison.beside(&self.session.painter.look.trace);
+        self.session.beside = self.comparison.beside(&self.session.rendering.look.trace);
         match painted.repaint {
             Duration::ZERO => self.stale = true,
             Duration::MAX => {}

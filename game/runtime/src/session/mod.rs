@@ -1,11 +1,11 @@
 //! A loaded scene with the device that draws it: load, set the time, draw, read back.
 
-mod painter;
 mod reading;
+mod render_state;
 mod tracing;
 
-pub use painter::Painter;
 pub use reading::{Objects, PendingPicture};
+pub use render_state::RenderState;
 pub use tracing::Tracing;
 
 use crate::cli::{Common, Gi, LookArgs};
@@ -57,7 +57,7 @@ pub struct Session {
     library: AssetLibrary,
     world: GameWorld,
     /// What draws it.
-    pub painter: Painter,
+    pub rendering: RenderState,
     /// The reference that frames for a display are shown beside, if any.
     pub beside: Option<Beside>,
 }
@@ -143,9 +143,9 @@ impl Session {
         mut library: AssetLibrary,
         look: &LookArgs,
     ) -> Result<Self> {
-        let mut painter = Painter::new(gpu.clone(), look.clone());
-        let world = load(&path, &mut library, &options, &mut painter)?;
-        Ok(Self { gpu, path, options, library, world, painter, beside: None })
+        let mut rendering = RenderState::new(gpu.clone(), look.clone());
+        let world = load(&path, &mut library, &options, &mut rendering)?;
+        Ok(Self { gpu, path, options, library, world, rendering, beside: None })
     }
 
     /// Loads the scene anew from its file, into the same world, where entities have the identities of those that stood
@@ -154,13 +154,13 @@ impl Session {
     /// # Errors
     /// As [`Session::open`].
     pub fn reload(&mut self) -> Result<()> {
-        let (path, look) = (self.path.clone(), self.painter.look.clone());
+        let (path, look) = (self.path.clone(), self.rendering.look.clone());
         // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
         let mut library = AssetLibrary::new();
-        load(&path, &mut library, &self.options, &mut Painter::new(self.gpu.clone(), look))?;
+        load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look))?;
         files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
         self.library = library;
-        complete(&mut self.world, &mut self.painter)?;
+        complete(&mut self.world, &mut self.rendering)?;
         Ok(())
     }
 
@@ -170,16 +170,16 @@ impl Session {
     /// As [`Session::open`].
     pub fn open_other(&mut self, path: &Path) -> Result<()> {
         // What was asked of the scene before need not exist in this one.
-        let look = LookArgs { camera: None, sets: Vec::new(), ..self.painter.look.clone() };
+        let look = LookArgs { camera: None, sets: Vec::new(), ..self.rendering.look.clone() };
         self.replace(path.to_owned(), look)
     }
 
     fn replace(&mut self, path: PathBuf, look: LookArgs) -> Result<()> {
         // A fresh library: models and images may have changed too.
         let mut library = AssetLibrary::new();
-        let mut painter = Painter::new(self.gpu.clone(), look);
-        let world = load(&path, &mut library, &self.options, &mut painter)?;
-        self.painter.take_scene(painter);
+        let mut rendering = RenderState::new(self.gpu.clone(), look);
+        let world = load(&path, &mut library, &self.options, &mut rendering)?;
+        self.rendering.take_scene(rendering);
         (self.world, self.library, self.path) = (world, library, path);
         Ok(())
     }
@@ -218,9 +218,9 @@ impl Session {
         Parts {
             world: &mut self.world,
             files: Files { library: &mut self.library, options: &self.options, path: &self.path },
-            look: &mut self.painter.look,
-            display: &mut self.painter.display,
-            scene: &self.painter.scene,
+            look: &mut self.rendering.look,
+            display: &mut self.rendering.display,
+            scene: &self.rendering.scene,
         }
     }
 
@@ -234,7 +234,7 @@ impl Session {
     /// # Errors
     /// If there is no such target, level or layer, or its format has no plain numbers.
     pub fn target(&self, name: &str, mip: u32, layer: u32) -> Result<gpu::ImageF32> {
-        self.painter.target(name, mip, layer)
+        self.rendering.target(name, mip, layer)
     }
 
     /// File of the scene.
@@ -249,24 +249,24 @@ impl Session {
 
     /// Settings of the scene.
     pub fn settings(&self) -> SceneSettings {
-        painter::settings(&self.world)
+        render_state::settings(&self.world)
     }
 
     /// What the renderer sees.
     pub fn scene(&self) -> &Scene {
-        &self.painter.scene
+        &self.rendering.scene
     }
 
     /// Moves everything to where it is at a tick of the scene's clock.
     pub fn set_ticks(&mut self, ticks: u64) {
         self.world.set_tick(ticks);
-        update(&mut self.world, &mut self.painter);
+        update(&mut self.world, &mut self.rendering);
     }
 
     /// Moves everything to where it is after so many seconds.
     pub fn set_seconds(&mut self, seconds: f64) {
         self.world.set_seconds(seconds);
-        update(&mut self.world, &mut self.painter);
+        update(&mut self.world, &mut self.rendering);
     }
 
     /// The camera that was asked for, or the scene's primary one.
@@ -274,22 +274,22 @@ impl Session {
     /// # Errors
     /// If there is no camera of that name, or none at all.
     pub fn camera(&self) -> Result<SceneCamera> {
-        self.painter.camera()
+        self.rendering.camera()
     }
 
     /// Settings of a frame.
     pub fn render_settings(&self, display: bool) -> RenderSettings {
-        self.painter.settings(&self.world, display)
+        self.rendering.settings(&self.world, display)
     }
 
     /// Settings of a frame that is looked at: with smooth edges, unless they are not wanted or a layer is shown.
     pub fn display_settings(&self) -> RenderSettings {
-        RenderSettings { beside: self.beside, ..self.painter.display_settings(&self.world) }
+        RenderSettings { beside: self.beside, ..self.rendering.display_settings(&self.world) }
     }
 
     /// What `--bounces` and `--seed` ask of the path tracer.
     pub fn trace_settings(&self) -> TraceSettings {
-        self.painter.trace_settings()
+        self.rendering.trace_settings()
     }
 
     /// All files that the scene was made from, besides its own.
@@ -307,7 +307,7 @@ impl Session {
     /// # Errors
     /// If a pass fails or the device is lost.
     pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
-        self.painter.render(view, settings)
+        self.rendering.render(view, settings)
     }
 
     /// Linear radiance of the last frame.
@@ -315,7 +315,7 @@ impl Session {
     /// # Errors
     /// If nothing was drawn or the device is lost.
     pub fn radiance(&self) -> Result<Image> {
-        self.painter.radiance()
+        self.rendering.radiance()
     }
 
     /// Virtual lights that the last frame tested and accepted at a pixel with a surface, on average; none if it was
@@ -324,7 +324,7 @@ impl Session {
     /// # Errors
     /// If the device is lost.
     pub fn light_counts(&self) -> Result<Option<[f64; 2]>> {
-        self.painter.light_counts(self.render_settings(false).gi)
+        self.rendering.light_counts(self.render_settings(false).gi)
     }
 
     /// The last frame as a screen shows it: sRGB bytes, three a pixel.
@@ -332,18 +332,18 @@ impl Session {
     /// # Errors
     /// If no display image was drawn or the device is lost.
     pub fn display_bytes(&self) -> Result<([u32; 2], Vec<u8>)> {
-        self.painter.display_bytes()
+        self.rendering.display_bytes()
     }
 
     /// The texture of the last frame for display.
     pub fn display_texture(&self) -> Option<&wgpu::Texture> {
-        self.painter.display_texture()
+        self.rendering.display_texture()
     }
 }
 
-fn update(world: &mut GameWorld, painter: &mut Painter) {
+fn update(world: &mut GameWorld, rendering: &mut RenderState) {
     world.update();
-    painter.follow(world);
+    rendering.follow(world);
 }
 
 /// Gives the scene a light propagation volume that fits it.
@@ -362,28 +362,33 @@ fn add_virtual_lights(world: &mut GameWorld) {
     world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
 }
 
-/// Loads a scene for a painter that has drawn none, with what its choices ask for.
-fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions, painter: &mut Painter) -> Result<GameWorld> {
+/// Loads a scene for a rendering that has drawn none, with what its choices ask for.
+fn load(
+    path: &Path,
+    library: &mut AssetLibrary,
+    options: &LoadOptions,
+    rendering: &mut RenderState,
+) -> Result<GameWorld> {
     let mut world = load_scene(path, library, options)?;
-    complete(&mut world, painter)?;
+    complete(&mut world, rendering)?;
     Ok(world)
 }
 
-/// Adds what the painter's choices ask for to a scene that was loaded.
-fn complete(world: &mut GameWorld, painter: &mut Painter) -> Result<()> {
-    let look = painter.look.clone();
+/// Adds what the rendering's choices ask for to a scene that was loaded.
+fn complete(world: &mut GameWorld, rendering: &mut RenderState) -> Result<()> {
+    let look = rendering.look.clone();
     world.set_tick(0);
-    update(world, painter);
-    if look.gi == Some(Gi::Clpv) && painter.scene.clpv.is_none() {
-        add_light_volume(world, &painter.scene);
+    update(world, rendering);
+    if look.gi == Some(Gi::Clpv) && rendering.scene.clpv.is_none() {
+        add_light_volume(world, &rendering.scene);
     }
-    if painter.scene.vpl.is_none()
-        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && painter::gi_of_scene(world) == Gi::Vpl)
+    if rendering.scene.vpl.is_none()
+        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && render_state::gi_of_scene(world) == Gi::Vpl)
     {
         add_virtual_lights(world);
     }
     set::apply_all(world, &look.sets)?;
-    update(world, painter);
-    painter.camera()?;
+    update(world, rendering);
+    rendering.camera()?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What the last frame left, read back from the device.
 
-use super::painter::Painter;
+use super::render_state::RenderState;
 use crate::writer::Picture;
 use anyhow::{Context, Result};
 use lightwell::gpu::{self, Gpu};
@@ -70,7 +70,7 @@ fn rgb_of(rgba: &[u8]) -> Vec<u8> {
     rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
-impl Painter {
+impl RenderState {
     /// Begins to read the last frame back: its linear radiance, or what a screen shows.
     ///
     /// # Errors

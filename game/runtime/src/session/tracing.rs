@@ -31,9 +31,9 @@ impl Session {
     /// # Errors
     /// If the scene does not fit the device.
     pub fn begin_trace(&mut self, view: &SceneView, settings: &TraceSettings) -> Result<(Tracing<'_>, u128)> {
-        let scene = &self.painter.scene;
+        let scene = &self.rendering.scene;
         let key = content_key(scene, view, settings);
-        let tracer = self.painter.renderer.tracer_mut(&self.gpu);
+        let tracer = self.rendering.renderer.tracer_mut(&self.gpu);
         tracer.begin(&self.gpu, scene, view, settings)?;
         Ok((Tracing { gpu: &self.gpu, tracer }, key))
     }
@@ -45,23 +45,23 @@ impl Session {
 
     /// Whether frames go on tracing, as the picture or beside it.
     fn traces(&self) -> bool {
-        self.painter.look.only.is_light() && (self.painter.look.gi == Some(Gi::Reference) || self.beside.is_some())
+        self.rendering.look.only.is_light() && (self.rendering.look.gi == Some(Gi::Reference) || self.beside.is_some())
     }
 
     /// Whether the reference is traced beside a drawn picture.
     pub fn compares(&self) -> bool {
-        self.beside.is_some() && self.painter.look.gi != Some(Gi::Reference)
+        self.beside.is_some() && self.rendering.look.gi != Some(Gi::Reference)
     }
 
     /// A key of all that a traced image of this view depends on, the same in every process.
     pub fn content_key(&self, view: &SceneView, settings: &TraceSettings) -> u128 {
-        content_key(&self.painter.scene, view, settings)
+        content_key(&self.rendering.scene, view, settings)
     }
 
     /// Samples a pixel of the path-traced image that is on its way, so far and when it is finished.
     pub fn tracing(&self) -> Option<(u32, u32)> {
-        let tracer = self.painter.renderer.tracer().filter(|_| self.traces())?;
-        Some((tracer.samples(), self.painter.look.trace.spp))
+        let tracer = self.rendering.renderer.tracer().filter(|_| self.traces())?;
+        Some((tracer.samples(), self.rendering.look.trace.spp))
     }
 }
 

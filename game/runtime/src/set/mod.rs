@@ -1,7 +1,7 @@
 //! `--set PATH=VALUE`: changes a value of a loaded scene.
 
 mod clip;
-mod own;
+mod custom_component;
 
 use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
@@ -68,7 +68,7 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
         "slc" => edit::<StochasticLightCulling, StochasticLightCulling>(world, entity, field, value),
         "animation" => edit::<Animation, Animation>(world, entity, field, value),
-        own => own::edit(world, entity, own, field, value),
+        own => custom_component::edit(world, entity, own, field, value),
     }
     .and_then(|found| match found {
         true => Ok(()),
@@ -275,7 +275,7 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("animation", ecs.get::<Animation>(entity).is_some()),
     ];
     let built_in = has.iter().filter(|(_, has)| *has).map(|(name, _)| *name);
-    let own = own::names(world, entity);
+    let own = custom_component::names(world, entity);
     let names: Vec<String> = built_in.chain(own).map(|name| format!("`{name}`")).collect();
     if names.is_empty() { "nothing that can be set".to_owned() } else { names.join(", ") }
 }

@@ -1,6 +1,6 @@
 //! Errors against the reference, and the pictures that show them.
 
-use super::lab::{Lab, Light};
+use super::fixture::{Fixture, Light};
 use super::picture;
 use super::results::{ErrorFigures, LayerError};
 use anyhow::{Context, Result};
@@ -55,10 +55,16 @@ pub fn mean(halves: &[Image; 2]) -> Image {
 ///
 /// # Errors
 /// If it cannot be drawn, or holds NaN, or a picture cannot be written.
-pub fn measure(lab: &mut Lab, runner: usize, look: &Look, reference: &Estimate, folder: &Path) -> Result<ErrorFigures> {
-    let traced = lab.runners[runner].0.is_traced();
-    let light = if traced { lab.trace(runner, look.size)? } else { lab.draw(runner, look.size, look.aa)? };
-    let (scene, variant) = (lab.name(), lab.runners[runner].0.name.clone());
+pub fn measure(
+    fixture: &mut Fixture,
+    runner: usize,
+    look: &Look,
+    reference: &Estimate,
+    folder: &Path,
+) -> Result<ErrorFigures> {
+    let traced = fixture.runners[runner].0.is_traced();
+    let light = if traced { fixture.trace(runner, look.size)? } else { fixture.draw(runner, look.size, look.aa)? };
+    let (scene, variant) = (fixture.name(), fixture.runners[runner].0.name.clone());
     let error = |image: &Image, layer| {
         layer_error(image, &reference.halves(layer)).with_context(|| format!("{scene}, {variant}"))
     };
@@ -76,7 +82,7 @@ pub fn measure(lab: &mut Lab, runner: usize, look: &Look, reference: &Estimate, 
         scene: scene.clone(),
         variant: variant.clone(),
     };
-    figures.pictures = pictures(&light, reference, look, &figures, folder, lab.runners[runner].0.sweep.is_some())?;
+    figures.pictures = pictures(&light, reference, look, &figures, folder, fixture.runners[runner].0.sweep.is_some())?;
     Ok(figures)
 }
 

@@ -1,6 +1,6 @@
 //! Flicker: how much more an image changes from frame to frame than the reference does, and how much of that trembles.
 
-use super::lab::Lab;
+use super::fixture::Fixture;
 use super::picture;
 use super::reference::{References, Wanted};
 use super::results::Flicker;
@@ -170,7 +170,7 @@ impl Sums {
 /// # Errors
 /// If a frame cannot be drawn or traced, or a picture not be written.
 pub fn measure(
-    lab: &mut Lab,
+    fixture: &mut Fixture,
     which: &[usize],
     course: &Course,
     references: &References,
@@ -178,23 +178,23 @@ pub fn measure(
     progress: &mut dyn FnMut(Option<&Variant>),
 ) -> Result<Vec<Flicker>> {
     (course.frames > 2).then_some(()).context("flicker needs three frames or more")?;
-    let (_, rate) = lab.clock();
-    let (scene, size) = (lab.name(), course.size);
+    let (_, rate) = fixture.clock();
+    let (scene, size) = (fixture.name(), course.size);
     let black = Image::filled(size[0], size[1], [0.0; 3]);
     // What frames before lend to it would be lent to images that are drawn twice.
     let lends = |variant: &Variant| variant.is_traced() || variant.average == Some(Switch::On);
-    let smooth = |index: &usize| (!lends(&lab.runners[*index].0)).then(|| Sums::new(size));
+    let smooth = |index: &usize| (!lends(&fixture.runners[*index].0)).then(|| Sums::new(size));
     let rows = |index: &usize| Rows { played: Sums::new(size), smooth: smooth(index), total: TotalError::new(size) };
     let mut rows: Vec<Rows> = which.iter().map(rows).collect();
     let mut own = Sums::new(size);
     let mut halves = [Trail::default(), Trail::default()];
     let (mut mean, mut total_mean) = (0.0, 0.0);
-    lead_in(lab, which, course)?;
+    lead_in(fixture, which, course)?;
     for frame in course.first..course.first + course.frames {
         let time = f64::from(frame) / f64::from(rate.max(1));
-        lab.set_seconds(time);
+        fixture.set_seconds(time);
         let wanted = Wanted { scene: &scene, time, size, bounces: None, samples: course.samples };
-        let found = references.get(lab.tracer(), &wanted, &mut |_| progress(None))?;
+        let found = references.get(fixture.tracer(), &wanted, &mut |_| progress(None))?;
         let both = found.estimate.halves(Layer::Indirect);
         mean += 0.5 * (both[0].mean() + both[1].mean()) / f64::from(course.frames);
         let totals = found.estimate.halves(Layer::Total);
@@ -202,14 +202,14 @@ pub fn measure(
         halves.iter_mut().zip(both).for_each(|(trail, half)| trail.push(half));
         own.push(black.clone(), &halves);
         for (rows, &index) in rows.iter_mut().zip(which) {
-            let traced = lab.runners[index].0.is_traced();
-            let light = if traced { lab.trace(index, size)? } else { lab.draw(index, size, 1)? };
+            let traced = fixture.runners[index].0.is_traced();
+            let light = if traced { fixture.trace(index, size)? } else { fixture.draw(index, size, 1)? };
             rows.total.push(&light.total, &totals);
             rows.played.push(light.indirect, &halves);
             if let Some(smooth) = &mut rows.smooth {
-                smooth.push(lab.draw(index, size, course.aa)?.indirect, &halves);
+                smooth.push(fixture.draw(index, size, course.aa)?.indirect, &halves);
             }
-            progress(Some(&lab.runners[index].0));
+            progress(Some(&fixture.runners[index].0));
         }
     }
     let mut all = Vec::new();
@@ -217,7 +217,7 @@ pub fn measure(
         let sums = &rows.played;
         let mut flicker = Flicker {
             scene: scene.clone(),
-            variant: lab.runners[index].0.name.clone(),
+            variant: fixture.runners[index].0.name.clone(),
             frames: course.frames,
             change: sums.change.root() / mean,
             reference: own.change.root() / mean,
@@ -237,14 +237,14 @@ pub fn measure(
 }
 
 /// Draws the frames that come before, for variants that average theirs: what they drew last may be of another time.
-fn lead_in(lab: &mut Lab, which: &[usize], course: &Course) -> Result<()> {
-    let (_, rate) = lab.clock();
-    let averaged = |&index: &usize| lab.runners[index].0.average == Some(Switch::On);
+fn lead_in(fixture: &mut Fixture, which: &[usize], course: &Course) -> Result<()> {
+    let (_, rate) = fixture.clock();
+    let averaged = |&index: &usize| fixture.runners[index].0.average == Some(Switch::On);
     let which: Vec<usize> = which.iter().copied().filter(averaged).collect();
     for frame in course.first.saturating_sub(LEAD_IN)..course.first {
-        lab.set_seconds(f64::from(frame) / f64::from(rate.max(1)));
+        fixture.set_seconds(f64::from(frame) / f64::from(rate.max(1)));
         for &index in &which {
-            lab.draw(index, course.size, 1)?;
+            fixture.draw(index, course.size, 1)?;
         }
     }
     Ok(())

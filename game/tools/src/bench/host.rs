@@ -117,7 +117,7 @@ pub(super) fn measure(
     // As in a window on a graphics card.
     let look = LookArgs { average: Some(Switch::On), ..LookArgs::default() };
     let mut session = Session::open(Arc::clone(gpu), scene, &look, common)?;
-    session.painter.renderer.set_timing(Timing::Late);
+    session.rendering.renderer.set_timing(Timing::Late);
     let boxes = Boxes::spawn(&mut session, moving)?;
     let view = SceneView { camera: session.camera()?, size, jitter: [0.0; 2] };
     let settings = session.display_settings();

@@ -1,23 +1,23 @@
 //! `lightwell bench`: time against error of the methods of indirect light.
 //!
 //! ```text
-//! plan (scenes × variants × tasks) ─ lab (a scene on the device) ─ timing, error, flicker, throughput
+//! plan (scenes × variants × tasks) ─ fixture (a scene on the device) ─ timing, error, flicker, throughput
 //!                                                                └─ results.json ─ report.md, plots, pictures
 //! ```
 //! With `--rooms` the scenes are random rooms, and errors over many of them are what counts: see `rooms`.
 //! Every measurement has a key of all that it depends on. One that `results.json` holds already is not taken again.
 
 mod error;
+mod fixture;
 mod flicker;
 mod growth;
 mod host;
-mod lab;
 mod machine;
-mod paper;
 mod pareto;
 mod picture;
 mod plan;
 pub mod plot;
+mod published_figures;
 mod reference;
 mod reference_file;
 mod report;

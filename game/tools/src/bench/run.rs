@@ -1,6 +1,6 @@
 //! A run: what is missing in the results is measured, scene by scene.
 
-use super::lab::{self, Lab};
+use super::fixture::{self, Fixture};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
@@ -33,7 +33,7 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     if args.host {
         return host::run(args, &plan.scenes, plan.lenient, common);
     }
-    let gpu = lab::open_gpu(common)?;
+    let gpu = fixture::open_gpu(common)?;
     let header = machine::header(&gpu, plan.in_words())?;
     let mut store = Store::open(&args.output, header, args.fresh)?;
     let stored = References::stored_folder();
@@ -46,8 +46,8 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     let scenes = run.plan.scenes.clone();
     for (index, scene) in scenes.iter().enumerate() {
         let left = scenes.len() - index - 1;
-        match Lab::open(gpu.clone(), scene, args.camera.as_deref(), common) {
-            Ok(lab) => run.scene(lab, &gpu, &mut store, left).with_context(|| format!("scene `{scene}`"))?,
+        match Fixture::open(gpu.clone(), scene, args.camera.as_deref(), common) {
+            Ok(fixture) => run.scene(fixture, &gpu, &mut store, left).with_context(|| format!("scene `{scene}`"))?,
             Err(error) if run.plan.lenient => store.note(format!("`{scene}` was left out: {error:#}")),
             Err(error) => return Err(error),
         }
@@ -74,29 +74,29 @@ struct Run {
 }
 
 impl Run {
-    fn scene(&mut self, mut lab: Lab, gpu: &Arc<Gpu>, store: &mut Store, scenes_left: usize) -> Result<()> {
-        let variants = self.plan.variants_of(lab.clpv()?.as_ref());
-        lab.add(&variants)?;
-        let (duration, rate) = lab.clock();
+    fn scene(&mut self, mut fixture: Fixture, gpu: &Arc<Gpu>, store: &mut Store, scenes_left: usize) -> Result<()> {
+        let variants = self.plan.variants_of(fixture.clpv()?.as_ref());
+        fixture.add(&variants)?;
+        let (duration, rate) = fixture.clock();
         let tasks = self.plan.tasks(&self.plan.times_of(duration, rate));
         // Scenes to come are taken to be as much work as this one.
-        let work: f64 = tasks.iter().map(|task| self.work(task, &lab)).sum();
+        let work: f64 = tasks.iter().map(|task| self.work(task, &fixture)).sum();
         self.bar.set_length((self.units + work * (scenes_left + 1) as f64).ceil() as u64);
         let begun = self.units;
-        lab.set_seconds(0.0);
+        fixture.set_seconds(0.0);
         let results = &mut store.results;
-        let figures = lab.figures()?;
+        let figures = fixture.figures()?;
         results.scenes.retain(|scene| scene.name != figures.name);
         results.scenes.push(figures);
-        for figures in lab.variant_figures() {
+        for figures in fixture.variant_figures() {
             results.variants.retain(|known| (&known.name, &known.scene) != (&figures.name, &figures.scene));
             results.variants.push(figures);
         }
         let mut done = 0.0;
         for task in &tasks {
-            self.task(task, &mut lab, gpu, store)?;
+            self.task(task, &mut fixture, gpu, store)?;
             store.save()?;
-            done += self.work(task, &lab);
+            done += self.work(task, &fixture);
             self.units = begun + done;
             self.bar.set_position(self.units as u64);
         }
@@ -104,10 +104,10 @@ impl Run {
     }
 
     /// How much work a task is, in millions of paths or so.
-    fn work(&self, task: &Task, lab: &Lab) -> f64 {
+    fn work(&self, task: &Task, fixture: &Fixture) -> f64 {
         let millions = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height) * 1e-6;
         let all =
-            |cost: &dyn Fn(&super::variant::Variant) -> f64| lab.runners.iter().map(|(v, _)| cost(v)).sum::<f64>();
+            |cost: &dyn Fn(&super::variant::Variant) -> f64| fixture.runners.iter().map(|(v, _)| cost(v)).sum::<f64>();
         match task {
             Task::Errors { .. } => {
                 let image = |v: &super::variant::Variant| match v.is_traced() {
@@ -137,12 +137,12 @@ impl Run {
         }
     }
 
-    fn task(&self, task: &Task, lab: &mut Lab, gpu: &Arc<Gpu>, store: &mut Store) -> Result<()> {
+    fn task(&self, task: &Task, fixture: &mut Fixture, gpu: &Arc<Gpu>, store: &mut Store) -> Result<()> {
         match *task {
-            Task::Errors { time, bounces } => self.errors(lab, store, time, bounces),
-            Task::Time { size, mode } => self.times(lab, store, size, mode),
-            Task::Flicker { frames, size } => self.flicker(lab, store, frames, size),
-            Task::Throughput => self.throughput(lab, gpu, store),
+            Task::Errors { time, bounces } => self.errors(fixture, store, time, bounces),
+            Task::Time { size, mode } => self.times(fixture, store, size, mode),
+            Task::Flicker { frames, size } => self.flicker(fixture, store, frames, size),
+            Task::Throughput => self.throughput(fixture, gpu, store),
         }
     }
 
@@ -151,14 +151,14 @@ impl Run {
         self.bar.set_message(format!("{scene}: {what}"));
     }
 
-    fn errors(&self, lab: &mut Lab, store: &mut Store, time: f64, bounces: Option<u32>) -> Result<()> {
+    fn errors(&self, fixture: &mut Fixture, store: &mut Store, time: f64, bounces: Option<u32>) -> Result<()> {
         let size = self.plan.error_size;
         let look = error::Look { time, size, aa: self.plan.aa, bounces };
-        let scene = lab.name();
+        let scene = fixture.name();
         let mut missing = Vec::new();
-        for index in 0..lab.runners.len() {
+        for index in 0..fixture.runners.len() {
             let what = format!("error {look:?} {} {:?}", self.plan.reference_spp, self.camera);
-            let key = lab.key(index, &[time], &what)?;
+            let key = fixture.key(index, &[time], &what)?;
             if !store
                 .results
                 .errors
@@ -171,18 +171,18 @@ impl Run {
         if missing.is_empty() {
             return Ok(());
         }
-        lab.set_seconds(time);
+        fixture.set_seconds(time);
         self.says(&scene, "reference");
         let wanted = Wanted { scene: &scene, time, size, bounces, samples: self.plan.reference_spp };
         let (begun, pixels) = (self.bar.position(), f64::from(size[0] * size[1]) * 1e-6);
-        let found = self.references.get(lab.tracer(), &wanted, &mut |done| {
+        let found = self.references.get(fixture.tracer(), &wanted, &mut |done| {
             self.bar.set_position(begun + (f64::from(done) * pixels) as u64);
         })?;
         found.note.into_iter().for_each(|note| store.note(note));
         for (index, key) in missing {
-            let name = lab.runners[index].0.name.clone();
+            let name = fixture.runners[index].0.name.clone();
             self.says(&scene, &format!("error of {name}"));
-            let figures = error::measure(lab, index, &look, &found.estimate, &self.folder)?;
+            let figures = error::measure(fixture, index, &look, &found.estimate, &self.folder)?;
             let errors = &mut store.results.errors;
             errors.retain(|old| {
                 (&old.scene, &old.variant, old.time, old.size, old.bounces) != (&scene, &name, time, size, bounces)
@@ -193,8 +193,8 @@ impl Run {
         Ok(())
     }
 
-    fn times(&self, lab: &mut Lab, store: &mut Store, size: [u32; 2], mode: Mode) -> Result<()> {
-        let scene = lab.name();
+    fn times(&self, fixture: &mut Fixture, store: &mut Store, size: [u32; 2], mode: Mode) -> Result<()> {
+        let scene = fixture.name();
         let course = timing::Course {
             size,
             mode,
@@ -206,21 +206,21 @@ impl Run {
         // Path tracing keeps nothing from frame to frame, and its time grows with the pixels: once is enough.
         let once = mode == Mode::Full && Some(&size) == self.plan.time_sizes.first();
         let which: Vec<usize> =
-            (0..lab.runners.len()).filter(|&index| once || !lab.runners[index].0.is_traced()).collect();
-        let (_, rate) = lab.clock();
+            (0..fixture.runners.len()).filter(|&index| once || !fixture.runners[index].0.is_traced()).collect();
+        let (_, rate) = fixture.clock();
         let last = f64::from(course.warm_up + course.frames) / f64::from(rate.max(1));
-        let names: Vec<String> = which.iter().map(|&index| lab.runners[index].0.identity()).collect();
+        let names: Vec<String> = which.iter().map(|&index| fixture.runners[index].0.identity()).collect();
         let mut keys = Vec::new();
         for &index in &which {
             // What stands beside it in the turns belongs to a measurement.
-            keys.push(lab.key(index, &[0.0, last], &format!("time {course:?} {names:?} {:?}", self.camera))?);
+            keys.push(fixture.key(index, &[0.0, last], &format!("time {course:?} {names:?} {:?}", self.camera))?);
         }
         if keys.iter().all(|key| store.results.timings.iter().any(|timing| timing.key == *key)) {
             return Ok(());
         }
         let pixels = f64::from(size[0] * size[1]) * 1e-6;
         let (begun, mut done) = (self.bar.position(), 0.0);
-        let measured = timing::measure(lab, &which, &course, &mut |variant| {
+        let measured = timing::measure(fixture, &which, &course, &mut |variant| {
             self.says(&scene, &format!("times at {}×{}", size[0], size[1]));
             done += pixels * if variant.is_traced() { f64::from(variant.spp) } else { DRAWN };
             self.bar.set_position(begun + done as u64);
@@ -239,11 +239,11 @@ impl Run {
         (self.plan.reference_spp / 8).max(2)
     }
 
-    fn flicker(&self, lab: &mut Lab, store: &mut Store, frames: u32, size: [u32; 2]) -> Result<()> {
-        let (duration, rate) = lab.clock();
+    fn flicker(&self, fixture: &mut Fixture, store: &mut Store, frames: u32, size: [u32; 2]) -> Result<()> {
+        let (duration, rate) = fixture.clock();
         // Nothing moves.
         let Some(duration) = duration.filter(|duration| *duration > 0.0) else { return Ok(()) };
-        let scene = lab.name();
+        let scene = fixture.name();
         let samples = self.flicker_samples();
         // At a third of the loop, as errors are: what moves often rests at its ends.
         let first = (duration / 3.0 * rate as f32).round() as u32;
@@ -251,8 +251,8 @@ impl Run {
         let seconds = |frame: u32| f64::from(frame) / f64::from(rate.max(1));
         let times = [seconds(first), seconds(first + frames)];
         let mut missing = Vec::new();
-        for index in 0..lab.runners.len() {
-            let key = lab.key(index, &times, &format!("flicker {course:?} {:?}", self.camera))?;
+        for index in 0..fixture.runners.len() {
+            let key = fixture.key(index, &times, &format!("flicker {course:?} {:?}", self.camera))?;
             let exists = |flicker: &Flicker| pictures_exist(&self.folder, flicker.picture.as_slice());
             if !store.results.flicker.iter().any(|flicker| flicker.key == key && exists(flicker)) {
                 missing.push((index, key));
@@ -264,7 +264,7 @@ impl Run {
         let which: Vec<usize> = missing.iter().map(|(index, _)| *index).collect();
         self.says(&scene, "flicker");
         let (references, folder) = (&self.references, &self.folder);
-        let measured = flicker::measure(lab, &which, &course, references, folder, &mut |_| self.bar.tick())?;
+        let measured = flicker::measure(fixture, &which, &course, references, folder, &mut |_| self.bar.tick())?;
         for (flicker, (_, key)) in measured.into_iter().zip(missing) {
             let all = &mut store.results.flicker;
             all.retain(|old| (&old.scene, &old.variant) != (&scene, &flicker.variant));
@@ -273,15 +273,15 @@ impl Run {
         Ok(())
     }
 
-    fn throughput(&self, lab: &mut Lab, gpu: &Arc<Gpu>, store: &mut Store) -> Result<()> {
-        let scene = lab.name();
-        let key = lab.key(0, &[0.0], &format!("throughput {THROUGHPUT:?}"))?;
+    fn throughput(&self, fixture: &mut Fixture, gpu: &Arc<Gpu>, store: &mut Store) -> Result<()> {
+        let scene = fixture.name();
+        let key = fixture.key(0, &[0.0], &format!("throughput {THROUGHPUT:?}"))?;
         if store.results.throughput.iter().any(|throughput| throughput.key == key) {
             return Ok(());
         }
         self.says(&scene, "paths a second");
-        lab.set_seconds(0.0);
-        let session = lab.tracer();
+        fixture.set_seconds(0.0);
+        let session = fixture.tracer();
         let (size, samples, rounds) = THROUGHPUT;
         let view = SceneView { camera: session.camera()?, size, jitter: [0.0; 2] };
         let settings = TraceSettings::default();

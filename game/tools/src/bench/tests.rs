@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use super::lab::{self, Lab};
+use super::fixture::{self, Fixture};
 use super::reference::{References, Wanted};
 use super::results::{Mode, Results};
 use super::run;
@@ -85,13 +85,14 @@ fn a_tiny_run_from_end_to_end_and_taken_up_again() {
 
 #[test]
 fn every_pass_of_a_frame_has_a_stage() {
-    let mut lab = Lab::open(lab::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
+    let mut fixture =
+        Fixture::open(fixture::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
     // The qualities of the sweep differ in numbers, not in passes.
     let methods = METHODS.iter().filter(|method| !["medium", "high", "ultra"].iter().any(|q| method.name.contains(q)));
     let variants: Vec<Variant> = methods.map(Variant::of).collect();
-    lab.add(&variants).unwrap();
+    fixture.add(&variants).unwrap();
     for index in 0..variants.len() {
-        let (variant, session) = lab.runner(index);
+        let (variant, session) = fixture.runner(index);
         let name = variant.name.clone();
         let view = SceneView { camera: session.camera().unwrap(), size: [32; 2], jitter: [0.0; 2] };
         let settings = lightwell::render::RenderSettings {
@@ -114,13 +115,14 @@ fn references_are_found_by_what_they_are_of() {
     let dir = tempfile::tempdir().unwrap();
     let stored = dir.path().join("stored");
     std::fs::create_dir(&stored).unwrap();
-    let mut lab = Lab::open(lab::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
+    let mut fixture =
+        Fixture::open(fixture::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
     let wanted = |time| Wanted { scene: "cornell", time, size: [16; 2], bounces: None, samples: 8 };
     let references = References { cache: dir.path().join("cache"), stored: Some(stored.clone()), bless: true };
     let mut get = |references: &References, time: f64, name_as: f64| {
-        lab.set_seconds(time);
+        fixture.set_seconds(time);
         let mut traced = false;
-        let found = references.get(lab.tracer(), &wanted(name_as), &mut |_| traced = true).unwrap();
+        let found = references.get(fixture.tracer(), &wanted(name_as), &mut |_| traced = true).unwrap();
         (found, traced)
     };
     let (first, traced) = get(&references, 0.0, 0.0);
@@ -143,12 +145,13 @@ fn references_are_found_by_what_they_are_of() {
 
 #[test]
 fn keys_follow_what_a_measurement_depends_on() {
-    let mut lab = Lab::open(lab::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
+    let mut fixture =
+        Fixture::open(fixture::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
     let long = Variant::parse("long: clpv.steps=32").unwrap();
     let dim = Variant::parse("dim: Spot light.light.intensity=1").unwrap();
     let renamed = Variant { name: "renamed".into(), ..long.clone() };
-    lab.add(&[Variant::of(&METHODS[1]), long, dim, renamed]).unwrap();
-    let mut key = |index, times: &[f64], what: &str| lab.key(index, times, what).unwrap();
+    fixture.add(&[Variant::of(&METHODS[1]), long, dim, renamed]).unwrap();
+    let mut key = |index, times: &[f64], what: &str| fixture.key(index, times, what).unwrap();
     let base = key(0, &[0.0], "x");
     assert_eq!(key(0, &[0.0], "x"), base);
     assert_eq!(key(1, &[0.0], "x"), key(3, &[0.0], "x"));

@@ -1,6 +1,6 @@
 //! Times, counts and memory. All variants take turns, frame by frame, so that a machine that drifts favours none.
 
-use super::lab::Lab;
+use super::fixture::Fixture;
 use super::machine;
 use super::results::{CountMap, Mode, Spread, Timing};
 use super::stage::{OTHER, stage_of};
@@ -59,7 +59,7 @@ pub fn rounds(variant: &Variant, frames: u32) -> u32 {
 /// # Errors
 /// If a frame cannot be drawn.
 pub fn measure(
-    lab: &mut Lab,
+    fixture: &mut Fixture,
     which: &[usize],
     course: &Course,
     progress: &mut dyn FnMut(&Variant),
@@ -70,7 +70,7 @@ pub fn measure(
         for turn in 0..which.len() {
             // Each round begins with another variant: nobody always comes after the same neighbour.
             let slot = (turn + round as usize) % which.len();
-            let (variant, session) = lab.runner(which[slot]);
+            let (variant, session) = fixture.runner(which[slot]);
             let measured = round.checked_sub(course.warm_up);
             let warm_up = if variant.is_traced() { course.warm_up.min(1) } else { course.warm_up };
             let takes_part = match measured {
@@ -98,9 +98,9 @@ pub fn measure(
             }
         }
     }
-    let scene = lab.name();
+    let scene = fixture.name();
     let timing = |(samples, &index): (Samples, &usize)| {
-        summary(&scene, &lab.runners[index].0, course, &samples).context("no frame was timed")
+        summary(&scene, &fixture.runners[index].0, course, &samples).context("no frame was timed")
     };
     all.into_iter().zip(which).map(timing).collect()
 }

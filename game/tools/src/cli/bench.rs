@@ -37,8 +37,9 @@ pub struct BenchArgs {
     /// A few minutes: one time, small images, stored references
     #[arg(long)]
     pub quick: bool,
-    /// Methods to compare: none, clpv, sweep low|medium|high|ultra,
-    /// sweep low|high 1 bounce, reference [default: all but those of one bounce; quick: without sweep ultra]
+    /// Methods to compare: none, clpv, sweep low|medium|high|ultra, gather medium|high|ultra, filtered paths 1|4 spp,
+    /// slc, vpl 64|256|1024|4096, gather|sweep low|sweep high 1 bounce, reference and others, which a wrong name lists
+    /// [default: all but those of one bounce; quick: without ultra]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// A method in other settings; may be given many times

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
          itself (morphological anti-aliasing)");
     look.no_mlaa = !smooth;
     let mut averages = look.average == Some(Switch::On);
-    ui.checkbox(&mut averages, "Average frames").on_hover_text(
+    ui.checkbox(&mut averages, "Temporal accumulation").on_hover_text(
         "averages light with that of the frames before, which takes few rays: light that goes is gone within three frames, \
          and a view that rests loses its noise within 64",
     );

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod custom_component;
 mod details;
 mod dialogs;
 mod edit;
@@ -10,7 +11,6 @@ mod handles;
 mod keyboard;
 mod keyed;
 mod model;
-mod own;
 mod panels;
 mod reload;
 mod tree;

@@ -167,7 +167,7 @@ fn the_frame_is_explained() {
         assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
     }
     press(&mut bench, Modifiers::NONE, Key::F1);
-    for text in ["Ctrl+Z", "drag a handle", "Tab, Shift+Tab"] {
+    for text in ["Ctrl+Z", "drag a gizmo", "Tab, Shift+Tab"] {
         assert!(bench.query_all_by_label(text).next().is_some(), "{text}");
     }
 }

@@ -6,8 +6,8 @@ mod text;
 
 pub use text::{edited_text, endings, pick_file};
 
+use super::custom_component::CustomComponent;
 use super::docs::{Docs, Note};
-use super::own::OwnComponent;
 use super::schema::Shape;
 use super::value::{Value, float};
 use egui::{Response, Ui};
@@ -32,7 +32,7 @@ const STARTERS: [(&str, &str); 9] = [
 pub struct Kit {
     docs: Docs,
     /// Components of a game.
-    pub own: Vec<OwnComponent>,
+    pub own: Vec<CustomComponent>,
     /// Shapes of types that read several forms.
     customs: HashMap<&'static str, (&'static str, Shape)>,
     /// Named materials of the scene.
@@ -67,7 +67,7 @@ pub fn title(name: &str) -> String {
 
 impl Kit {
     /// Adds components of a game with their help.
-    pub fn add_own(&mut self, own: Vec<OwnComponent>) {
+    pub fn add_own(&mut self, own: Vec<CustomComponent>) {
         for note in own.iter().flat_map(|component| &component.notes) {
             self.docs.insert(note.key, note.help);
         }

@@ -57,7 +57,9 @@ fn as_played(results: &Results) -> String {
     for flicker in &results.flicker {
         let facts = facts::of(results, &flicker.scene, false);
         let timing = facts::timing(results, &flicker.scene, &flicker.variant, Mode::Animated);
-        let (Some(timing), Some(indirect), Some(total)) = (timing, flicker.error, flicker.total_error) else { continue };
+        let (Some(timing), Some(indirect), Some(total)) = (timing, flicker.error, flicker.total_error) else {
+            continue;
+        };
         let own = timing.wall.median;
         let mut row = vec![flicker.scene.clone(), format!("`{}`", flicker.variant), ms(own)];
         for (light, found) in [(Light::Indirect, indirect), (Light::Total, total)] {
@@ -66,8 +68,15 @@ fn as_played(results: &Results) -> String {
         }
         rows.push(row);
     }
-    let head =
-        ["scene", "variant", "frame [ms]", "indirect nrmse", "path tracing over frame", "all light nrmse", "over frame"];
+    let head = [
+        "scene",
+        "variant",
+        "frame [ms]",
+        "indirect nrmse",
+        "path tracing over frame",
+        "all light nrmse",
+        "path tracing over frame, all",
+    ];
     match rows.is_empty() {
         true => String::new(),
         false => format!(

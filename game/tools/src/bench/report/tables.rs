@@ -2,7 +2,7 @@
 
 use super::facts::{self, Fact, Light, is_baseline};
 use super::markdown::{NONE, error, list, mib, ms, percent, signed, size, table, whole};
-use crate::bench::paper;
+use crate::bench::published_figures;
 use crate::bench::results::{Mode, Results, Timing};
 use crate::bench::stage;
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 /// Scenes and settings: table 7.1.
 pub fn scenes(results: &Results) -> Option<String> {
     let row = |scene: &crate::bench::results::SceneFigures| {
-        let published = paper::of(&scene.name);
+        let published = published_figures::of(&scene.name);
         vec![
             named(&scene.name),
             scene.primitives.to_string(),
@@ -30,7 +30,7 @@ pub fn scenes(results: &Results) -> Option<String> {
 
 /// A scene's name, with the thesis's scene that it stands in for.
 fn named(scene: &str) -> String {
-    match paper::of(scene) {
+    match published_figures::of(scene) {
         Some((paper, true)) => format!("{scene} (for {})", paper.name),
         _ => scene.to_owned(),
     }
@@ -69,9 +69,9 @@ pub fn errors(results: &Results) -> Option<String> {
             "p95",
             "FLIP",
             "total nrmse",
-            "bias",
-            "p95",
-            "FLIP",
+            "total bias",
+            "total p95",
+            "total FLIP",
             "direct nrmse",
         ];
         let noise = format!(
@@ -140,8 +140,9 @@ pub fn traced(results: &Results) -> Option<String> {
         }
     }
     let head = ["scene", "variant", "size", "trace [ms]", "hierarchy, host [ms]", "indirect nrmse", "total nrmse"];
-    (!rows.is_empty())
-        .then(|| format!("## Path tracing as the baseline\n\n{}\n{}\n", table(&head, &rows), paper::INDEPENDENT))
+    (!rows.is_empty()).then(|| {
+        format!("## Path tracing as the baseline\n\n{}\n{}\n", table(&head, &rows), published_figures::INDEPENDENT)
+    })
 }
 
 /// Times of each stage: table 7.3.
@@ -180,7 +181,7 @@ fn stage_table(timings: &[&Timing], mode: Mode, at: [u32; 2]) -> String {
         row.extend(stages.iter().map(|name| timing.stages.get(*name).map_or(NONE.to_owned(), |time| ms(time.median))));
         row.push(ms(timing.total.median));
         row.push(format!("{}–{}", ms(timing.total.min), ms(timing.total.max)));
-        let thesis = paper::of(&timing.scene).filter(|_| published && timing.variant == "clpv");
+        let thesis = published_figures::of(&timing.scene).filter(|_| published && timing.variant == "clpv");
         row.push(thesis.map_or(NONE.to_owned(), |(paper, _)| ms(paper.frame_ms)));
         row
     };
@@ -199,7 +200,7 @@ pub fn counts(results: &Results) -> Option<String> {
         let sum = |name: &str| timing.counts.values().filter_map(|counts| counts.get(name)).sum::<u64>();
         let of = |stage: &str, name: &str| timing.counts.get(stage).and_then(|counts| counts.get(name)).copied();
         let or_none = |count: Option<u64>| count.map_or(NONE.to_owned(), whole);
-        let thesis = paper::of(&timing.scene).filter(|_| timing.variant == "clpv").map(|(paper, _)| paper);
+        let thesis = published_figures::of(&timing.scene).filter(|_| timing.variant == "clpv").map(|(paper, _)| paper);
         let injections = of("IL", "injections").map(|light| light + of("IB", "injections").unwrap_or(0));
         rows.push(vec![
             format!("{}, {}", timing.scene, timing.variant),

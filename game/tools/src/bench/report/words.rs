@@ -57,8 +57,8 @@ fn of_scene(facts: &[Fact]) -> Option<String> {
         "path tracing over frame",
         "over image",
         "all light nrmse",
-        "path tracing over frame",
-        "over image",
+        "path tracing over frame, all",
+        "over image, all",
     ];
     let rows = if rows.is_empty() { String::new() } else { format!("\n\n{}", table(&head, &rows)) };
     Some(words.join(" ") + rows.trim_end())

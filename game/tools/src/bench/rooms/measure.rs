@@ -5,7 +5,7 @@ use super::figures::{PartError, ReferenceFigures, RoomError, RoomFigures};
 use super::methods::Judged;
 use super::room::RoomFacts;
 use crate::bench::error::{layer_error, mean};
-use crate::bench::lab::{Lab, Light};
+use crate::bench::fixture::{Fixture, Light};
 use anyhow::{Context, Result};
 use lightwell::measure::{Image, two_halves};
 use lightwell::render::Layer;
@@ -41,25 +41,26 @@ pub struct Measured {
     pub reference: Image,
 }
 
-/// Measures all methods in the room that the lab holds, whose runners are those of the methods.
+/// Measures all methods in the room that the fixture holds, whose runners are those of the methods.
 ///
 /// # Errors
 /// If it cannot be drawn or traced, or an image holds NaN.
-pub fn measure(lab: &mut Lab, methods: &[Judged], course: &Course, facts: &RoomFacts) -> Result<Measured> {
+pub fn measure(fixture: &mut Fixture, methods: &[Judged], course: &Course, facts: &RoomFacts) -> Result<Measured> {
     let begun = Instant::now();
     let mut drawn = Vec::new();
     for method in methods {
         let light = match method.variant.is_traced() {
-            true => lab.trace(method.runner, course.size),
-            false => lab.draw(method.runner, course.size, method.images),
+            true => fixture.trace(method.runner, course.size),
+            false => fixture.draw(method.runner, course.size, method.images),
         };
         drawn.push(light.with_context(|| method.name.clone())?);
         log::info!("{}: {:.1} s after the start", method.name, begun.elapsed().as_secs_f64());
     }
-    let near = edges::near_edges(lab.tracer(), course.size)?;
-    let (estimate, limited) = reference(lab, &drawn, course)?;
+    let near = edges::near_edges(fixture.tracer(), course.size)?;
+    let (estimate, limited) = reference(fixture, &drawn, course)?;
     log::info!("reference of {} samples: {:.1} s after the start", estimate.samples, begun.elapsed().as_secs_f64());
-    let one_bounce = trace(lab, course, Some(1), &mut |_, samples| Ok((samples == 0).then_some(ONE_BOUNCE_SAMPLES)))?;
+    let one_bounce =
+        trace(fixture, course, Some(1), &mut |_, samples| Ok((samples == 0).then_some(ONE_BOUNCE_SAMPLES)))?;
     let mut errors = Vec::new();
     for (method, light) in methods.iter().zip(&drawn) {
         let error =
@@ -95,8 +96,8 @@ type More<'a> = dyn FnMut(Option<&Estimate>, u32) -> Result<Option<u32>> + 'a;
 
 /// Traces until `more` asks for no more: it is given what there is and its samples, at first none, and tells how many there
 /// shall be.
-fn trace(lab: &mut Lab, course: &Course, bounces: Option<u32>, more: &mut More) -> Result<Estimate> {
-    let session = lab.tracer();
+fn trace(fixture: &mut Fixture, course: &Course, bounces: Option<u32>, more: &mut More) -> Result<Estimate> {
+    let session = fixture.tracer();
     let view = SceneView { camera: session.camera()?, size: course.size, jitter: [0.0; 2] };
     let settings = TraceSettings { bounces, seed: SEED };
     session.begin_trace(&view, &settings)?.0.tracer.restart();
@@ -110,9 +111,9 @@ fn trace(lab: &mut Lab, course: &Course, bounces: Option<u32>, more: &mut More) 
 }
 
 /// Traces the reference until its noise is small against all errors, or the limit is reached; tells whether it was.
-fn reference(lab: &mut Lab, drawn: &[Light], course: &Course) -> Result<(Estimate, bool)> {
+fn reference(fixture: &mut Fixture, drawn: &[Light], course: &Course) -> Result<(Estimate, bool)> {
     let mut limited = false;
-    let estimate = trace(lab, course, None, &mut |estimate, samples| {
+    let estimate = trace(fixture, course, None, &mut |estimate, samples| {
         let Some(estimate) = estimate else { return Ok(Some(FIRST_SAMPLES.min(course.most_samples))) };
         let excess = excess_of_noise(estimate, drawn)?;
         limited = excess > 1.0 && samples >= course.most_samples;

@@ -19,11 +19,11 @@ pub struct Judged {
     pub variant: Variant,
     /// Images that are averaged.
     pub images: u32,
-    /// The runner of the lab that draws it.
+    /// The runner of the fixture that draws it.
     pub runner: usize,
 }
 
-/// The methods of a command line, and the variants that a lab needs for them. Without `--method` they are the default
+/// The methods of a command line, and the variants that a fixture needs for them. Without `--method` they are the default
 /// settings as a single image and as an average, and the volumes alone.
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! room (building, furniture, surfaces, lights, viewpoint) ─ scene_text ─ a scene file
-//!                                                              └─ lab ─ measure ─ rooms.json ─ rooms.md, worst/
+//!                                                              └─ fixture ─ measure ─ rooms.json ─ rooms.md, worst/
 //! ```
 //! A room is a function of seed and number alone, the same on every machine. Sizes go from 1 to 30 m, walls from 1 to
 //! 30 cm; there are up to four rooms side by side, with doors and windows, closed or open, with pillars, stairs, shelves,
@@ -33,7 +33,7 @@ mod viewpoint;
 #[cfg(test)]
 mod tests;
 
-use super::lab::{self, Lab};
+use super::fixture::{self, Fixture};
 use super::picture;
 use super::results::write_whole;
 use super::{machine, report::markdown};
@@ -87,7 +87,7 @@ pub fn run(args: &BenchArgs, rooms: u64, common: &Common) -> Result<PathBuf> {
     }
     let (judged, variants) = methods::of(args)?;
     let course = Course { size: args.size.unwrap_or(SIZE), most_samples: args.reference_spp.unwrap_or(MOST_SAMPLES) };
-    let gpu = lab::open_gpu(common)?;
+    let gpu = fixture::open_gpu(common)?;
     let settings = format!(
         "Seed {}, images of {} pixels, references of {} samples a pixel at most",
         args.seed,
@@ -136,10 +136,10 @@ fn one(
     common: &Common,
 ) -> Result<Measured> {
     let scene = write_scene(&args.output, room, args.seed)?;
-    let mut lab = Lab::open(gpu.clone(), &scene.to_string_lossy(), None, common)?;
-    lab.add(variants)?;
-    lab.set_seconds(0.0);
-    measure::measure(&mut lab, judged, course, &room.facts)
+    let mut fixture = Fixture::open(gpu.clone(), &scene.to_string_lossy(), None, common)?;
+    fixture.add(variants)?;
+    fixture.set_seconds(0.0);
+    measure::measure(&mut fixture, judged, course, &room.facts)
 }
 
 fn in_a_line(measured: &Measured) -> String {

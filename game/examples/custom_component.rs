@@ -1,5 +1,5 @@
 //! A component of one's own: in the scene's file, in the systems, and in the editor.
-//! `cargo run --release --example own_component`, and the same with `-- --edit` to change it by mouse.
+//! `cargo run --release --example custom_component`, and the same with `-- --edit` to change it by mouse.
 
 use lightwell_game::prelude::*;
 

@@ -15,38 +15,38 @@ const LONG_PASS: f64 = 10.0;
 /// Shared by the thread that makes frames and those that watch: whether others get their turn in between, how far the
 /// frame is, and whether it is still wanted.
 ///
-/// A device works off what was submitted in its order. A gentle frame submits each pass by itself and waits for it, so
+/// A device works off what was submitted in its order. A interruptible frame submits each pass by itself and waits for it, so
 /// that an interface whose frames come between waits for a pass and not for the frame. Only software drivers are paced:
 /// a graphics card is through with a frame before the waits alone would be.
 #[derive(Debug, Default)]
-pub struct Pace {
+pub struct FramePacing {
     is_software: bool,
-    gentle: AtomicBool,
+    interruptible: AtomicBool,
     unwanted: AtomicBool,
     done: AtomicUsize,
     count: AtomicUsize,
 }
 
-impl Pace {
-    /// The pace of frames on that adapter. It begins gentle where the driver is software, whose first frame is long.
+impl FramePacing {
+    /// The pace of frames on that adapter. It begins interruptible where the driver is software, whose first frame is long.
     pub fn new(adapter: &wgpu::AdapterInfo) -> Self {
-        let pace = Self { is_software: adapter.device_type == wgpu::DeviceType::Cpu, ..Self::default() };
-        pace.set_gentle(true);
-        pace
+        let pacing = Self { is_software: adapter.device_type == wgpu::DeviceType::Cpu, ..Self::default() };
+        pacing.set_interruptible(true);
+        pacing
     }
 
     /// Sets whether work of others gets its turn between the passes. Without a software driver it never does.
-    pub fn set_gentle(&self, gentle: bool) {
-        self.gentle.store(gentle && self.is_software, Ordering::Relaxed);
+    pub fn set_interruptible(&self, interruptible: bool) {
+        self.interruptible.store(interruptible && self.is_software, Ordering::Relaxed);
     }
 
     /// Chooses the pace of the next frame by the longest pass of the last one on the device. The time of the whole frame
-    /// would not do: it holds the compiling of pipelines, and the waits of the gentle pace itself. Where the device
-    /// cannot tell times, the pace stays.
+    /// would not do: it holds the compiling of pipelines, and the waits of the interruptible pacing itself. Where the device
+    /// cannot tell times, the pacing stays.
     pub fn adapt(&self, report: &FrameReport) {
         let times = report.passes.iter().filter_map(|pass| pass.gpu_ms);
         if let Some(longest) = times.max_by(f64::total_cmp) {
-            self.set_gentle(longest > LONG_PASS);
+            self.set_interruptible(longest > LONG_PASS);
         }
     }
 
@@ -75,8 +75,8 @@ impl Pace {
     }
 
     /// Whether work of others gets its turn between the passes.
-    pub fn is_gentle(&self) -> bool {
-        self.gentle.load(Ordering::Relaxed)
+    pub fn is_interruptible(&self) -> bool {
+        self.interruptible.load(Ordering::Relaxed)
     }
 
     pub(super) fn is_stopped(&self) -> bool {

@@ -6,7 +6,7 @@ use lightwell::files::{SceneData, TypeNote};
 
 /// What the inspector knows of a component of a game.
 #[derive(Clone, Debug)]
-pub struct OwnComponent {
+pub struct CustomComponent {
     /// Its name in files.
     pub(crate) name: &'static str,
     /// What its values are made of.
@@ -15,7 +15,7 @@ pub struct OwnComponent {
     pub(crate) notes: Vec<TypeNote>,
 }
 
-impl OwnComponent {
+impl CustomComponent {
     /// What the type itself says.
     pub fn of<C: SceneData>() -> Self {
         let mut notes = Vec::new();

@@ -13,8 +13,8 @@ use lightwell::world::{GameWorld, SceneSettings};
 use std::sync::Arc;
 
 /// What draws a world.
-pub struct Painter {
-    /// The device, which painters may share.
+pub struct RenderState {
+    /// The device, which render states may share.
     pub gpu: Arc<Gpu>,
     /// Choices that change the picture.
     pub look: LookArgs,
@@ -27,14 +27,14 @@ pub struct Painter {
     extractor: Extractor,
 }
 
-impl Painter {
+impl RenderState {
     /// Of nothing yet.
     pub fn new(gpu: Arc<Gpu>, look: LookArgs) -> Self {
         let (renderer, display) = (Renderer::new(&gpu), DisplaySettings::default());
         Self { gpu, look, display, scene: Scene::default(), renderer, extractor: Extractor::new() }
     }
 
-    /// Takes over scene and choices of a painter that has drawn nothing yet; what was drawn stays.
+    /// Takes over scene and choices of a rendering that has drawn nothing yet; what was drawn stays.
     pub(super) fn take_scene(&mut self, other: Self) {
         (self.scene, self.extractor, self.look) = (other.scene, other.extractor, other.look);
     }

@@ -1,7 +1,7 @@
 //! Figures that others published, for the report to show beside ours.
 
 /// A scene of the thesis (M. Šefčík 2016), with its figures as far as they are known to us.
-pub struct PaperScene {
+pub struct PublishedScene {
     /// Our scene.
     pub scene: &'static str,
     /// Our stand-in of like size and structure, for where its model is missing.
@@ -23,8 +23,8 @@ pub struct PaperScene {
 }
 
 /// The six scenes of the thesis.
-pub const SCENES: &[PaperScene] = &[
-    PaperScene {
+pub const SCENES: &[PublishedScene] = &[
+    PublishedScene {
         scene: "cornell",
         stand_in: None,
         name: "Cornell Box",
@@ -35,7 +35,7 @@ pub const SCENES: &[PaperScene] = &[
         cell_steps: 7_168,
         merges: None,
     },
-    PaperScene {
+    PublishedScene {
         scene: "bleeding_gloss",
         stand_in: None,
         name: "Bleeding & Gloss",
@@ -46,7 +46,7 @@ pub const SCENES: &[PaperScene] = &[
         cell_steps: 829_440,
         merges: None,
     },
-    PaperScene {
+    PublishedScene {
         scene: "conference",
         stand_in: Some("meeting_room"),
         name: "Conference",
@@ -57,7 +57,7 @@ pub const SCENES: &[PaperScene] = &[
         cell_steps: 86_016,
         merges: None,
     },
-    PaperScene {
+    PublishedScene {
         scene: "dabrovic",
         stand_in: Some("night_court"),
         name: "Dabrovic Sponza",
@@ -68,7 +68,7 @@ pub const SCENES: &[PaperScene] = &[
         cell_steps: 1_179_648,
         merges: Some(6),
     },
-    PaperScene {
+    PublishedScene {
         scene: "sibenik",
         stand_in: Some("cathedral"),
         name: "Sibenik",
@@ -79,7 +79,7 @@ pub const SCENES: &[PaperScene] = &[
         cell_steps: 1_179_648,
         merges: Some(36),
     },
-    PaperScene {
+    PublishedScene {
         scene: "sponza",
         stand_in: Some("courtyard"),
         name: "Crytek Sponza",
@@ -97,7 +97,7 @@ pub const INDEPENDENT: &str = "For scale: an independent, optimised renderer (Mi
     for 25 % and 6.9 s for 9.2 % error of one-bounce indirect light in a Cornell box at 512×512.";
 
 /// The figures of one of our scenes; the flag says that ours is a stand-in.
-pub fn of(scene: &str) -> Option<(&'static PaperScene, bool)> {
+pub fn of(scene: &str) -> Option<(&'static PublishedScene, bool)> {
     SCENES.iter().find_map(|paper| {
         let stand_in = paper.stand_in == Some(scene);
         (paper.scene == scene || stand_in).then_some((paper, stand_in))

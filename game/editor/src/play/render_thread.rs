@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use lightwell::gpu::Gpu;
-use lightwell::graph::{FrameReport, Pace, Timing};
+use lightwell::graph::{FramePacing, FrameReport, Timing};
 use lightwell::render::{RenderError, RenderSettings, Renderer};
 use lightwell::scene::{Scene, SceneView};
 use lightwell_runtime::session::Session;
@@ -52,18 +52,18 @@ struct Done {
 }
 
 /// Draws pictures, one at a time. While it does, the session has a renderer that has drawn nothing.
-pub struct Artist {
+pub struct RenderThread {
     work: Option<Sender<Work>>,
     done: Receiver<Done>,
     thread: Option<JoinHandle<()>>,
-    pace: Arc<Pace>,
+    pacing: Arc<FramePacing>,
     stand_in: Option<Renderer>,
     begun: Option<Begun>,
     arrived: Option<Done>,
     is_gone: bool,
 }
 
-impl Artist {
+impl RenderThread {
     /// With nothing to do yet.
     pub fn new(gpu: &Arc<Gpu>) -> Self {
         let (work, orders) = channel::<Work>();
@@ -77,9 +77,9 @@ impl Artist {
                 }
             }
         });
-        let pace = Arc::new(Pace::new(&gpu.info));
+        let pacing = Arc::new(FramePacing::new(&gpu.info));
         let (stand_in, begun, arrived) = (None, None, None);
-        Self { work: Some(work), done, thread: Some(thread), pace, stand_in, begun, arrived, is_gone: false }
+        Self { work: Some(work), done, thread: Some(thread), pacing, stand_in, begun, arrived, is_gone: false }
     }
 
     /// Whether nothing is being drawn.
@@ -89,7 +89,7 @@ impl Artist {
 
     /// For how long the picture has been drawn, and how many of its passes are done.
     pub fn progress(&self) -> Option<(Duration, (usize, usize))> {
-        Some((self.begun.as_ref()?.start.elapsed(), self.pace.progress()))
+        Some((self.begun.as_ref()?.start.elapsed(), self.pacing.progress()))
     }
 
     /// Begins a picture of the scene as it stands.
@@ -107,12 +107,12 @@ impl Artist {
             bail!("a picture is being drawn already");
         };
         let mut renderer = self.stand_in.take().unwrap_or_else(|| Renderer::new(&session.gpu));
-        std::mem::swap(&mut session.painter.renderer, &mut renderer);
-        renderer.set_pace(Some(Arc::clone(&self.pace)));
+        std::mem::swap(&mut session.rendering.renderer, &mut renderer);
+        renderer.set_pacing(Some(Arc::clone(&self.pacing)));
         if purpose == Purpose::View {
             renderer.set_timing(Timing::Late);
         }
-        self.pace.restart();
+        self.pacing.restart();
         let order = Work { renderer, scene: session.scene().clone(), view: view.clone(), settings };
         if work.send(order).is_err() {
             bail!("the thread that draws has ended");
@@ -121,7 +121,7 @@ impl Artist {
         Ok(())
     }
 
-    /// Whether there is something to [`Artist::take`].
+    /// Whether there is something to [`RenderThread::take`].
     pub fn is_finished(&mut self) -> bool {
         if self.arrived.is_none() && self.begun.is_some() {
             match self.done.try_recv() {
@@ -148,19 +148,19 @@ impl Artist {
             Err(RecvTimeoutError::Timeout) => return Ok(None),
             Err(RecvTimeoutError::Disconnected) => bail!("the thread that draws has ended"),
         };
-        std::mem::swap(&mut session.painter.renderer, &mut renderer);
+        std::mem::swap(&mut session.rendering.renderer, &mut renderer);
         self.stand_in = Some(renderer);
         self.begun = None;
         if let Ok(report) = &result {
-            self.pace.adapt(report);
+            self.pacing.adapt(report);
         }
         Ok(Some(Finished { begun, result }))
     }
 }
 
-impl Drop for Artist {
+impl Drop for RenderThread {
     fn drop(&mut self) {
-        self.pace.stop();
+        self.pacing.stop();
         self.work = None;
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -193,31 +193,35 @@ mod tests {
         let plain = session.render(&view, &settings).unwrap();
         let wanted = session.display_bytes().unwrap();
 
-        let mut artist = Artist::new(&session.gpu);
-        for gentle in [false, true] {
-            artist.pace.set_gentle(gentle);
-            artist.begin(&mut session, view.clone(), settings.clone(), Purpose::View).unwrap();
-            assert!(!artist.is_idle() && artist.progress().is_some());
+        let mut render_thread = RenderThread::new(&session.gpu);
+        for interruptible in [false, true] {
+            render_thread.pacing.set_interruptible(interruptible);
+            render_thread.begin(&mut session, view.clone(), settings.clone(), Purpose::View).unwrap();
+            assert!(!render_thread.is_idle() && render_thread.progress().is_some());
             assert!(
-                artist.begin(&mut session, view.clone(), settings.clone(), Purpose::View).is_err(),
+                render_thread.begin(&mut session, view.clone(), settings.clone(), Purpose::View).is_err(),
                 "one at a time"
             );
             session.set_seconds(1.0);
             let start = Instant::now();
-            while !artist.is_finished() {
+            while !render_thread.is_finished() {
                 assert!(start.elapsed() < Duration::from_secs(60));
                 std::thread::sleep(Duration::from_millis(1));
             }
-            let finished = artist.take(&mut session, Duration::ZERO).unwrap().unwrap();
+            let finished = render_thread.take(&mut session, Duration::ZERO).unwrap().unwrap();
             let report = finished.result.unwrap();
             assert_eq!(report.ran_count(), plain.ran_count());
-            assert_eq!(artist.pace.progress().0, report.ran_count(), "all passes are counted");
-            assert!(gentle == (report.submits > plain.submits), "gentle frames submit each pass: {}", report.submits);
+            assert_eq!(render_thread.pacing.progress().0, report.ran_count(), "all passes are counted");
+            assert!(
+                interruptible == (report.submits > plain.submits),
+                "interruptible frames submit each pass: {}",
+                report.submits
+            );
             assert!(session.display_bytes().unwrap() == wanted, "the same bits");
-            assert!(artist.is_idle() && artist.take(&mut session, Duration::ZERO).unwrap().is_none());
+            assert!(render_thread.is_idle() && render_thread.take(&mut session, Duration::ZERO).unwrap().is_none());
         }
         // Ended in the middle of a picture, it ends soon.
-        artist.begin(&mut session, view, settings, Purpose::View).unwrap();
-        drop(artist);
+        render_thread.begin(&mut session, view, settings, Purpose::View).unwrap();
+        drop(render_thread);
     }
 }

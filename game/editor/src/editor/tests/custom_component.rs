@@ -1,7 +1,7 @@
 //! Components of a game in the inspector: shown, changed, added, removed, undone and saved like any other.
 
 use super::*;
-use crate::editor::own::OwnComponent;
+use crate::editor::custom_component::CustomComponent;
 use crate::editor::schema::Shape;
 use bevy_ecs::prelude::Component;
 use egui::{Key, Modifiers};
@@ -36,10 +36,10 @@ struct Greeter {
     text: String,
 }
 
-fn own<C: SceneData>() -> OwnComponent {
+fn own<C: SceneData>() -> CustomComponent {
     let mut notes = Vec::new();
     C::describe(&mut notes);
-    OwnComponent { name: C::NAME, shape: Shape::of::<C>(), notes }
+    CustomComponent { name: C::NAME, shape: Shape::of::<C>(), notes }
 }
 
 fn bench() -> (Bench, tempfile::TempDir) {
@@ -54,7 +54,7 @@ fn bench() -> (Bench, tempfile::TempDir) {
     options.types.add(ComponentType::of::<Door>()).unwrap();
     options.types.add(ComponentType::of::<Greeter>()).unwrap();
     let mut desk = Desk::with_options(&path, options);
-    desk.editor.set_own(vec![own::<Door>(), own::<Greeter>()]);
+    desk.editor.set_own(vec![custom_component::<Door>(), custom_component::<Greeter>()]);
     desk.select("Door");
     let context = super::super::set_fonts;
     let builder = Harness::builder().with_size([1400.0, 900.0]).with_max_steps(12).with_context_setup(context);

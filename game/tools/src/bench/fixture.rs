@@ -19,7 +19,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 /// A scene with everything that is compared in it. Variants of other settings have worlds and renderers of their own,
 /// so that each keeps its caches while they take turns.
-pub struct Lab {
+pub struct Fixture {
     sessions: Vec<Session>,
     /// The variants, each with the index of its session.
     pub runners: Vec<(Variant, usize)>,
@@ -53,7 +53,7 @@ impl Light {
     }
 }
 
-impl Lab {
+impl Fixture {
     /// Loads a scene; its variants come later, since sweeps depend on it.
     ///
     /// # Errors

@@ -12,18 +12,18 @@ use std::collections::HashSet;
 
 /// The identity of the entity that was copied.
 #[derive(Component, Clone, Copy, Debug)]
-struct StashedId(SceneId);
+struct SnapshotId(SceneId);
 
-/// A copy of an entity that no query sees and nothing draws. It lasts until [`GameWorld::drop_stash`].
+/// A copy of an entity that no query sees and nothing draws. It lasts until [`GameWorld::drop_snapshot`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stash(Entity);
+pub struct EntitySnapshot(Entity);
 
 impl GameWorld {
     /// Copies an entity out of sight; with all below it if `deep`.
     ///
     /// # Errors
     /// When the entity does not exist.
-    pub fn stash(&mut self, entity: Entity, deep: bool) -> Result<Stash, WorldError> {
+    pub fn snapshot(&mut self, entity: Entity, deep: bool) -> Result<EntitySnapshot, WorldError> {
         self.ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
         let copy = if deep {
             let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
@@ -39,19 +39,24 @@ impl GameWorld {
         self.ecs.entity_mut(copy).remove::<ChildOf>();
         for (original, copy) in self.pairs(entity, copy) {
             let id = self.id(original).unwrap_or_default();
-            self.ecs.entity_mut(copy).insert((StashedId(id), Disabled));
+            self.ecs.entity_mut(copy).insert((SnapshotId(id), Disabled));
         }
-        Ok(Stash(copy))
+        Ok(EntitySnapshot(copy))
     }
 
-    /// Spawns what was stashed, with all below it, under a parent as the child of that number, and with the
+    /// Spawns what was snapshotted, with all below it, under a parent as the child of that number, and with the
     /// identities that it had.
     ///
     /// # Errors
     /// When a living entity holds one of the identities; nothing is spawned then.
-    pub fn put_back(&mut self, stash: Stash, parent: Option<Entity>, index: usize) -> Result<Entity, WorldError> {
-        for entity in self.subtree(stash.0) {
-            let id = self.ecs.get::<StashedId>(entity).map(|s| s.0).unwrap_or_default();
+    pub fn put_back(
+        &mut self,
+        snapshot: EntitySnapshot,
+        parent: Option<Entity>,
+        index: usize,
+    ) -> Result<Entity, WorldError> {
+        for entity in self.subtree(snapshot.0) {
+            let id = self.ecs.get::<SnapshotId>(entity).map(|s| s.0).unwrap_or_default();
             if let Some(holder) = self.entity(id) {
                 return Err(WorldError::IdentityTaken { id, holder: self.path(holder) });
             }
@@ -59,9 +64,9 @@ impl GameWorld {
         let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
         cloner.linked_cloning(true);
         let mut cloner = cloner.finish();
-        let entity = cloner.spawn_clone(&mut self.ecs, stash.0);
+        let entity = cloner.spawn_clone(&mut self.ecs, snapshot.0);
         for entity in self.subtree(entity) {
-            let Some(StashedId(id)) = self.ecs.entity_mut(entity).take::<StashedId>() else { continue };
+            let Some(SnapshotId(id)) = self.ecs.entity_mut(entity).take::<SnapshotId>() else { continue };
             let identity = self.ecs.resource_mut::<Identities>().claim(id);
             let Ok(identity) = identity else { continue };
             self.ecs.entity_mut(entity).remove::<Disabled>().insert(identity);
@@ -73,28 +78,28 @@ impl GameWorld {
         Ok(entity)
     }
 
-    /// Makes the components of a living entity those of a stashed one. Parent, children and identity stay.
+    /// Makes the components of a living entity those of a snapshotted one. Parent, children and identity stay.
     ///
     /// # Errors
     /// When the entity does not exist.
-    pub fn copy_from_stash(&mut self, stash: Stash, entity: Entity) -> Result<(), WorldError> {
+    pub fn copy_from_snapshot(&mut self, snapshot: EntitySnapshot, entity: Entity) -> Result<(), WorldError> {
         self.ecs.get_entity(entity).map_err(|_| WorldError::Missing(entity))?;
         let kept = self.kept_components();
-        let wanted: HashSet<ComponentId> = self.component_ids(stash.0).collect();
+        let wanted: HashSet<ComponentId> = self.component_ids(snapshot.0).collect();
         let surplus: Vec<ComponentId> =
             self.component_ids(entity).filter(|id| !wanted.contains(id) && !kept.contains(id)).collect();
         self.ecs.entity_mut(entity).remove_by_ids(&surplus);
         let mut cloner = EntityCloner::build_opt_out(&mut self.ecs);
-        cloner.deny::<(ChildOf, Children, RootOrder, StashedId, Disabled)>();
+        cloner.deny::<(ChildOf, Children, RootOrder, SnapshotId, Disabled)>();
         let mut cloner = cloner.finish();
-        cloner.clone_entity(&mut self.ecs, stash.0, entity);
+        cloner.clone_entity(&mut self.ecs, snapshot.0, entity);
         Ok(())
     }
 
     /// Lets go of a copy.
-    pub fn drop_stash(&mut self, stash: Stash) {
+    pub fn drop_snapshot(&mut self, snapshot: EntitySnapshot) {
         // Gone already if it was dropped before.
-        let _ = self.ecs.try_despawn(stash.0);
+        let _ = self.ecs.try_despawn(snapshot.0);
     }
 
     /// The entity and all below it, parents first.
@@ -155,29 +160,29 @@ mod tests {
     fn what_was_despawned_comes_back_in_its_place() {
         let (mut world, [root, a, b, below]) = family();
         let ids = [a, below].map(|e| world.id(e).unwrap());
-        let stash = world.stash(a, true).unwrap();
+        let snapshot = world.snapshot(a, true).unwrap();
         assert_eq!(world.children(root), [a, b]);
-        assert_eq!(world.roots(), [root], "a stash is no root");
+        assert_eq!(world.roots(), [root], "a snapshot is no root");
         world.despawn_later(a);
         world.update();
         assert_eq!((world.children(root), world.entity(ids[0])), (vec![b], None));
-        let again = world.put_back(stash, Some(root), 0).unwrap();
+        let again = world.put_back(snapshot, Some(root), 0).unwrap();
         world.update();
         assert_eq!(world.children(root), [again, b]);
         assert_eq!(ids.map(|id| world.path(world.entity(id).unwrap())), ["root/a", "root/a/below"]);
         let light = world.entity(ids[1]).unwrap();
         assert_eq!(world.ecs.get::<Light>(light), Some(&Light::default()));
-        assert!(world.put_back(stash, Some(root), 0).is_err(), "its identity is taken");
+        assert!(world.put_back(snapshot, Some(root), 0).is_err(), "its identity is taken");
     }
 
     #[test]
     fn components_are_copied_and_those_that_came_later_go() {
         let (mut world, [root, a, ..]) = family();
-        let stash = world.stash(a, false).unwrap();
+        let snapshot = world.snapshot(a, false).unwrap();
         let id = world.id(a);
         let moved = Transform { translation: Vec3::ONE, ..Transform::default() };
         world.ecs.entity_mut(a).insert((moved, Light::default()));
-        world.copy_from_stash(stash, a).unwrap();
+        world.copy_from_snapshot(snapshot, a).unwrap();
         world.update();
         assert_eq!(world.ecs.get::<Transform>(a), Some(&Transform::default()));
         assert!(world.ecs.get::<Light>(a).is_none());
@@ -185,15 +190,15 @@ mod tests {
     }
 
     #[test]
-    fn stashes_are_seen_by_no_query() {
+    fn snapshots_are_seen_by_no_query() {
         let (mut world, [root, ..]) = family();
         let count = |world: &mut GameWorld| world.ecs.query::<&Light>().iter(&world.ecs).count();
         let before = count(&mut world);
-        let stash = world.stash(root, true).unwrap();
+        let snapshot = world.snapshot(root, true).unwrap();
         world.update();
         assert_eq!(count(&mut world), before);
-        world.drop_stash(stash);
-        world.drop_stash(stash);
+        world.drop_snapshot(snapshot);
+        world.drop_snapshot(snapshot);
         assert_eq!(count(&mut world), before);
     }
 }
