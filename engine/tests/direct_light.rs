@@ -2,11 +2,12 @@
 
 mod support;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec3Swizzles};
 use lightwell::assets::{Material, Shape};
 use lightwell::graph::PassState;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
+use lightwell::world::{Clpv, Quality};
 use std::f32::consts::PI;
 use support::{Stage, gpu, rgb};
 
@@ -123,6 +124,45 @@ fn what_stands_before_the_light_casts_its_shadow_for_every_kind_of_light() {
         }
         assert!(dark > 20 && lit > 100, "{shape:?}: {dark} dark and {lit} lit pixels");
     }
+}
+
+/// Pixels of the floor that are lit where a plate 1 m above it hides the light, or dark where it does not; beside the
+/// plate's border, where rounding may decide, nothing is counted.
+fn wrong_in_shadow(gi: GiMethod) -> usize {
+    let mut stage = floor();
+    let plate = Shape::Plane { size: [1.0, 1.0], subdivisions: [1, 1] };
+    let mut material = Material::diffuse("plate", ALBEDO);
+    material.double_sided = true;
+    stage.add_material(plate, material, Affine3A::from_translation(Vec3::Y));
+    let light = Vec3::new(0.3, 2.5, -0.2);
+    stage.light(LightShape::Point, Vec3::splat(10.0), light, Vec3::NEG_Y).shadow_size = 32;
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
+    let image = stage.render(&gpu(), gi, Layer::Direct);
+    let eye = stage.view.eye();
+    // Where a line from a point of the floor meets the plate's height, over half the plate's edge.
+    let on_plate = |floor: Vec3, end: Vec3| (floor + (end - floor) / end.y).xz().abs().max_element() / 0.5;
+    let mut wrong = 0;
+    for y in 0..image.height {
+        for x in 0..image.width {
+            let ray = stage.ray(x, y);
+            if ray.y > -0.05 {
+                continue;
+            }
+            let point = eye - ray * (eye.y / ray.y);
+            let (shadow, view) = (on_plate(point, light), on_plate(point, eye));
+            if view > 1.01 && (shadow - 1.0).abs() > 2e-3 && point.xz().abs().max_element() < 9.9 {
+                wrong += usize::from((rgb(&image, x, y) == Vec3::ZERO) != (shadow < 1.0));
+            }
+        }
+    }
+    wrong
+}
+
+/// A map of 32 texels a face cannot tell where the shadow ends; a ray can.
+#[test]
+fn borders_of_shadows_are_exact_where_rays_can_be_cast() {
+    let (by_map, by_rays) = (wrong_in_shadow(GiMethod::NONE), wrong_in_shadow(GiMethod::CLPV));
+    assert!(by_map > 20 && by_rays == 0, "wrong pixels: {by_map} by the map, {by_rays} with rays");
 }
 
 #[test]

@@ -1,14 +1,20 @@
 // Direct light of one light, added to the radiance of the pixels that it can reach.
+//   SHADOW_RAYS  the scene is there for rays: where the shadow map cannot tell, one ray does
 
 #import lightwell::direct::{is_lit, reflected_light}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
+#ifdef SHADOW_RAYS
+#import lightwell::lights::Incidence
+#import lightwell::rays::{NONE, SHADOW, Ray, Surface as Start, leave_surface, trace}
+#endif
 #import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
 #import lightwell::view::{View, toward_eye}
 
 struct Region {
     origin: vec2u,         // first pixel
     size: vec2u,           // [pixels]
+    root: u32,             // of the hierarchy for rays
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -34,8 +40,39 @@ fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
     if !at.inside {
         return 1.0;
     }
+#ifdef SHADOW_RAYS
+    // Filtered lookups around the point see all texels up to two from it. Where they agree it is lit, or not.
+    let step = 1.0 / shadow.size;
+    var sum = 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        let corner = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
+        sum += textureSampleCompareLevel(shadow_map, shadow_sampler, at.uv + step * corner, at.face, at.depth);
+    }
+    return select(UNKNOWN, 0.25 * sum, sum == 0.0 || sum == 4.0);
+#else
     return textureSampleCompareLevel(shadow_map, shadow_sampler, at.uv, at.face, at.depth);
+#endif
 }
+
+#ifdef SHADOW_RAYS
+const UNKNOWN: f32 = -1.0;
+
+// Whether nothing is between a visible point and the light.
+fn is_reached(position: vec3f, n: vec3f, incidence: Incidence) -> bool {
+    var start: Start;
+    start.position = position;
+    start.geometric_normal = n;
+    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
+    let p = max(abs(position), abs(toward_eye(view, position)));
+    start.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
+    let origin = leave_surface(start, incidence.to_light);
+    // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
+    let is_far = incidence.distance == 0.0;
+    let offset = position + incidence.to_light * incidence.distance - origin;
+    let ray = Ray(origin, select(offset, incidence.to_light, is_far));
+    return trace(region.root, ray, select(1.0, 3e38, is_far), SHADOW).triangle == NONE;
+}
+#endif
 
 @compute @workgroup_size(8, 8)
 fn add_light(@builtin(global_invocation_id) thread: vec3u) {
@@ -55,7 +92,12 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     if !is_lit(surface, incidence) {
         return;
     }
-    let lit = visibility(position, surface.normal, incidence.to_light);
+    var lit = visibility(position, surface.normal, incidence.to_light);
+#ifdef SHADOW_RAYS
+    if lit == UNKNOWN {
+        lit = select(0.0, 1.0, is_reached(position, surface.normal, incidence));
+    }
+#endif
     if lit <= 0.0 {
         return;
     }

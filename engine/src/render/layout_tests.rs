@@ -1,7 +1,7 @@
 //! Structs that Rust writes and WGSL reads are the same size on both sides.
 
 use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
-use super::direct::Region;
+use super::direct::RegionUniform;
 use super::direct::tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::indirect::accumulate::AverageUniform;
@@ -58,7 +58,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, ShadowViewUniform::min_size().get(), "shadows/shadow_map.wgsl", "ShadowView");
     check(&gpu, ShadowUniform::min_size().get(), "direct/direct.wgsl", "Shadow");
     check(&gpu, LightUniform::min_size().get(), "direct/direct.wgsl", "Light");
-    check(&gpu, Region::min_size().get(), "direct/direct.wgsl", "Region");
+    check(&gpu, RegionUniform::min_size().get(), "direct/direct.wgsl", "Region");
     check(&gpu, LightsUniform::min_size().get(), "direct/tiled.wgsl", "Lights");
     check(&gpu, LightUniform::min_size().get(), "direct/tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "post/compose.wgsl", "Compose");

@@ -225,7 +225,7 @@ impl Renderer {
             scene,
             gpu_scene: &self.gpu_scene,
             surfels: &self.surfels,
-            rays: self.rays.as_ref().filter(|_| refused_rays.is_none()),
+            rays: self.rays.as_ref().filter(|_| casts_rays && refused_rays.is_none()),
             refused_rays,
             view,
             settings,
@@ -298,13 +298,13 @@ impl Renderer {
         Ok(bounds)
     }
 
-    /// How the frame casts rays: for its method, or to show their hierarchy.
+    /// How the frame casts rays: for its method and the borders of shadows, or to show their hierarchy.
     fn ray_use(&self, scene: &Scene, settings: &RenderSettings) -> Result<RayUse, RenderError> {
         if settings.display && settings.debug.shows(DebugView::Bvh) {
             return Ok(RayUse::Required);
         }
         let method = self.methods.get(settings.gi)?;
-        Ok(if settings.only.shows_indirect() { method.rays(scene) } else { RayUse::None })
+        Ok(if settings.only.is_light() { method.rays(scene) } else { RayUse::None })
     }
 
     /// Brings the scene for rays up to date where a method can do without. What does not fit the device is not tried again

@@ -1,21 +1,32 @@
 //! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
-//! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]).
+//! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]). Where the scene is there for rays, a shadow ray
+//! decides at the borders of shadows, where a map's texels are too coarse to.
 
 pub(in crate::render) mod tiled;
 
 use super::frame::Frame;
 use super::geometry::gbuffer::GBuffer;
 use super::shadows::shadow_map::{self, ShadowMap};
-use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::render::rays::RayScene;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::scene::{Aabb, SceneLight, SceneView};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
 
 /// `Region` of `direct/direct.wgsl`.
-#[derive(ShaderType, Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Region {
+#[derive(ShaderType)]
+pub(crate) struct RegionUniform {
+    origin: UVec2,
+    size: UVec2,
+    root: u32,
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Region {
     origin: UVec2,
     size: UVec2,
 }
@@ -106,6 +117,8 @@ fn declare_light<'a>(
     }
     let radiance = pass.write(radiance);
     pass.key(&(frame.scene.identity, direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
+    let casts_rays = frame.rays.is_some() && direct_light.shadow.is_some();
+    pass.key(&casts_rays.then(|| frame.geometry_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;
@@ -118,23 +131,30 @@ fn declare_light<'a>(
         counts.lights += 1;
         counts.texels += u64::from(size.x) * u64::from(size.y);
         let target = cx.view(radiance);
-        cx.dispatch(
-            &ComputeKey::new("direct/direct.wgsl", "add_light"),
-            &[
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("light", Binding::Buffer(&LightUniform::buffer(gpu, direct_light.light))),
-                ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
-                ("region", Binding::Buffer(&gpu.uniform("region", &direct_light.region))),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("object", Binding::Texture(&object)),
-                ("depth", Binding::Texture(&depth)),
-                ("shadow_map", Binding::Texture(&shadow_map)),
-                ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),
-                ("radiance", Binding::Texture(&target)),
-            ],
-            [size.x.div_ceil(8), size.y.div_ceil(8), 1],
-        )
+        let rays = frame.rays.filter(|_| casts_rays);
+        let Region { origin, .. } = direct_light.region;
+        let region = RegionUniform { origin, size, root: rays.map_or(0, RayScene::root) };
+        let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
+        let group = [
+            ("view", Binding::Buffer(&frame.view_uniform(gpu))),
+            ("light", Binding::Buffer(&LightUniform::buffer(gpu, direct_light.light))),
+            ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
+            ("region", Binding::Buffer(&gpu.uniform("region", &region))),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("object", Binding::Texture(&object)),
+            ("depth", Binding::Texture(&depth)),
+            ("shadow_map", Binding::Texture(&shadow_map)),
+            ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),
+            ("radiance", Binding::Texture(&target)),
+        ];
+        match rays {
+            Some(rays) => {
+                let key = rays.shader("direct/direct.wgsl", "add_light").def("SHADOW_RAYS", ShaderDef::Flag(true));
+                dispatch_rays(cx, &key, &group, rays, groups)
+            }
+            None => cx.dispatch(&ComputeKey::new("direct/direct.wgsl", "add_light"), &group, groups),
+        }
     });
     radiance
 }
