@@ -54,7 +54,7 @@ fn bench() -> (Bench, tempfile::TempDir) {
     options.types.add(ComponentType::of::<Door>()).unwrap();
     options.types.add(ComponentType::of::<Greeter>()).unwrap();
     let mut desk = Desk::with_options(&path, options);
-    desk.editor.set_own(vec![custom_component::<Door>(), custom_component::<Greeter>()]);
+    desk.editor.set_own(vec![own::<Door>(), own::<Greeter>()]);
     desk.select("Door");
     let context = super::super::set_fonts;
     let builder = Harness::builder().with_size([1400.0, 900.0]).with_max_steps(12).with_context_setup(context);
