@@ -42,6 +42,8 @@ pub struct Frame<'a> {
     pub surfels: &'a GpuSurfels,
     /// The scene as rays see it, where a method casts any.
     pub rays: Option<&'a RayScene>,
+    /// The same for the borders of shadows. Not where rays are there only to be shown.
+    pub shadow_rays: Option<&'a RayScene>,
     /// Why there are none for the final gather, if there should be.
     pub refused_rays: Option<&'a str>,
     /// The view.

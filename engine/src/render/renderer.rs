@@ -212,6 +212,7 @@ impl Renderer {
         let method = self.methods.get(settings.gi)?;
         let casts_rays = self.ray_use(scene, settings)? != RayUse::None;
         let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| casts_rays);
+        let rays = self.rays.as_ref().filter(|_| casts_rays && refused_rays.is_none());
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
         let tracer = match &beside {
             Some(beside) => {
@@ -225,7 +226,8 @@ impl Renderer {
             scene,
             gpu_scene: &self.gpu_scene,
             surfels: &self.surfels,
-            rays: self.rays.as_ref().filter(|_| casts_rays && refused_rays.is_none()),
+            rays,
+            shadow_rays: rays.filter(|_| method.rays(scene) != RayUse::None),
             refused_rays,
             view,
             settings,

@@ -9,8 +9,7 @@ use super::geometry::gbuffer::GBuffer;
 use super::shadows::shadow_map::{self, ShadowMap};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::indirect::path_tracer::dispatch_rays;
-use crate::render::rays::RayScene;
+use crate::render::rays::{RayScene, dispatch_rays};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::scene::{Aabb, SceneLight, SceneView};
 use encase::ShaderType;
@@ -117,7 +116,7 @@ fn declare_light<'a>(
     }
     let radiance = pass.write(radiance);
     pass.key(&(frame.scene.identity, direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
-    let casts_rays = frame.rays.is_some() && direct_light.shadow.is_some();
+    let casts_rays = frame.shadow_rays.is_some() && direct_light.shadow.is_some();
     pass.key(&casts_rays.then(|| frame.geometry_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -131,7 +130,7 @@ fn declare_light<'a>(
         counts.lights += 1;
         counts.texels += u64::from(size.x) * u64::from(size.y);
         let target = cx.view(radiance);
-        let rays = frame.rays.filter(|_| casts_rays);
+        let rays = frame.shadow_rays.filter(|_| casts_rays);
         let Region { origin, .. } = direct_light.region;
         let region = RegionUniform { origin, size, root: rays.map_or(0, RayScene::root) };
         let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];

@@ -3,7 +3,7 @@
 //! What moves has boxes and triangles of its own, behind those of static objects: a frame in which something moved
 //! encodes and uploads that alone.
 //!
-//! Passes that cast rays import `lightwell::rays` and bind group 1 by [`RayScene::bind`].
+//! Passes that cast rays import `lightwell::rays` and are dispatched with group 1 bound by [`dispatch_rays`].
 
 mod atlas;
 mod boxes;
@@ -15,6 +15,7 @@ mod words;
 
 use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
+use crate::graph::{PassContext, PassError};
 use crate::scene::Scene;
 use atlas::Atlas;
 use emitters::Emitters;
@@ -261,4 +262,14 @@ fn check_size(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<(), RayError>
         return Err(RayError::TooLarge { what, needed: bytes.div_ceil(1 << 20), limit: limit >> 20 });
     }
     Ok(())
+}
+/// Dispatches a shader that casts rays: group 0 as given, group 1 the scene.
+pub(in crate::render) fn dispatch_rays(
+    cx: &mut PassContext,
+    key: &ComputeKey,
+    group: &[(&str, Binding)],
+    scene: &RayScene,
+    groups: [u32; 3],
+) -> Result<(), PassError> {
+    cx.dispatch_with(key, group, &|gpu, pipeline| scene.bind(gpu, pipeline), groups)
 }

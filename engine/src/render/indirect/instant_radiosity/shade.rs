@@ -7,7 +7,7 @@ use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::gloss;
-use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::render::rays::dispatch_rays;
 use crate::world::{InstantRadiosity, VirtualShading, VirtualVisibility};
 use encase::ShaderType;
 

@@ -6,7 +6,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, PassError};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::render::rays::dispatch_rays;
 
 /// Pixels times lights that one submit may test: under a second on slow adapters.
 const TESTS_A_SUBMIT: u64 = 1 << 27;

@@ -17,7 +17,6 @@ mod throughput;
 pub use crate::render::settings::TraceSettings;
 pub use content::content_key;
 pub use estimate::Estimate;
-pub(in crate::render) use path_trace::dispatch_rays;
 pub use path_trace::{PathTracer, TraceError};
 pub use state::StateError;
 pub use throughput::{Throughput, measure_throughput};

@@ -318,17 +318,6 @@ impl PathTracer {
     }
 }
 
-/// Dispatches a shader that casts rays: group 0 as given, group 1 the scene.
-pub(in crate::render) fn dispatch_rays(
-    cx: &mut PassContext,
-    key: &ComputeKey,
-    group: &[(&str, Binding)],
-    scene: &RayScene,
-    groups: [u32; 3],
-) -> Result<(), PassError> {
-    cx.dispatch_with(key, group, &|gpu, pipeline| scene.bind(gpu, pipeline), groups)
-}
-
 /// Declares the pass that goes on tracing and shows what there is as a retained image of that name. At most `a_frame` samples a
 /// pixel are added, until there are `samples`.
 pub(crate) fn declare<'a>(

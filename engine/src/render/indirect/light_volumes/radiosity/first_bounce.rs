@@ -5,7 +5,7 @@ use super::links::Links;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
 use crate::render::frame::{Frame, linear_groups};
-use crate::render::indirect::path_tracer::dispatch_rays;
+use crate::render::rays::dispatch_rays;
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
