@@ -254,6 +254,22 @@ fn a_still_frame_is_kept_and_a_moved_light_pays_for_itself_alone() {
     assert_eq!(cached, fresh, "reuse changed a bit");
 }
 
+/// No shadow map tells of its change.
+#[test]
+fn a_light_without_shadows_that_changes_is_computed_anew() {
+    let gpu = gpu();
+    let mut stage = floor();
+    stage.light(LightShape::Point, Vec3::splat(10.0), Vec3::new(0.5, 1.5, -0.3), Vec3::NEG_Y).casts_shadow = false;
+    let mut renderer = Renderer::new(&gpu);
+    let settings = RenderSettings { only: Layer::Direct, ..RenderSettings::default() };
+    stage.render_with(&gpu, &mut renderer, &settings);
+    stage.scene.lights[0].intensity *= 2.0;
+    stage.scene.lights[0].revision += 1;
+    stage.scene.revisions.lights += 1;
+    let (found, _) = stage.render_with(&gpu, &mut renderer, &settings);
+    assert_eq!(found, stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).0);
+}
+
 #[test]
 fn lights_without_shadows_share_a_pass_and_give_the_same_light() {
     let gpu = gpu();
