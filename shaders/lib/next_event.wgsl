@@ -11,7 +11,7 @@
 #endif
 #import lightwell::lights::{Incidence, light_incidence}
 #import lightwell::rays::{Ray, Hit, Surface, NONE, DOUBLE_SIDED, leave_surface, load_triangle, emitted_at, coverage, emitters, load_light}
-#import lightwell::sampling::{INVERSE_PI, cosine_direction, visible_ggx_normal}
+#import lightwell::sampling::{INVERSE_PI, cosine_direction, is_chosen, visible_ggx_normal}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 
 // Nothing brighter is counted, so that no sum over samples leaves the range of floats.
@@ -142,16 +142,11 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
             continue;
         }
         total += weight;
-        // The random number is used up and stretched again at each choice.
-        let chance = weight / total;
-        if pick < chance {
-            pick /= chance;
+        if is_chosen(&pick, weight / total) {
             chosen = incidence;
             casts_shadow = candidate.casts_shadow != 0u;
             chosen_weight = weight;
             chosen_light = light;
-        } else {
-            pick = (pick - chance) / (1.0 - chance);
         }
     }
     if chosen_weight <= 0.0 {
@@ -261,14 +256,9 @@ fn resample_emitter(
             continue;
         }
         total += weight;
-        // The random number is used up and stretched again at each choice.
-        let chance = weight / total;
-        if pick < chance {
-            pick /= chance;
+        if is_chosen(&pick, weight / total) {
             chosen = sample;
             chosen_weight = weight;
-        } else {
-            pick = (pick - chance) / (1.0 - chance);
         }
     }
     chosen.light *= total / max(chosen_weight, 1e-37);

@@ -78,6 +78,14 @@ fn cosine_direction(n: vec3f, random: vec2f) -> vec3f {
     return normalize(basis(n) * local);
 }
 
+// Whether a candidate with that chance takes the place of the one chosen before it (weighted reservoir: Chao 1982). The
+// random number is used up and stretched again, for the candidates that follow.
+fn is_chosen(pick: ptr<function, f32>, chance: f32) -> bool {
+    let is_taken = *pick < chance;
+    *pick = select((*pick - chance) / (1.0 - chance), *pick / chance, is_taken);
+    return is_taken;
+}
+
 // Microfacet normal with the density of those that v sees (Heitz 2018, "Sampling the GGX distribution of visible
 // normals"); v unit, in the hemisphere of n.
 fn visible_ggx_normal(n: vec3f, v: vec3f, alpha: f32, random: vec2f) -> vec3f {

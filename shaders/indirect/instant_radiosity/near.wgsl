@@ -13,7 +13,7 @@
 #import lightwell::lights::{Incidence, light_incidence}
 #import lightwell::next_event::{LightSample, bounded, no_light, reflected, toward_light}
 #import lightwell::rays::{Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, load_light, surface_at, trace}
-#import lightwell::sampling::{Sampler, next_pair}
+#import lightwell::sampling::{Sampler, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
 #import lightwell::vpl::{VirtualLight, connect}
@@ -102,14 +102,10 @@ fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32) -> Light
             continue;
         }
         total += weight;
-        let chance = weight / total;
-        if pick < chance {
-            pick /= chance;
+        if is_chosen(&pick, weight / total) {
             chosen = incidence;
             chosen_light = light;
             casts_shadow = candidate.casts_shadow != 0u;
-        } else {
-            pick = (pick - chance) / (1.0 - chance);
         }
     }
     if total <= 0.0 {

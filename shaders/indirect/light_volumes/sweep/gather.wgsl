@@ -29,7 +29,7 @@
 #import lightwell::rays::primitive_of
 #endif
 #import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
-#import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, next_pair}
+#import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
 
@@ -139,9 +139,10 @@ fn add(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f) 
 }
 
 #ifndef UNLIT
-// Notes how far the light from an emissive surface has come.
+// Notes how far the light from an emissive surface has come. What is nearer than a tenth of a micrometre counts as so far
+// off: light of any brightness over it then stays in the range of floats.
 fn add_emitted(sums: ptr<function, Sums>, seen: Vertex, direction: vec3f, light: vec3f, distance: f32) {
-    (*sums).emitted += luminance(by_lobe(seen.start, direction, light).diffuse) / max(distance, 1e-20);
+    (*sums).emitted += luminance(by_lobe(seen.start, direction, light).diffuse) / max(distance, 1e-7);
 }
 #endif
 
@@ -206,14 +207,9 @@ fn add_rsm_samples(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
             let weight = candidate.light.r + candidate.light.g + candidate.light.b;
             if weight > 0.0 {
                 total += weight;
-                // The random number is used up and stretched again at each choice.
-                let chance = weight / total;
-                if pick < chance {
-                    pick /= chance;
+                if is_chosen(&pick, weight / total) {
                     chosen = candidate;
                     chosen_weight = weight;
-                } else {
-                    pick = (pick - chance) / (1.0 - chance);
                 }
             }
         }

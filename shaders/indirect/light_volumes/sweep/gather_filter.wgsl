@@ -77,7 +77,7 @@ fn mean_nearness(texel: vec2u) -> vec3f {
 // How near what glows is, over all light that the filter can reach from a texel along the axis: what is bright counts, so
 // that nothing bright is filtered into its surroundings.
 fn emitted_along(center: vec2u, along: vec2i) -> f32 {
-    var sum = 0.0;
+    var mean = 0.0;
     var light = 1e-30;
     for (var d = 1 - reach.radius; d < reach.radius; d++) {
         let at = vec2i(center) + d * along;
@@ -86,10 +86,12 @@ fn emitted_along(center: vec2u, along: vec2i) -> f32 {
         }
         let found = textureLoad(diffuse, at, 0);
         let weight = luminance(found.rgb) * (1.0 - f32(abs(d)) / f32(reach.radius));
-        sum += weight * decode_emitted(vec2f(found.a, textureLoad(specular, at, 0).a));
+        let near = decode_emitted(vec2f(found.a, textureLoad(specular, at, 0).a));
+        // A running mean: the sum of weighted values could leave the range of floats.
         light += weight;
+        mean += (near - mean) * (weight / light);
     }
-    return sum / light;
+    return mean;
 }
 #endif
 
