@@ -4,9 +4,14 @@
 
 #import lightwell::sampling::hash
 
-// World to the cells of an object's grid, which turns with it.
+// World to the cells of an object's grid, which turns with it, and where its cells are looked for in the table: first place,
+// number of places, a power of two, and the first node.
 struct PatchGrid {
     rows: array<vec4f, 3>,
+    first: u32,
+    places: u32,
+    nodes: u32,
+    pad_a: u32,
 }
 
 // A cell of an object's grid: what answers for each of the six ways that a surface may face, which is a patch, NO_PATCH, or
@@ -17,7 +22,7 @@ struct PatchCell {
     is_used: u32,
 }
 
-// Places of a hash table with open addressing, a power of two of them, and then fewer nodes.
+// Places of a hash table with open addressing, then nodes, then places of another table for objects that bend.
 @group(0) @binding(20) var<storage, read> patch_table: array<PatchCell>;
 // Index of the object by that of the primitive; all bits set: it has no surfels.
 @group(0) @binding(21) var<storage, read> place_of_primitive: array<u32>;
@@ -46,14 +51,14 @@ fn face_of(n: vec3f) -> u32 {
     return 2u * axis + select(0u, 1u, n[axis] < 0.0);
 }
 
-// The patch that answers at a point of the grid, after all planes that part its cell. Nodes follow so many places.
-fn side_of(answer: u32, p: vec3f, places: u32) -> u32 {
+// The patch that answers at a point of the grid, after all planes that part its cell.
+fn side_of(answer: u32, p: vec3f, first_node: u32) -> u32 {
     var found = answer;
     for (var depth = 0u; depth < PATCH_DEPTH; depth++) {
         if (found & PATCH_NODE) == 0u {
             break;
         }
-        let node = places + (found & ~PATCH_NODE);
+        let node = first_node + (found & ~PATCH_NODE);
         let plane = bitcast<vec4f>(vec4u(
             patch_table[node].patches[0], patch_table[node].patches[1], patch_table[node].patches[2], patch_table[node].patches[3],
         ));
@@ -82,12 +87,12 @@ fn patch_of_object(place: u32, position: vec3f, normal: vec3f) -> u32 {
     let cell = bitcast<vec3u>(vec3i(clamp(floor(p + PATCH_BEFORE * n), vec3f(-PATCH_REACH), vec3f(PATCH_REACH))));
     let start = hash(cell.x ^ hash(cell.y ^ hash(cell.z ^ hash(place))));
     let tag = hash(cell.z ^ hash(cell.x ^ hash(cell.y ^ hash(place ^ 0x9e3779b9u))));
-    let places = 1u << firstLeadingBit(arrayLength(&patch_table));
-    let mask = places - 1u;
+    let first = patch_grids[place].first;
+    let mask = patch_grids[place].places - 1u;
     for (var step = 0u; step < PATCH_PROBES; step++) {
-        let at = (start + step) & mask;
+        let at = first + ((start + step) & mask);
         if patch_table[at].tag == tag {
-            return side_of(patch_table[at].patches[face_of(n)], p, places);
+            return side_of(patch_table[at].patches[face_of(n)], p, patch_grids[place].nodes);
         }
         if patch_table[at].is_used == 0u {
             break;

@@ -66,7 +66,7 @@ pub(crate) struct History {
     /// Written in turns: this frame's, and that of the frame before.
     targets: Option<[Target; 2]>,
     motions: Motions,
-    /// Irradiance of the patches of surfels of a revision [W/m²].
+    /// Irradiance of the patches of surfels of a layout [W/m²].
     patches: Option<(u64, InTurns<wgpu::Buffer>)>,
     /// Radiance with smooth edges [W/(m² sr)], see `post/temporal_antialiasing.wgsl`.
     colors: Option<InTurns<wgpu::TextureView>>,
@@ -198,7 +198,7 @@ impl History {
     /// Makes room for the light of the surfels' patches, if the frame is averaged.
     pub fn keep_patches(&mut self, gpu: &Gpu, surfels: &GpuSurfels) {
         let Some(number) = self.step.map(|step| step.number) else { return };
-        match self.patches.as_mut().filter(|(revision, _)| *revision == surfels.revision()) {
+        match self.patches.as_mut().filter(|(layout, _)| *layout == surfels.layout()) {
             Some((_, known)) => known.go_on(number),
             None => {
                 let size = 16 * u64::from(surfels.patch_count().max(1));
@@ -210,7 +210,7 @@ impl History {
                         mapped_at_creation: false,
                     })
                 };
-                self.patches = Some((surfels.revision(), InTurns::new(number, [(); 2].map(buffer))));
+                self.patches = Some((surfels.layout(), InTurns::new(number, [(); 2].map(buffer))));
             }
         }
     }

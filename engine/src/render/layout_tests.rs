@@ -24,6 +24,7 @@ use super::post::temporal_antialiasing::SmoothUniform;
 use super::post::tone_map::ToneMapUniform;
 use super::rays::{Emitter, RayMaterial};
 use super::scene_gpu::light_uniform::LightUniform;
+use super::scene_gpu::surfels::PatchGrid;
 use super::scene_gpu::{Instance, MaterialUniform};
 use super::shadows::reflective::{RsmLayerUniform, RsmViewUniform};
 use super::shadows::shadow_map::{ShadowUniform, ShadowViewUniform};
@@ -90,6 +91,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, MarchUniform::min_size().get(), "indirect/light_volumes/sweep/transport.wgsl", "March");
     check(&gpu, CollectUniform::min_size().get(), "indirect/light_volumes/sweep/collect.wgsl", "Collect");
     check(&gpu, SumUniform::min_size().get(), "indirect/light_volumes/sweep/sum.wgsl", "Sum");
+    check(&gpu, size_of::<PatchGrid>() as u64, "indirect/light_volumes/radiosity/links.wgsl", "PatchGrid");
     check(&gpu, size_of::<Surfel>() as u64, "indirect/light_volumes/sweep/emit.wgsl", "Surfel");
     check(&gpu, ShadeUniform::min_size().get(), "indirect/instant_radiosity/shade.wgsl", "Shade");
     check(&gpu, NearUniform::min_size().get(), "indirect/instant_radiosity/near.wgsl", "Near");

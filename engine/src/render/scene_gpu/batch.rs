@@ -39,7 +39,7 @@ impl Member {
             bounds: primitive.bounds,
             revisions: [primitive.geometry_revision, primitive.material_revision],
             casts_shadow: primitive.casts_shadow,
-            wall: wall_extent(primitive, &primitive.world_from_object.matrix3),
+            wall: wall_extent(primitive, &primitive.mesh, &primitive.world_from_object.matrix3),
         }
     }
 }

@@ -2,12 +2,24 @@
 
 use crate::gpu::{Binding, Gpu};
 use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
+use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 use wgpu::BufferUsages;
 
 /// Rows of a transform.
 fn rows(m: &Affine3A) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]])
+}
+
+/// `PatchGrid` of `lib/patches.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct PatchGrid {
+    rows: [[f32; 4]; 3],
+    first: u32,
+    places: u32,
+    nodes: u32,
+    padding: u32,
 }
 
 /// The patches of the surfels, and where they are looked for.
@@ -21,7 +33,7 @@ pub(in crate::render) struct GpuPatches {
 
 impl GpuPatches {
     fn new(gpu: &Gpu) -> Self {
-        let empty = |label: &str| gpu.storage(label, &[[0_u32; 12]], BufferUsages::empty());
+        let empty = |label: &str| gpu.storage(label, &[PatchGrid::default()], BufferUsages::empty());
         Self {
             ranges: empty("patches"),
             table: gpu.storage("patch table", &[[0_u32; 8]; 2], BufferUsages::empty()),
@@ -34,15 +46,32 @@ impl GpuPatches {
         let or_empty = |places: &[u32]| if places.is_empty() { vec![0] } else { places.to_vec() };
         let ranges = if cloud.patches.ranges.is_empty() { &[[0_u32; 2]][..] } else { &cloud.patches.ranges };
         self.ranges = gpu.storage("patches", ranges, BufferUsages::empty());
-        self.table = gpu.storage("patch table", &cloud.patches.table, BufferUsages::empty());
+        self.table = gpu.storage("patch table", &cloud.patches.table, BufferUsages::COPY_DST);
         let places = or_empty(&cloud.place_of_primitive);
         self.place_of_primitive = gpu.storage("places of primitives", &places, BufferUsages::empty());
         self.place(gpu, cloud);
     }
 
     fn place(&mut self, gpu: &Gpu, cloud: &SurfelCloud) {
-        let grids = cloud.places.iter().map(|place| rows(&cells_from_world(place, cloud.patches.size)));
+        let grids = cloud.places.iter().enumerate().map(|(group, place)| {
+            let table = cloud.patches.table_of(group);
+            PatchGrid {
+                rows: rows(&cells_from_world(place, cloud.patches.size)),
+                first: table.first,
+                places: table.places,
+                nodes: table.nodes,
+                padding: 0,
+            }
+        });
         self.grids = gpu.storage("patch grids", &grids.collect::<Vec<_>>(), BufferUsages::empty());
+    }
+
+    /// Uploads where the patches of objects that bend are found.
+    fn bend(&self, gpu: &Gpu, cloud: &SurfelCloud) {
+        let (first, places) = cloud.patches.bending();
+        if !places.is_empty() {
+            gpu.write_buffer(&self.table, (first * size_of::<[u32; 8]>()) as u64, bytemuck::cast_slice(places));
+        }
     }
 
     /// First surfel and number of surfels of each patch.
@@ -67,14 +96,16 @@ pub struct GpuSurfels {
     surfels: wgpu::Buffer,
     places: wgpu::Buffer,
     patches: GpuPatches,
+    /// Revisions of the cloud: of its content, of what was uploaded as a whole, and of its layout.
     uploaded: u64,
+    rebuilt: u64,
+    layout: u64,
     placed: Vec<Affine3A>,
     /// Of the scene's primitives, in their order, here and on the device.
     ids: Vec<u32>,
     primitive_ids: wgpu::Buffer,
     is_moving: bool,
     is_replaced: bool,
-    emitted: Vec3,
 }
 
 impl GpuSurfels {
@@ -86,37 +117,54 @@ impl GpuSurfels {
             places: gpu.storage("surfel places", &[[0.0_f32; 12]], BufferUsages::empty()),
             patches: GpuPatches::new(gpu),
             uploaded: 0,
+            rebuilt: 0,
+            layout: 0,
             is_moving: false,
             is_replaced: false,
             placed: Vec::new(),
             ids: Vec::new(),
             primitive_ids: gpu.storage("ids of primitives", &[0_u32; 4], BufferUsages::empty()),
-            emitted: Vec3::ZERO,
         }
     }
 
     /// Brings the surfels up to date with the scene, as dense as the finest cells need them. Costs nothing if nothing
-    /// changed; an object that only moved costs its transform.
+    /// changed; an object that only moved costs its transform, and one that only bent its own surfels.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
         self.cloud.update(scene, finest_cell);
         self.name_primitives(gpu, scene);
-        self.is_replaced = self.uploaded != self.cloud.revision;
-        self.is_moving = self.is_replaced || self.placed != self.cloud.places;
-        if self.uploaded != self.cloud.revision {
-            self.uploaded = self.cloud.revision;
-            let none = [Surfel::default()];
-            let surfels = if self.cloud.surfels.is_empty() { &none[..] } else { &self.cloud.surfels };
-            self.surfels = gpu.storage("surfel cloud", surfels, BufferUsages::empty());
-            let emitted = |s: &Surfel| std::f32::consts::PI * s.area * Vec3::from(s.emissive);
-            self.emitted = self.cloud.surfels.iter().map(emitted).sum();
-            self.patches.upload(gpu, &self.cloud);
+        self.is_replaced = self.layout != self.cloud.layout;
+        self.layout = self.cloud.layout;
+        let has_bent = self.uploaded != self.cloud.revision;
+        self.is_moving = has_bent || self.placed != self.cloud.places;
+        if self.rebuilt != self.cloud.rebuilt {
+            self.upload(gpu);
+        } else if has_bent {
+            self.bend(gpu);
         }
+        self.uploaded = self.cloud.revision;
         if self.placed != self.cloud.places {
             self.placed.clone_from(&self.cloud.places);
             let places = self.placed.iter().map(rows).collect::<Vec<_>>();
             self.places = gpu.storage("surfel places", &places, BufferUsages::empty());
             self.patches.place(gpu, &self.cloud);
         }
+    }
+
+    fn upload(&mut self, gpu: &Gpu) {
+        self.rebuilt = self.cloud.rebuilt;
+        let none = [Surfel::default()];
+        let surfels = if self.cloud.surfels.is_empty() { &none[..] } else { &self.cloud.surfels };
+        self.surfels = gpu.storage("surfel cloud", surfels, BufferUsages::COPY_DST);
+        self.patches.upload(gpu, &self.cloud);
+    }
+
+    /// Uploads what is elsewhere where objects have bent.
+    fn bend(&self, gpu: &Gpu) {
+        for range in self.cloud.bending().filter(|range| !range.is_empty()) {
+            let first = (range.start * size_of::<Surfel>()) as u64;
+            gpu.write_buffer(&self.surfels, first, bytemuck::cast_slice(&self.cloud.surfels[range]));
+        }
+        self.patches.bend(gpu, &self.cloud);
     }
 
     /// Tells the device the identities of the primitives, in their order.
@@ -147,7 +195,7 @@ impl GpuSurfels {
 
     /// Flux that all emissive surfaces send out \[W\].
     pub fn emitted(&self) -> Vec3 {
-        self.emitted
+        self.cloud.emitted
     }
 
     /// Area of all surfaces \[m²\].
@@ -165,12 +213,17 @@ impl GpuSurfels {
         self.uploaded
     }
 
+    /// Changes where surfels and patches are others than before; until then the same numbers stand for the same ones.
+    pub(in crate::render) fn layout(&self) -> u64 {
+        self.layout
+    }
+
     /// Whether any surface is elsewhere than in the frame before.
     pub(in crate::render) fn is_moving(&self) -> bool {
         self.is_moving
     }
 
-    /// Whether the surfels are others than in the frame before: surfaces came, went or bent.
+    /// Whether the surfels are others than in the frame before: surfaces came or went.
     pub(in crate::render) fn is_replaced(&self) -> bool {
         self.is_replaced
     }

@@ -5,9 +5,10 @@
 //! A few rays a surfel tell both, as for ambient obscurance (Zhukov, Iones and Kronin 1998, "An ambient light illumination
 //! model"): what they meet within the reach of a cell gives back a part of the light.
 
+use super::group::{Group, GroupKey};
 use super::patches::{Occluders, Subject};
 use super::still::Still;
-use super::{CLOSED_SHIFT, Group, GroupKey, HIDDEN, Surfel};
+use super::{CLOSED_SHIFT, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
 use crate::bvh::{Ray, world_normal};
 use crate::scene::{Aabb, Primitive, Scene};
@@ -109,7 +110,9 @@ impl Exposed {
         let (mut pieces, mut known) = (Vec::new(), Vec::with_capacity(groups.len()));
         for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
             let spread = Spread::new(group, &keys[index]);
-            let of_group = before.remove(&place(group)).filter(|known| known.is_of(&spread, all));
+            // What bends may stand where something else does.
+            let of_group = if is_still(group) { before.remove(&place(group)) } else { None };
+            let of_group = of_group.filter(|known| known.is_of(&spread, all));
             if is_still(group) && !(of_group.is_some() && changed.is_empty()) {
                 let firsts = (0..all.len()).step_by(CHUNK);
                 pieces.extend(firsts.map(|first| (index, first..all.len().min(first + CHUNK))));
@@ -157,7 +160,7 @@ impl Exposed {
         let reach = Vec3::splat(size);
         let near = Aabb { min: bounds.min - reach, max: bounds.max + reach };
         let is_changed = occluders.is_some() && self.changed.iter().any(|other| !near.intersection(other).is_empty());
-        Subject { surfels, place: group.place, occluders, is_changed }
+        Subject { surfels, shape: group.shape(), occluders, is_changed }
     }
 
     /// What is around a piece of a group's surfels, of which something may be known from before a change.

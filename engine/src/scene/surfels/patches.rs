@@ -4,6 +4,9 @@
 //! and faces the same of six ways is a patch, or several where something static stands in between. A hash table finds the
 //! patch of any point of a surface. It also holds the cells next to patches, and for each cell a patch for every way that a
 //! surface may face there, since surfels are samples: where a corner of a surface has none, the nearest patch answers.
+//!
+//! Objects that bend have the patches of their mesh at rest, see [`super::bending`], and a hash table of their own: a pose
+//! changes nothing but where in it they are found.
 
 mod arranged;
 mod cells;
@@ -13,13 +16,14 @@ mod split;
 mod tests;
 
 pub(super) use arranged::Arranged;
+pub(super) use cells::{Cell, Faces, cells_of, grid_normal};
 pub use cells::{NO_PATCH, cells_from_world};
 pub(super) use occluders::Occluders;
 
 use super::Surfel;
+use super::bending::Bending;
 use arranged::Node;
-use cells::{Cell, Faces};
-use glam::{Affine3A, Vec3, Vec4};
+use glam::{Mat3A, Vec3, Vec4};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -28,6 +32,9 @@ const SURFELS_A_PATCH: f32 = 4.0;
 
 /// Most places of the table that are looked at for a patch, as `PATCH_PROBES` of `lib/patches.wgsl`.
 const PROBES: u32 = 32;
+
+/// Cells in which a patch of an object that bends may be found, about: its own and those beside it, which it shares.
+const CELLS_OF_A_PATCH: usize = 8;
 
 /// Bit of what stands for a patch: the rest is the index of a node, as `PATCH_NODE` of `lib/patches.wgsl`.
 const NODE: u32 = 1 << 31;
@@ -38,21 +45,38 @@ pub struct Patches {
     /// First surfel and number of surfels of each patch.
     pub ranges: Vec<[u32; 2]>,
     /// First the places of a hash table with open addressing, a power of two of them: what answers in a cell for each of the
-    /// six ways that a surface may face, its tag, and 1; those that are empty end with 0. Then fewer nodes: a plane in the
+    /// six ways that a surface may face, its tag, and 1; those that are empty end with 0. Then nodes: a plane in the
     /// grid of the object, as bits of floats, and what answers before and behind it. What answers is a patch,
-    /// [`NO_PATCH`], or the highest bit and the index of a node.
+    /// [`NO_PATCH`], or the highest bit and the index of a node. At last the places of another table, for objects that bend.
     pub table: Vec<[u32; 8]>,
     /// Edge of a cell \[m\].
     pub size: f32,
+    /// Number of places of the first table.
+    places: usize,
+    /// Where the second one begins.
+    bending: usize,
+    /// Whether it is the one of a group.
+    bends: Vec<bool>,
     known: HashMap<usize, Arc<Arranged>>,
+}
+
+/// Where the patches of an object are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatchTable {
+    /// Its first place.
+    pub first: u32,
+    /// Number of places, a power of two.
+    pub places: u32,
+    /// Where nodes begin.
+    pub nodes: u32,
 }
 
 /// An object whose surfels are to be arranged.
 pub(super) struct Subject<'a> {
     /// Its surfels; those of a static one are its own.
     pub surfels: &'a Arc<Vec<Surfel>>,
-    /// World from object space.
-    pub place: Affine3A,
+    /// What makes lengths in object space those of the world, see [`super::group::shape`].
+    pub shape: Mat3A,
     /// What stands around it; none if it moves: it will be elsewhere.
     pub occluders: Option<Occluders<'a>>,
     /// Whether what stands around it has changed.
@@ -66,7 +90,7 @@ pub(super) fn patch_size(density: f32) -> f32 {
 
 impl Patches {
     /// Arranges the surfels of each object for patches of a size \[m\]. Costs little for objects that did not change.
-    pub(super) fn update(&mut self, size: f32, subjects: &[Subject]) -> Vec<Arc<Arranged>> {
+    pub(super) fn arrange(&mut self, size: f32, subjects: &[Subject]) -> Vec<Arc<Arranged>> {
         self.size = size;
         let mut before = std::mem::take(&mut self.known);
         let (mut missing, mut seen) = (Vec::new(), HashSet::new());
@@ -79,33 +103,62 @@ impl Patches {
         for (subject, arranged) in missing.iter().zip(arranged::all(&missing, size)) {
             self.known.insert(address(subject), Arc::new(arranged));
         }
-        let arranged: Vec<_> = subjects.iter().map(|subject| self.known[&address(subject)].clone()).collect();
-        self.collect(&arranged);
-        arranged
+        subjects.iter().map(|subject| self.known[&address(subject)].clone()).collect()
     }
 
-    /// Puts the patches of all objects together.
-    fn collect(&mut self, objects: &[Arc<Arranged>]) {
+    /// Puts the patches of all objects together. Whether they are found elsewhere than before.
+    pub(super) fn collect(&mut self, objects: &[Arc<Arranged>], bent: &[Bending]) -> bool {
+        let before = (std::mem::take(&mut self.table), self.places, self.bending);
         self.ranges.clear();
+        self.bends = vec![false; objects.len()];
+        bent.iter().for_each(|bent| self.bends[bent.group] = true);
         let mut surfels = 0;
         let (mut cells, mut nodes) = (Vec::new(), Vec::new());
-        for (object, group) in objects.iter().zip(0..) {
+        for (object, group) in objects.iter().zip(0_u32..) {
             let first = [self.ranges.len() as u32, nodes.len() as u32];
             self.ranges.extend(object.ranges.iter().map(|[start, count]| [start + surfels, *count]));
-            let in_scene = |faces: &Faces| faces.map(|face| moved(face, first));
-            cells.extend(object.cells.iter().map(|(at, faces)| (hashes(group, *at), in_scene(faces))));
-            nodes.extend(object.nodes.iter().map(|node| encoded(node, first)));
             surfels += object.surfels.len() as u32;
-        }
-        // More places than nodes, so that the number of both tells that of the places.
-        let mut places = (2 * cells.len().max(nodes.len())).next_power_of_two().max(2);
-        self.table = loop {
-            match table(&cells, places) {
-                Some(table) => break table,
-                None => places *= 2,
+            if !self.bends[group as usize] {
+                cells.extend(in_scene(group, &object.cells, first));
+                nodes.extend(object.nodes.iter().map(|node| encoded(node, first)));
             }
-        };
+        }
+        self.table = table(&cells, 2 * cells.len());
+        self.places = self.table.len();
         self.table.extend(nodes);
+        self.bending = self.table.len();
+        if !bent.is_empty() {
+            // Other poses take other cells, seldom more than so many a patch.
+            let patches: usize = bent.iter().map(|bent| objects[bent.group].patch_count() as usize).sum();
+            let cells = cells_of_poses(bent);
+            self.table.extend(table(&cells, 2 * cells.len().max(CELLS_OF_A_PATCH * patches)));
+        }
+        before != (self.table.clone(), self.places, self.bending)
+    }
+
+    /// Takes over where objects that bend are now. False if there is no room for that.
+    pub(super) fn bend(&mut self, bent: &[Bending]) -> bool {
+        let cells = cells_of_poses(bent);
+        let places = self.table.len() - self.bending;
+        let Some(table) = (2 * cells.len() <= places).then(|| table_of(&cells, places)).flatten() else {
+            return false;
+        };
+        self.table[self.bending..].copy_from_slice(&table);
+        true
+    }
+
+    /// The table of objects that bend, and where it begins in the whole.
+    pub fn bending(&self) -> (usize, &[[u32; 8]]) {
+        (self.bending, &self.table[self.bending..])
+    }
+
+    /// Where patches of a group are looked for.
+    pub fn table_of(&self, group: usize) -> PatchTable {
+        let (first, places) = match self.bends.get(group) {
+            Some(true) => (self.bending, self.table.len() - self.bending),
+            _ => (0, self.places),
+        };
+        PatchTable { first: first as u32, places: places as u32, nodes: self.places as u32 }
     }
 
     /// The patch that a point of a surface belongs to, by the point and the normal in the grid of its object (see
@@ -113,14 +166,14 @@ impl Patches {
     pub fn at(&self, group: u32, point: Vec3, normal: Vec3) -> Option<u32> {
         let cell = Cell::of(point, normal);
         let [start, tag] = hashes(group, cell.at);
-        let places = 1 << self.table.len().ilog2();
-        let mask = places as u32 - 1;
-        let found = (0..PROBES).map(|step| &self.table[(start.wrapping_add(step) & mask) as usize]);
+        let PatchTable { first, places, nodes } = self.table_of(group as usize);
+        let place = |step: u32| first + (start.wrapping_add(step) & (places - 1));
+        let found = (0..PROBES).map(|step| &self.table[place(step) as usize]);
         let found = found.take_while(|place| place[7] != 0).find(|place| place[6] == tag)?;
         let mut patch = found[cell.face as usize];
         for _ in 0..split::DEPTH {
             if patch & NODE != 0 {
-                let node = &self.table[places + (patch & !NODE) as usize];
+                let node = &self.table[(nodes + (patch & !NODE)) as usize];
                 let plane = Vec4::from_array([0, 1, 2, 3].map(|i| f32::from_bits(node[i])));
                 patch = if plane.dot(point.extend(1.0)) >= 0.0 { node[4] } else { node[5] };
             }
@@ -149,8 +202,28 @@ fn encoded(node: &Node, first: [u32; 2]) -> [u32; 8] {
     [x, y, z, w, before, behind, 0, 0]
 }
 
-/// Writes all cells into a table of so many places; none if some would lie too far from where they are looked for.
-fn table(cells: &[([u32; 2], Faces)], places: usize) -> Option<Vec<[u32; 8]>> {
+/// Cells of a group, and where they are looked for in a table, by its first patch and node.
+fn in_scene(group: u32, cells: &[([i32; 3], Faces)], first: [u32; 2]) -> impl Iterator<Item = ([u32; 2], Faces)> {
+    cells.iter().map(move |(at, faces)| (hashes(group, *at), faces.map(|face| moved(face, first))))
+}
+
+fn cells_of_poses(bent: &[Bending]) -> Vec<([u32; 2], Faces)> {
+    bent.iter().flat_map(|bent| in_scene(bent.group as u32, &bent.cells, [bent.first_patch, 0])).collect()
+}
+
+/// All cells in a table of so many places, or more.
+fn table(cells: &[([u32; 2], Faces)], least: usize) -> Vec<[u32; 8]> {
+    let mut places = least.next_power_of_two().max(2);
+    loop {
+        match table_of(cells, places) {
+            Some(table) => return table,
+            None => places *= 2,
+        }
+    }
+}
+
+/// All cells in a table of so many places; none if some would lie too far from where they are looked for.
+fn table_of(cells: &[([u32; 2], Faces)], places: usize) -> Option<Vec<[u32; 8]>> {
     let mut table = vec![[0; 8]; places];
     let mask = places as u32 - 1;
     for ([start, tag], [a, b, c, d, e, f]) in cells {

@@ -1,9 +1,11 @@
 //! Surfels of a scene in which nothing changed but where some objects stand.
 
-use super::{Fineness, Group, SurfelCloud, shape};
+use super::group::{Group, place_bits, shape};
+use super::{Fineness, SurfelCloud, has_surfels};
 use crate::assets::AssetId;
-use crate::scene::{Primitive, Scene};
+use crate::scene::Scene;
 use glam::Affine3A;
+use std::collections::HashSet;
 
 /// Comparisons of places up to which objects are followed one by one.
 const MANY: usize = 1 << 22;
@@ -18,7 +20,7 @@ pub(super) struct Updated {
     movers: Vec<Mover>,
 }
 
-/// A moving primitive.
+/// A moving primitive that does not bend.
 #[derive(Debug)]
 struct Mover {
     /// Its place among the scene's primitives.
@@ -37,16 +39,8 @@ fn state(scene: &Scene, cell: f32) -> Option<[u64; 4]> {
         .then(|| [scene.identity, revisions.statics, revisions.materials, u64::from(cell.to_bits())])
 }
 
-fn has_surfels(primitive: &Primitive) -> bool {
-    primitive.casts_shadow && primitive.world_from_object.is_finite()
-}
-
 fn shape_bits(place: &Affine3A) -> [u32; 9] {
     shape(place).to_cols_array().map(f32::to_bits)
-}
-
-fn place_bits(place: &Affine3A) -> [u32; 12] {
-    place.to_cols_array().map(f32::to_bits)
 }
 
 impl Updated {
@@ -59,22 +53,26 @@ impl Updated {
             .filter(|(_, p)| p.moving)
             .map(|(primitive, p)| Mover { primitive, group: None, alone: false, mesh: p.mesh.id })
             .collect();
+        let mut bending = HashSet::new();
         for (index, group) in groups.iter().enumerate() {
             for member in group.members.iter().filter(|member| member.moving) {
                 let place = movers.binary_search_by_key(&member.id, |mover| scene.primitives[mover.primitive].id);
-                if let Ok(mover) = place {
-                    movers[mover].group = Some((index, shape_bits(&group.place)));
-                    movers[mover].alone = group.members.len() == 1;
+                let Ok(mover) = place else { continue };
+                if group.is_bending {
+                    bending.insert(movers[mover].primitive);
                 }
+                movers[mover].group = Some((index, shape_bits(&group.place)));
+                movers[mover].alone = group.members.len() == 1;
             }
         }
+        movers.retain(|mover| !bending.contains(&mover.primitive));
         *self = Self { state: state(scene, cell), geometry: scene.revisions.geometry, area, movers };
     }
 }
 
 impl SurfelCloud {
-    /// Brings the places up to date if nothing else changed, and then only dynamic objects are looked at. False if it takes
-    /// more: another mesh or size, objects that come to stand at the same place, or apart.
+    /// Brings places and poses up to date if nothing else changed, and then only dynamic objects are looked at. False if it
+    /// takes more: another mesh or size, objects that come to stand at the same place, or apart.
     pub(super) fn follow(&mut self, scene: &Scene, cell: f32) -> bool {
         let known = &self.followed;
         let is_known = known.state.is_some() && known.state == state(scene, cell);
@@ -109,6 +107,10 @@ impl SurfelCloud {
         for (group, place) in moved {
             self.places[group] = place;
         }
+        let (fineness, since) = (Fineness::new(cell, self.followed.area), self.followed.geometry);
+        if !self.follow_poses(scene, fineness, since) {
+            return false;
+        }
         self.followed.geometry = scene.revisions.geometry;
         true
     }
@@ -118,7 +120,7 @@ impl SurfelCloud {
 mod tests {
     use super::*;
     use crate::assets::{Material, Shape};
-    use crate::scene::{Revisions, SceneId};
+    use crate::scene::{Primitive, Revisions, SceneId};
     use glam::{Quat, Vec3};
     use std::sync::Arc;
 

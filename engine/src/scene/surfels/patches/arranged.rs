@@ -6,7 +6,6 @@ use super::split::{Part, Side, Sorted, Split};
 use super::{NODE, Subject};
 use crate::assets::parallel;
 use crate::scene::Surfel;
-use crate::scene::surfels::shape;
 use glam::{Mat3A, Vec3, Vec4};
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,6 +22,8 @@ pub(in crate::scene::surfels) struct Arranged {
     size: u32,
     /// All surfels.
     pub surfels: Vec<Surfel>,
+    /// Which of the source each of them is.
+    pub order: Vec<u32>,
     pub(super) ranges: Vec<[u32; 2]>,
     pub(super) cells: Vec<([i32; 3], Faces)>,
     pub(super) nodes: Vec<Node>,
@@ -40,6 +41,8 @@ pub(super) struct Node {
 /// An object's surfels in the order of its cells.
 struct InOrder {
     surfels: Vec<Surfel>,
+    /// Which of the source each of them is.
+    order: Vec<u32>,
     cells: Vec<Cell>,
     ranges: Vec<[u32; 2]>,
 }
@@ -58,7 +61,7 @@ type Looked = (Option<Split>, Vec<Cell>);
 
 /// Arranges the surfels of all objects for patches of a size \[m\].
 pub(super) fn all(subjects: &[&Subject], size: f32) -> Vec<Arranged> {
-    let ordered = parallel::map(subjects, |subject| InOrder::new(subject.surfels, &shape(&subject.place), size));
+    let ordered = parallel::map(subjects, |subject| InOrder::new(subject.surfels, &subject.shape, size));
     let parted = parted(subjects, &ordered);
     let objects: Vec<_> = subjects.iter().zip(ordered.iter().zip(&parted)).collect();
     parallel::map(&objects, |(subject, (object, parted))| Arranged::new(subject.surfels.clone(), size, object, parted))
@@ -132,7 +135,7 @@ impl InOrder {
                 }
             }
         }
-        Self { surfels, cells, ranges }
+        Self { surfels, order: order.into_iter().map(|(_, index)| index).collect(), cells, ranges }
     }
 }
 
@@ -163,7 +166,17 @@ impl Arranged {
         let gaps: Vec<(Cell, u32)> = parted.gaps.iter().map(gap).collect();
         let cells = with_neighbors(&own, &is_hidden, &gaps);
         let surfels = numbers.order.iter().map(|index| object.surfels[*index as usize]).collect();
-        Self { source, size: size.to_bits(), surfels, ranges: numbers.ranges, cells, nodes }
+        let order = numbers.order.iter().map(|index| object.order[*index as usize]).collect();
+        Self { source, size: size.to_bits(), surfels, order, ranges: numbers.ranges, cells, nodes }
+    }
+
+    pub fn patch_count(&self) -> u32 {
+        self.ranges.len() as u32
+    }
+
+    /// The patch of each surfel.
+    pub fn patch_of_surfels(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(&self.ranges).flat_map(|(patch, [_, count])| (0..*count).map(move |_| patch))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Cells of an object's grid, and the patches that answer in them.
 
-use super::super::shape;
+use crate::scene::surfels::group::shape;
 use glam::{Affine3A, IVec3, Mat3A, Vec3};
 use std::collections::HashMap;
 
@@ -16,11 +16,11 @@ const REACH: f32 = 1e9;
 
 /// What answers in a cell for each of the six ways that a surface may face: a patch, [`NO_PATCH`], or a node that chooses
 /// between patches by the side of a plane, see [`super::split`].
-pub(super) type Faces = [u32; 6];
+pub(in crate::scene::surfels) type Faces = [u32; 6];
 
 /// A cell of an object's grid, and which of the six ways its surface faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Cell {
+pub(in crate::scene::surfels) struct Cell {
     pub at: [i32; 3],
     pub face: u32,
 }
@@ -67,7 +67,7 @@ fn face_of(normal: Vec3) -> u32 {
 }
 
 /// A normal of an object in its grid: by the cofactor matrix, its sign taken out, as `surfels.wgsl` does for the world.
-pub(super) fn grid_normal(shape: &Mat3A, normal: Vec3) -> Vec3 {
+pub(in crate::scene::surfels) fn grid_normal(shape: &Mat3A, normal: Vec3) -> Vec3 {
     let [a, b, c] = [shape.x_axis, shape.y_axis, shape.z_axis].map(Vec3::from);
     let cofactor = b.cross(c) * normal.x + c.cross(a) * normal.y + a.cross(b) * normal.z;
     let turned = if a.dot(b.cross(c)) < 0.0 { -1.0 } else { 1.0 };
@@ -125,6 +125,21 @@ impl Cells {
             }
         }
     }
+}
+
+/// The cells in which patches are found whose surfels may lie anywhere, by the cell of each surfel and its patch: those with
+/// surfels and those around them.
+pub(in crate::scene::surfels) fn cells_of(surfels: impl Iterator<Item = (Cell, u32)>) -> Vec<([i32; 3], Faces)> {
+    let mut surfels: Vec<(Cell, u32)> = surfels.collect();
+    surfels.sort_unstable();
+    let mut own: Vec<(Cell, u32)> = Vec::new();
+    for in_cell in surfels.chunk_by(|(a, _), (b, _)| a == b) {
+        let patches = in_cell.chunk_by(|(_, a), (_, b)| a == b);
+        own.extend(
+            patches.reduce(|most, other| if other.len() > most.len() { other } else { most }).map(|most| most[0]),
+        );
+    }
+    with_neighbors(&own, &vec![false; own.len()], &[])
 }
 
 /// The cells with patches and those around them, with what answers for each of the six ways. What lies in cracks answers

@@ -1,7 +1,9 @@
-use super::super::{SurfelCloud, triangles};
+use super::super::SurfelCloud;
+use super::super::group::triangles;
 use super::*;
 use crate::assets::{Material, Shape};
 use crate::scene::{Primitive, Revisions, Scene, SceneId};
+use glam::Affine3A;
 
 fn primitive(id: u64, shape: Shape, place: Affine3A) -> Primitive {
     let mesh = Arc::new(shape.mesh().expect("a valid shape"));
@@ -27,7 +29,7 @@ fn scene(primitives: Vec<Primitive>) -> Scene {
 fn points(primitive: &Primitive) -> impl Iterator<Item = (Vec3, Vec3)> {
     let place = primitive.world_from_object;
     let turned = if place.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
-    triangles(primitive).flat_map(move |triangle| {
+    triangles(&primitive.mesh).flat_map(move |triangle| {
         let [a, b, c] = triangle.corners.map(|corner| place.transform_point3(corner));
         let normal = turned * (b - a).cross(c - a).normalize_or_zero();
         let weights = [[0.9, 0.05, 0.05], [0.05, 0.9, 0.05], [0.05, 0.05, 0.9], [0.34, 0.33, 0.33]];

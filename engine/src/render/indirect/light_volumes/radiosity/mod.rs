@@ -85,8 +85,8 @@ struct Rays {
     seed: u32,
 }
 
-/// Whether surfels have fewer links in a frame: while surfaces bend they are others in each, and so are the links. The mean over
-/// frames makes up for it.
+/// Whether surfels have fewer links in a frame: where they are others than in the frame before, and so are the links. The mean
+/// over frames makes up for it.
 fn is_thinned(frame: &Frame) -> bool {
     frame.number().is_some_and(|number| number > 0) && frame.surfels.is_replaced()
 }
@@ -98,7 +98,7 @@ pub(in crate::render) fn kept(frame: &Frame) -> Option<Kept> {
 }
 
 fn links_of(frame: &Frame, count: u32) -> Kept {
-    Kept { pass: LINKS, state: [frame.surfels.revision(), u64::from(count)] }
+    Kept { pass: LINKS, state: [frame.surfels.layout(), u64::from(count)] }
 }
 
 /// Links of a surfel: a power of two of them, as many as the quality asks for, and as fit a storage binding.
