@@ -28,6 +28,9 @@ pub(super) struct GroupKey {
     is_bending: bool,
 }
 
+/// Cosine up to which two axes are at right angles, and relative difference up to which they are equally long.
+const RIGHT_ANGLE: f32 = 1e-5;
+
 /// The groups, and of which one each primitive of the scene is.
 pub(super) fn groups(scene: &Scene) -> (Vec<Group<'_>>, Vec<u32>) {
     let mut members: Vec<(Affine3A, bool, Vec<&Primitive>)> = Vec::new();
@@ -106,18 +109,25 @@ fn nearest_power(areas: f64) -> f32 {
     if areas > 0.0 && areas.is_finite() { (0.5 * areas.log2()).round().clamp(-60.0, 60.0).exp2() as f32 } else { 1.0 }
 }
 
-/// The linear part of a place, where it scales evenly without its turn, and rounded: the same for all turned copies of
-/// an object, to the last bit.
+/// The linear part of a place without its turn, where it leaves the axes of the object at right angles, and rounded: the
+/// same for all turned copies of an object, to the last bit. With M = R·S it is S, which is diagonal and has the sign of
+/// the determinant. Objects that are sheared or squeezed flat have M itself.
 pub(super) fn shape(place: &Affine3A) -> Mat3A {
     let m = place.matrix3;
     let square = m.transpose() * m;
-    let scale = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
-    let uneven = (square - Mat3A::from_diagonal(Vec3::splat(scale))).to_cols_array();
-    if uneven.iter().any(|d| !(d.abs() <= 1e-5 * scale)) {
+    let squares = Vec3::new(square.x_axis.x, square.y_axis.y, square.z_axis.z);
+    let lengths = squares.map(f32::sqrt);
+    let products = Vec3::new(square.x_axis.y, square.y_axis.z, square.z_axis.x);
+    let cosines = products / lengths / Vec3::new(lengths.y, lengths.z, lengths.x);
+    let is_invertible = squares.min_element() > 0.0 && m.inverse().is_finite();
+    if !is_invertible || !(cosines.abs().max_element() <= RIGHT_ANGLE) {
         return m;
     }
-    let rounded = ((f64::from(scale).sqrt().log2() * 65536.0).round() / 65536.0).exp2() as f32;
-    Mat3A::from_diagonal(Vec3::splat(rounded.copysign(m.determinant())))
+    let mean = squares.element_sum() / 3.0;
+    let is_even = (squares - mean).abs().max_element() <= RIGHT_ANGLE * mean;
+    let squares = if is_even { Vec3::splat(mean) } else { squares };
+    let rounded = |square: f32| ((f64::from(square).sqrt().log2() * 65536.0).round() / 65536.0).exp2() as f32;
+    Mat3A::from_diagonal(squares.to_array().map(|square| rounded(square).copysign(m.determinant())).into())
 }
 
 /// A triangle in object space.
@@ -147,7 +157,34 @@ pub(super) fn world_area(linear: &Mat3A, corners: &[Vec3; 3]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::nearest_power;
+    use super::{nearest_power, shape};
+    use glam::{Affine3A, Mat3A, Quat, Vec3};
+
+    #[test]
+    fn a_turn_leaves_the_shape_as_it_is() {
+        for scale in [Vec3::splat(0.3), Vec3::new(2.0, 0.7, 31.0), Vec3::new(-1.1, 0.4, 5.0), Vec3::splat(-3.0)] {
+            let of = |turn: Quat| shape(&Affine3A::from_scale_rotation_translation(scale, turn, Vec3::splat(9.0)));
+            let straight = of(Quat::IDENTITY);
+            for step in 1..40 {
+                let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.37 * step as f32, 1.9 * step as f32, 0.2);
+                assert_eq!(of(turn), straight, "{scale} in turn {step}");
+            }
+            let lengths = [straight.x_axis.x, straight.y_axis.y, straight.z_axis.z].map(|v| v * scale.x.signum());
+            assert!(Vec3::from_array(lengths).abs_diff_eq(scale.abs(), 1e-3), "{straight}");
+            assert_eq!(straight.determinant() < 0.0, scale.x < 0.0);
+        }
+    }
+
+    #[test]
+    fn what_is_sheared_or_flat_keeps_its_matrix() {
+        let sheared = Affine3A::from_rotation_y(0.4) * Affine3A::from_scale(Vec3::new(3.0, 1.0, 1.0));
+        let sheared = sheared * Affine3A::from_rotation_z(0.5);
+        let matrices = [Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO, Vec3::NAN].map(Affine3A::from_scale);
+        for place in matrices.into_iter().chain([sheared]) {
+            let same = |a: Mat3A, b: Mat3A| a.to_cols_array().map(f32::to_bits) == b.to_cols_array().map(f32::to_bits);
+            assert!(same(shape(&place), place.matrix3), "{place}");
+        }
+    }
 
     #[test]
     fn units_of_length_are_told_and_poses_are_not() {

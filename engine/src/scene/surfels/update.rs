@@ -178,6 +178,14 @@ mod tests {
         assert!(!update(&mut cloud, &scene));
         put(&mut scene, 4, Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), Quat::IDENTITY, Vec3::Y));
         assert!(update(&mut cloud, &scene));
+        // The same of one that is longer than it is wide, at the second turn.
+        let long = |angle: f32| {
+            Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 1.0, 0.5), Quat::from_rotation_y(angle), Vec3::Y)
+        };
+        put(&mut scene, 4, long(0.3));
+        assert!(!update(&mut cloud, &scene));
+        put(&mut scene, 4, long(1.1));
+        assert!(update(&mut cloud, &scene));
         scene.primitives[4].casts_shadow = false;
         put(&mut scene, 4, Affine3A::IDENTITY);
         assert!(!update(&mut cloud, &scene));

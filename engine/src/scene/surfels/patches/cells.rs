@@ -74,8 +74,8 @@ pub(in crate::scene::surfels) fn grid_normal(shape: &Mat3A, normal: Vec3) -> Vec
     turned * cofactor.normalize_or_zero()
 }
 
-/// Cells of an object's grid from world space, without a change of size but that from metres to cells. Objects that are
-/// scaled evenly have a grid that turns with them; others one along the axes of the world.
+/// Cells of an object's grid from world space, without a change of size but that from metres to cells. The grid turns with its
+/// object; that of sheared and flat objects lies along the axes of the world.
 pub fn cells_from_world(place: &Affine3A, size: f32) -> Affine3A {
     let shape = shape(place);
     let turn = if shape == place.matrix3 { Mat3A::IDENTITY } else { shape * place.matrix3.inverse() };
