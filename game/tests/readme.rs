@@ -1,6 +1,6 @@
 //! The game in forty lines of the README: what stands there is what is played here.
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used)]
 
 #[allow(dead_code)]
 #[path = "../examples/corner.rs"]
@@ -12,12 +12,11 @@ use std::path::Path;
 #[test]
 fn the_readme_shows_the_game_as_it_is_and_it_can_be_played() {
     let readme = include_str!("../../README.md");
-    for (name, text) in [
-        ("corner.rs", include_str!("../examples/corner.rs")),
-        ("corner.scene.ron", include_str!("../examples/scenes/corner.scene.ron")),
-    ] {
-        assert!(readme.contains(text.trim()), "README.md shows another {name}");
+    let game = [include_str!("../examples/corner.rs"), include_str!("../examples/scenes/corner.scene.ron")];
+    for text in game {
+        assert!(readme.contains(text.trim()), "README.md shows another game:\n{text}");
     }
+    assert_eq!(game.map(|text| text.lines().count()).iter().sum::<usize>(), 40, "lines of the game");
     // Its path is relative to the repository, where the README starts it.
     std::env::set_current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap();
     let light = |x: f32, y: f32| {
