@@ -1,4 +1,4 @@
-//! Figures in the README are those of the reports: `docs/figures.md` says for each where it comes from.
+//! Figures in the README and the book are those of reports and tests: `docs/figures.md` says for each where it comes from.
 
 use lightwell_tests::root;
 use std::path::Path;
@@ -114,23 +114,33 @@ fn read(path: &Path) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-fn check_measured(readme: &str, row: &[String]) -> Result<(), String> {
+/// The flowing texts of README and book. The page of figures quotes all words itself and is none of them.
+fn pages() -> Vec<String> {
+    let docs = std::fs::read_dir(root().join("docs")).expect("the book").map(|entry| entry.expect("an entry").path());
+    let pages =
+        docs.filter(|path| path.extension().is_some_and(|ending| ending == "md") && !path.ends_with("figures.md"));
+    pages.chain([root().join("README.md")]).map(|path| flowing(&read(&path).expect("a page"))).collect()
+}
+
+/// Whether a page says these words.
+fn is_said(pages: &[String], words: &str) -> Result<(), String> {
+    let is_said = pages.iter().any(|page| page.contains(words));
+    is_said.then_some(()).ok_or_else(|| "neither the README nor a page of the book says so".to_owned())
+}
+
+fn check_measured(pages: &[String], row: &[String]) -> Result<(), String> {
     let [words, report, place, name, column] = row else { return Err("five columns are wanted".to_owned()) };
     let (words, figure) = claim(words)?;
-    if !readme.contains(&words) {
-        return Err("the README does not say so".to_owned());
-    }
+    is_said(pages, &words)?;
     let report = read(&root().join("tests/results").join(report))?;
     let cell = cell(&report, place, name, column)?;
     let measured = Figure::read(&cell).ok_or_else(|| format!("`{cell}` is no number"))?;
     figure.is(measured).then_some(()).ok_or_else(|| format!("the report has {cell}"))
 }
 
-fn check_tested(readme: &str, row: &[String]) -> Result<(), String> {
+fn check_tested(pages: &[String], row: &[String]) -> Result<(), String> {
     let [words, file, function, bound] = row else { return Err("four columns are wanted".to_owned()) };
-    if !readme.contains(words.as_str()) {
-        return Err("the README does not say so".to_owned());
-    }
+    is_said(pages, words)?;
     let text = read(&root().join(file.trim_matches('`')))?;
     let function = function.trim_matches('`');
     let from = text.find(&format!("fn {function}(")).ok_or_else(|| format!("{file} has no `{function}`"))?;
@@ -141,14 +151,15 @@ fn check_tested(readme: &str, row: &[String]) -> Result<(), String> {
 }
 
 #[test]
-fn figures_of_the_readme_are_those_of_reports_and_tests() {
-    let readme = flowing(&read(&root().join("README.md")).expect("the README"));
+fn figures_of_readme_and_book_are_those_of_reports_and_tests() {
+    let pages = pages();
+    assert!(pages.len() > 20, "{} pages", pages.len());
     let page = read(&root().join("docs/figures.md")).expect("the page of figures");
     let measured = rows(&page, "measured");
     let tested = rows(&page, "tested");
-    assert!(measured.len() > 40 && tested.len() > 10, "{} and {} rows", measured.len(), tested.len());
-    let of = |check: fn(&str, &[String]) -> Result<(), String>, rows: &[Vec<String>]| -> Vec<String> {
-        let wrong = |row: &Vec<String>| check(&readme, row).err().map(|why| format!("{}: {why}", row[0]));
+    assert!(measured.len() > 100 && tested.len() > 10, "{} and {} rows", measured.len(), tested.len());
+    let of = |check: fn(&[String], &[String]) -> Result<(), String>, rows: &[Vec<String>]| -> Vec<String> {
+        let wrong = |row: &Vec<String>| check(&pages, row).err().map(|why| format!("{}: {why}", row[0]));
         rows.iter().filter_map(wrong).collect()
     };
     let wrong = [of(check_measured, &measured), of(check_tested, &tested)].concat();

@@ -6,7 +6,7 @@
 //!
 //! | to | look at |
 //! | --- | --- |
-//! | write a game | [`App`], [`prelude`]; the README's "Write a game"; the examples in `game/examples` |
+//! | write a game | [`App`], [`prelude`]; `docs/game.md`; the examples in `game/examples` |
 //! | know what a system can ask for | [`lightwell::game`]: input, time, space, light probes, scenes, saved games |
 //! | draw over the picture, play sounds | [`Hud`], [`Sounds`] |
 //! | test a game | [`App::simulate`], [`App::headless`], [`lightwell::game::InputScript`] |
