@@ -7,10 +7,10 @@ use lightwell::assets::{Deform, Influences, Material, Mesh, MorphTarget, Shape};
 use lightwell::bvh::{Ray, RayKind, SceneBvh, Updated};
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::scene::{Extractor, LightShape, Scene, SurfelCloud};
-use lightwell::world::{GameWorld, MeshRenderer, MorphWeights, Posed, Transform};
+use lightwell::scene::{Extractor, LightShape, Primitive, Scene, SceneId, SurfelCloud};
+use lightwell::world::{Clpv, GameWorld, MeshRenderer, MorphWeights, Posed, Quality, Transform};
 use std::sync::Arc;
-use support::{Stage, gpu, rgb};
+use support::{Stage, error, gpu, rgb};
 
 /// A world with a cube whose upper half follows a joint and leans over.
 struct Leaning {
@@ -123,4 +123,83 @@ fn the_hierarchy_is_fitted_and_surfels_move_along() {
     };
     assert!(before.iter().all(moved), "surfels of lid and floor move with them");
     assert!(leaning.mesh().rest.is_some());
+}
+
+/// A room with the leaning cube, lit by a lamp.
+struct LeaningRoom {
+    leaning: Leaning,
+    stage: Stage,
+}
+
+impl LeaningRoom {
+    fn new() -> Self {
+        let mut stage = Stage::new(Vec3::new(1.6, 0.6, 1.7), Vec3::new(-1.0, -1.0, -1.2), 64);
+        stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.7, 0.55, 0.4));
+        stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(0.3, 1.6, -0.2), Vec3::NEG_Y);
+        stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Default::default() });
+        stage.scene.revisions.statics = 1;
+        let mut room = Self { leaning: Leaning::new(), stage };
+        room.leaning.lean(0.0);
+        let cube = room.leaning.scene.primitives[0].clone();
+        room.stage.scene.primitives.push(Primitive { id: SceneId(1000), ..cube });
+        room
+    }
+
+    fn lean(&mut self, by: f32) {
+        self.leaning.lean(by);
+        let now = &self.leaning.scene.primitives[0];
+        let scene = &mut self.stage.scene;
+        scene.revisions.geometry += 1;
+        let geometry_revision = scene.revisions.geometry;
+        let place = Affine3A::from_translation(Vec3::new(-0.6, -0.9, -0.6));
+        let bounds = now.mesh.bounds.transformed(&place);
+        let posed = Primitive { id: SceneId(1000), world_from_object: place, bounds, geometry_revision, ..now.clone() };
+        if let Some(last) = scene.primitives.last_mut() {
+            *last = posed;
+        }
+    }
+}
+
+/// Patches of what bends are found elsewhere in each pose: a renderer that knew other poses draws the same bits.
+#[test]
+fn a_pose_is_lit_alike_whatever_came_before() {
+    let gpu = gpu();
+    let mut room = LeaningRoom::new();
+    let settings = RenderSettings { only: Layer::Indirect, display: false, ..Default::default() };
+    let mut renderer = Renderer::new(&gpu);
+    let mut before: Option<Vec<[f32; 4]>> = None;
+    for by in [0.0, 0.4, 0.9, 0.2] {
+        room.lean(by);
+        let kept = room.stage.render_with(&gpu, &mut renderer, &settings).0;
+        let fresh = room.stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).0;
+        assert!(kept.rgba == fresh.rgba, "leaning by {by}");
+        assert!(before.is_none_or(|before| before != kept.rgba), "the light follows the pose");
+        before = Some(kept.rgba);
+    }
+}
+
+/// In a window an object that bends costs as few rays as one that moves, and its light is as right as that of one frame.
+#[test]
+fn what_bends_in_a_window_costs_few_rays() {
+    let gpu = gpu();
+    let mut room = LeaningRoom::new();
+    let alone = RenderSettings { only: Layer::Indirect, display: false, ..Default::default() };
+    let averaged = RenderSettings { average: true, ..alone.clone() };
+    let mut renderer = Renderer::new(&gpu);
+    let mut last = None;
+    for frame in 0..24 {
+        room.lean(0.02 * frame as f32);
+        last = Some(room.stage.render_with(&gpu, &mut renderer, &averaged));
+    }
+    let (found, report) = last.expect("a frame");
+    let rays = report.pass("gather").expect("a pass").counts.rays as f64 / (64.0 * 64.0);
+    assert!(rays <= 1.5, "{rays} rays a pixel");
+    let single = room.stage.render_with(&gpu, &mut Renderer::new(&gpu), &alone).0;
+    let mut tracer = PathTracer::new(&gpu);
+    let trace = TraceSettings { bounces: None, seed: 3 };
+    tracer.begin(&gpu, &room.stage.scene, &room.stage.view, &trace).expect("a scene");
+    tracer.advance(&gpu, 400).expect("a device");
+    let truth = tracer.estimate(&gpu).expect("an image").indirect();
+    let ((moving, bias), (single, _)) = (error(&found, &truth), error(&single, &truth));
+    assert!(moving < 1.2 * single && bias.abs() < 0.03, "error {moving} against {single} of a frame, bias {bias}");
 }

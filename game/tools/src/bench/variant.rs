@@ -137,7 +137,7 @@ impl Variant {
     pub fn parse(text: &str) -> Result<Self> {
         let (name, rest) = text
             .split_once(':')
-            .ok_or_else(|| anyhow!("write it as 'NAME: PATH=VALUE, …', for instance 'long: clpv.steps=32'"))?;
+            .ok_or_else(|| anyhow!("write it as 'NAME: PATH=VALUE, …', for instance 'soft: clpv.gather_filter=16'"))?;
         let name = name.trim();
         if name.is_empty() {
             bail!("a variant needs a name before the `:`");

@@ -13,7 +13,7 @@ Examples:
   lightwell render cornell -o a.png --quality best --time-limit 300
   lightwell render cornell -o a.exr --time 1.5 --aa 16 --gi none
   lightwell render cornell -o truth.exr --gi reference --spp 1024 --resume truth.part
-  lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.steps=32 --set 'Spot light.light.color=(1, 0.2, 0.1)'
+  lightwell render cornell -o 'a_{}.png' --frames 0..30 --set clpv.quality=Medium --set 'Spot light.light.color=(1, 0.2, 0.1)'
 
 The ending of OUT chooses the format: .exr holds float32 linear radiance, .png what a screen would show
 (exposed and tone mapped).

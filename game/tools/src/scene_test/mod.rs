@@ -10,7 +10,7 @@
 //!     size: (128, 128),
 //!     camera: "Camera",
 //!     gi: Clpv,
-//!     set: ["clpv.steps=16", "Spot light.light.intensity=12"],
+//!     set: ["clpv.quality=Low", "Spot light.light.intensity=12"],
 //!     aa: 1,
 //!     expect: (
 //!         golden: (flip: 0.01),
