@@ -41,6 +41,14 @@ fn help_teaches_by_example() {
     }
 }
 
+/// Without a desktop the driver has nothing to complain about.
+#[test]
+fn the_driver_is_quiet() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightwell"));
+    let info = command.arg("info").env_remove("XDG_RUNTIME_DIR").env_remove("NODEVICE_SELECT").output().unwrap();
+    assert_eq!((err(&info).as_str(), info.status.code()), ("", Some(0)));
+}
+
 #[test]
 fn wrong_usage_is_two() {
     for args in [

@@ -23,7 +23,10 @@ pub fn also_tell(hook: Hook) {
 }
 
 /// Starts the log: warnings always, more with `-v`; RUST_LOG overrides. What the graphics libraries say is a level quieter.
+///
+/// Call it before there are other threads.
 pub fn start(verbose: u8) {
+    silence_device_selection();
     let filter = match verbose {
         0 => "warn,wgpu=error,wgpu_hal=error,wgpu_core=error,naga=error,winit=error",
         1 => "info,wgpu=warn,wgpu_hal=error,wgpu_core=warn,naga=warn",
@@ -35,6 +38,18 @@ pub fn start(verbose: u8) {
     log::set_max_level(logger.filter().max(log::LevelFilter::Info));
     // Fails where a log is running already, which is then as good.
     let _ = log::set_boxed_logger(Box::new(Listener(logger)));
+}
+
+/// Mesa's Vulkan layer for choosing a device asks for a desktop's runtime folder, and complains twice where there is none. It
+/// chooses nothing then, and so it is left out.
+fn silence_device_selection() {
+    if cfg!(target_os = "linux") && std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // Sound while no other thread reads the environment: this is called first of all.
+        #[allow(unsafe_code)]
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
+    }
 }
 
 /// Runs `work` and gives the warnings that this thread logged meanwhile, which go nowhere else.
