@@ -98,6 +98,20 @@ fn a_scene_that_changes_shows_in_the_running_game() {
     window.kill();
 }
 
+#[needs("Xvfb", "xdotool", "import")]
+fn frames_that_come_too_late_are_drawn_smaller() {
+    let (display, program) = (Display::open(), example("lamplight"));
+    let folder = tempfile::tempdir().unwrap();
+    let window = Window::start(&display, &program, &["--scale", "0.5", "--fps", "500", "-v"], folder.path());
+    window.focus("Lamplight");
+    let start = Instant::now();
+    while !window.said().contains("of the size for 500 frames/s") {
+        assert!(start.elapsed() < PATIENCE, "no smaller frames; the program said {}", window.said());
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    window.kill();
+}
+
 #[cfg(feature = "editor")]
 #[needs("Xvfb", "xdotool", "import")]
 fn a_component_of_the_game_is_edited_undone_and_saved() {

@@ -1,7 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand};
-use lightwell_runtime::cli::{Common, LookArgs, parse_size};
+use lightwell_runtime::cli::{Common, LookArgs, parse_frame_rate, parse_size};
 use lightwell_tools::cli::{
     BenchArgs, CompareArgs, ExplainArgs, QualityArgs, RenderArgs, SheetArgs, StressArgs, TestArgs,
 };
@@ -81,6 +81,9 @@ pub struct PlayArgs {
     /// Size of the window, or of the images without a display [default: as it was last, or 1280x800; 512x512]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
+    /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged
+    #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
+    pub fps: Option<f32>,
     /// How quiet the images without a display are.
     #[command(flatten)]
     pub quality: QualityArgs,

@@ -20,7 +20,8 @@ pub fn run(args: &PlayArgs, common: &Common) -> Result<()> {
     }
     match Display::open() {
         Ok(display) => {
-            let opening = Opening { scene: args.scene.clone(), size: args.size, look: args.look.clone() };
+            let look = args.look.clone();
+            let opening = Opening { scene: args.scene.clone(), size: args.size, frames_per_second: args.fps, look };
             display.edit(&opening, common, &GameComponents::default())
         }
         Err(error) => animation::run(&animation, common, &format!("the display cannot be used ({error})")),

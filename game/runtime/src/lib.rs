@@ -16,6 +16,7 @@
 //! | log, print, show progress | [`logging`], [`say`], [`progress`] |
 
 pub mod cli;
+pub mod frame_budget;
 pub mod logging;
 pub mod output;
 pub mod progress;

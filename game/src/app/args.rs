@@ -1,7 +1,7 @@
 //! The command line of a game.
 
 use clap::Parser;
-use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_size};
+use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_frame_rate, parse_size};
 use std::path::PathBuf;
 
 /// What a game is asked for.
@@ -38,6 +38,9 @@ pub struct GameArgs {
     /// Part of the window's size that is drawn, 0.1 to 1: less is faster
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_scale)]
     pub scale: f32,
+    /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged
+    #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
+    pub fps: Option<f32>,
     /// Indirect light [default: what the scene asks for]
     #[arg(long, value_enum)]
     pub gi: Option<Gi>,

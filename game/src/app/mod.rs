@@ -232,7 +232,7 @@ impl App {
         }
         let scene = args.scene.clone().unwrap_or(self.scene);
         scene_path::find(&scene)?;
-        let opening = Opening { scene, size: args.size, look: args.look() };
+        let opening = Opening { scene, size: args.size, frames_per_second: args.fps, look: args.look() };
         let game = GameComponents { types: self.game.options().types.clone(), shown: self.shown };
         Display::open().context("the editor needs a display")?.edit(&opening, &args.common, &game)
     }

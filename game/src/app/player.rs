@@ -7,6 +7,7 @@ use bevy_ecs::entity::Entity;
 use egui::{FullOutput, RawInput};
 use lightwell::game::{Game, GameError, InputEvent};
 use lightwell::gpu::Gpu;
+use lightwell::graph::FrameReport;
 use lightwell::render::PendingProbes;
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::LookArgs;
@@ -64,18 +65,18 @@ impl Drawn {
     ///
     /// # Errors
     /// If there is no camera, a pass fails, or the device is lost.
-    pub fn render(&mut self, size: [u32; 2]) -> Result<()> {
+    pub fn render(&mut self, size: [u32; 2]) -> Result<FrameReport> {
         let limit = self.rendering.gpu.limits.max_texture_dimension_2d;
         let view =
             SceneView { camera: self.rendering.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
         self.probed = self.game.probe_entities();
         self.rendering.renderer.set_probes(self.game.probe_points(self.rendering.scene.origin));
         let settings = self.rendering.display_settings(&self.game.world);
-        self.rendering.render(&view, &settings)?;
+        let report = self.rendering.render(&view, &settings)?;
         if let Some(reason) = self.rendering.gpu.device_lost() {
             bail!("the graphics device was lost: {reason}");
         }
-        Ok(())
+        Ok(report)
     }
 
     /// Gives the game what frames before found out about light, as far as it has arrived, and asks what the last frame

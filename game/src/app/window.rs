@@ -10,7 +10,8 @@ use super::speaker::Speaker;
 use super::{App, CustomPassAdder, GameArgs, Hud, Sounds};
 use anyhow::{Context, Result};
 use lightwell::game::{CurrentScene, Game, InputScript, Time};
-use lightwell::graph::Timing;
+use lightwell::graph::{FrameReport, Timing};
+use lightwell_runtime::frame_budget::FrameBudget;
 use lightwell_runtime::session;
 use lightwell_runtime::window::{Screen, UiSurface};
 use std::sync::Arc;
@@ -66,6 +67,8 @@ struct Open {
     script: Option<InputScript>,
     recorded: InputScript,
     scale: f32,
+    /// How large frames are drawn in place of `scale`; none: as that says.
+    budget: Option<FrameBudget>,
     last: Instant,
     /// Time that no step has passed yet \[s\].
     carried: f64,
@@ -100,6 +103,7 @@ impl Handler<'_> {
             script: self.script.take(),
             recorded: InputScript::default(),
             scale: self.args.scale,
+            budget: self.args.fps.and_then(|rate| FrameBudget::new(rate, self.args.scale)),
             last: Instant::now(),
             carried: 0.0,
             trouble: None,
@@ -184,16 +188,36 @@ impl Open {
         let screen = input.screen_rect.unwrap_or(egui::Rect::ZERO);
         let (result, mut output) = self.drawn.frame(elapsed as f32, Some(input));
         self.tell(result.map_err(Into::into));
-        let result = self.drawn.render(size.map(|edge| (edge as f32 * self.scale).ceil() as u32));
+        let begun = Instant::now();
+        let result = self.drawn.render(self.frame_size(size));
+        if let Ok(report) = &result {
+            self.note_time(report, elapsed, begun.elapsed().as_secs_f64());
+        }
         if let Some(reason) = self.drawn.rendering.gpu.device_lost() {
             anyhow::bail!("the graphics device was lost: {reason}");
         }
-        self.tell(result);
+        self.tell(result.map(drop));
         self.sound();
         self.ui.set_image(&self.drawn.rendering.gpu, self.drawn.rendering.display_texture());
         let painted = self.ui.over_image(&self.window, screen, &mut output);
         self.ui.present(&self.drawn.rendering.gpu, &mut self.screen, &self.window, painted)?;
         Ok(!self.drawn.game.has_ended())
+    }
+
+    /// Tells the budget the time between two frames and what of it this one took, on the host or on the device \[s\].
+    fn note_time(&mut self, report: &FrameReport, between: f64, host: f64) {
+        let Some(budget) = &mut self.budget else { return };
+        let device: f64 = report.passes.iter().filter_map(|pass| pass.gpu_ms).sum();
+        if budget.note(between as f32, host.max(1e-3 * device) as f32) {
+            log::info!("{}", budget.status());
+        }
+    }
+
+    fn frame_size(&self, window: [u32; 2]) -> [u32; 2] {
+        match &self.budget {
+            Some(budget) => budget.size(window),
+            None => window.map(|edge| (edge as f32 * self.scale).ceil() as u32),
+        }
     }
 
     /// Takes up files that changed. What was wrong before may be mended now.

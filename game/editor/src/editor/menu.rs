@@ -249,6 +249,10 @@ pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             if let Some(tracing) = stage.facts.tracing {
                 ui.monospace(format!("{}/{} samples", tracing.samples, tracing.target));
             }
+            if let Some(budget) = &stage.facts.budget {
+                ui.separator();
+                ui.label(budget).on_hover_text("size at which frames are drawn, and why (--fps)");
+            }
             working(ui, editor, stage);
             ui.separator();
             match &editor.notice {

@@ -67,6 +67,8 @@ pub struct Facts<'a> {
     pub live_error: Option<LiveError>,
     /// Name of the adapter.
     pub adapter: &'a str,
+    /// What was chosen to hold the frame rate; none: nothing is.
+    pub budget: Option<String>,
     /// What goes on behind the panels.
     pub working: Working,
 }

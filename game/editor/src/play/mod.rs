@@ -24,6 +24,8 @@ pub struct Opening {
     pub scene: String,
     /// Size of the window \[pixels\]; none: as it was last.
     pub size: Option<[u32; 2]>,
+    /// Frames per second that it holds by drawing them smaller; none: always at full size.
+    pub frames_per_second: Option<f32>,
     /// Choices that change the picture.
     pub look: LookArgs,
 }

@@ -3,6 +3,7 @@
 use super::player::Player;
 use super::render_thread::{Finished, Purpose};
 use anyhow::Result;
+use lightwell::graph::FrameReport;
 use lightwell::profile::FrameRecorder;
 use lightwell::render::RenderSettings;
 use lightwell::scene::{SceneCamera, SceneView};
@@ -57,7 +58,8 @@ impl Player {
             if self.job.is_some() {
                 self.continue_export();
             } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
-                let begun = self.begin_picture(self.editor.view.size);
+                let size = self.editor.view.size;
+                let begun = self.begin_picture(self.budget.as_ref().map_or(size, |budget| budget.size(size)));
                 begun.unwrap_or_else(|error| self.failed(&error));
             }
         }
@@ -115,6 +117,9 @@ impl Player {
                         frame.gpu(&pass.name, time);
                     }
                 }
+                if begun.purpose == Purpose::View {
+                    self.note_time(&report, begun.start.elapsed());
+                }
                 self.report = report;
                 self.frame_error = None;
                 self.show_picture();
@@ -141,6 +146,15 @@ impl Player {
             self.answer(request);
         }
         Ok(true)
+    }
+
+    /// Tells the budget how long a frame took, on the render thread or on the device. One that the path tracer worked on
+    /// tells nothing.
+    fn note_time(&mut self, report: &FrameReport, took: Duration) {
+        let Some(budget) = self.budget.as_mut().filter(|_| self.session.tracing().is_none()) else { return };
+        let device: f64 = report.passes.iter().filter_map(|pass| pass.gpu_ms).sum();
+        let seconds = took.as_secs_f64().max(1e-3 * device) as f32;
+        budget.note(seconds, seconds);
     }
 
     /// Copies what was drawn: the next picture is drawn over it in several passes.

@@ -14,6 +14,7 @@ use anyhow::{Result, bail};
 use lightwell::graph::FrameReport;
 use lightwell::profile::{FrameRecorder, Profiler};
 use lightwell_runtime::cli::Common;
+use lightwell_runtime::frame_budget::FrameBudget;
 use lightwell_runtime::session::{self, Session};
 use lightwell_runtime::watch::{Change, SceneWatcher};
 use lightwell_runtime::window::{Painted, Screen, UiSurface};
@@ -41,6 +42,8 @@ pub struct Player {
     /// The reference beside the picture.
     pub(super) comparison: Comparison,
     pub(super) camera: FlyCamera,
+    /// How large frames are drawn; none: as large as they are shown.
+    pub(super) budget: Option<FrameBudget>,
     pub(super) memory: Memory,
     pub(super) memory_file: Option<PathBuf>,
     pub(super) last_frame: Instant,
@@ -99,6 +102,7 @@ impl Player {
             ui,
             editor: Editor::default(),
             camera: FlyCamera::default(),
+            budget: args.frames_per_second.and_then(|rate| FrameBudget::new(rate, 1.0)),
             memory,
             memory_file: Memory::file(),
             last_frame: Instant::now(),
@@ -255,6 +259,7 @@ impl Player {
                 tracing,
                 live_error: self.meter.error,
                 adapter: &adapter,
+                budget: self.budget.as_ref().map(FrameBudget::status),
                 working,
             },
         };

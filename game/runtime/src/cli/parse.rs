@@ -16,6 +16,15 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// Frames per second.
+///
+/// # Errors
+/// If it is no number from 1 to 1000.
+pub fn parse_frame_rate(text: &str) -> Result<f32, String> {
+    let rate = text.parse().ok().filter(|rate| (1.0..=1000.0).contains(rate));
+    rate.ok_or_else(|| "give a number of frames per second from 1 to 1000".to_owned())
+}
+
 /// A path and its value, from `PATH=VALUE`.
 ///
 /// # Errors

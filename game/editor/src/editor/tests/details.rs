@@ -289,4 +289,9 @@ fn work_behind_the_panels_shows() {
     bench.state_mut().working.picture = Some((std::time::Duration::from_secs(2), (12, 40)));
     bench.run_steps(2);
     assert!(shows(&bench, "drawing 12 of 40"));
+    let said = "75 % of the size for 60 frames/s";
+    assert!(!shows(&bench, said));
+    bench.state_mut().budget = Some(said.to_owned());
+    bench.run_steps(2);
+    assert!(shows(&bench, said));
 }

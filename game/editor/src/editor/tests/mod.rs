@@ -56,6 +56,7 @@ struct Desk {
     log: Vec<Record>,
     requests: Vec<Request>,
     working: Working,
+    budget: Option<String>,
 }
 
 const SCENE: &str = r#"Scene(
@@ -112,6 +113,7 @@ impl Desk {
             log: Vec::new(),
             requests: Vec::new(),
             working: Working::default(),
+            budget: None,
         };
         desk.clock.playing = false;
         desk.update();
@@ -154,6 +156,7 @@ impl Desk {
                 live_error: self.live_error,
                 adapter: "none",
                 working: self.working,
+                budget: self.budget.clone(),
             },
         };
         work(&mut self.editor, &mut stage)
