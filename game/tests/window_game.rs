@@ -102,7 +102,7 @@ fn a_scene_that_changes_shows_in_the_running_game() {
 fn frames_that_come_too_late_are_drawn_smaller() {
     let (display, program) = (Display::open(), example("lamplight"));
     let folder = tempfile::tempdir().unwrap();
-    let window = Window::start(&display, &program, &["--scale", "0.5", "--fps", "500", "-v"], folder.path());
+    let window = Window::start(&display, &program, &["--scale", "0.3", "--fps", "500"], folder.path());
     window.focus("Lamplight");
     let start = Instant::now();
     while !window.said().contains("of the size for 500 frames/s") {

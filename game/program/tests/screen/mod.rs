@@ -127,7 +127,7 @@ impl<'a> Window<'a> {
             .current_dir(folder)
             .env("DISPLAY", &display.name)
             .env("XDG_CONFIG_HOME", folder.join("config"))
-            .env("RUST_LOG", "warn,lightwell::widgets=trace")
+            .env("RUST_LOG", "warn,lightwell::widgets=trace,lightwell_game::app::window=info")
             .env("NODEVICE_SELECT", "1")
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
