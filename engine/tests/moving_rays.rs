@@ -91,6 +91,60 @@ fn what_followed_is_what_is_made_from_nothing() {
     }
 }
 
+/// Two balls of several rows of triangles each may move, and do in turns.
+#[test]
+fn rows_that_did_not_move_are_kept() {
+    let gpu = gpu();
+    let mut stage = room(4.0);
+    let balls = stage.scene.primitives.len();
+    for at in [Vec3::new(-0.5, -0.3, 0.0), Vec3::new(0.1, 0.3, -0.5)] {
+        let ball = Shape::Sphere { radius: 0.25, segments: 128, rings: 64 };
+        stage.add(ball, Vec3::new(0.2, 0.7, 0.4), Affine3A::from_translation(at));
+    }
+    for primitive in &mut stage.scene.primitives[balls..] {
+        primitive.moving = true;
+    }
+    stage.scene.revisions.statics = 1;
+    let mut follower = PathTracer::new(&gpu);
+    for (step, moved) in [balls, balls + 1, balls, balls + 1].into_iter().enumerate() {
+        stage.scene.primitives[moved].world_from_object.translation.y += 0.07 * (step + 1) as f32;
+        stage.scene.revisions.geometry += 1;
+        let followed = trace(&gpu, &mut follower, &stage);
+        let fresh = trace(&gpu, &mut PathTracer::new(&gpu), &stage);
+        assert_eq!(largest_difference(&followed, &fresh), 0.0, "step {step}");
+    }
+}
+
+/// Of all that may move, what rests is hardly uploaded again.
+#[test]
+fn uploads_leave_out_what_could_move_and_does_not() {
+    let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("shaders") };
+    let gpu = Gpu::noop(&options).expect("a device that does nothing");
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 8);
+    stage.add(Shape::Box { size: [0.2; 3] }, Vec3::splat(0.5), Affine3A::from_translation(Vec3::X * 3.0));
+    for index in 0..4 {
+        let ball = Shape::Sphere { radius: 1.0, segments: 128, rings: 64 };
+        stage.add(ball, Vec3::splat(0.5), Affine3A::from_translation(Vec3::X * (3.0 * index as f32 - 4.5)));
+    }
+    stage.scene.revisions.statics = 1;
+    for primitive in &mut stage.scene.primitives {
+        primitive.moving = true;
+    }
+    let mut rays = RayScene::new(&gpu);
+    let mut upload = |stage: &mut Stage, moved: std::ops::Range<usize>| {
+        for primitive in &mut stage.scene.primitives[moved] {
+            primitive.world_from_object.translation.y += 0.1;
+        }
+        stage.scene.revisions.geometry += 1;
+        let before = gpu.counts();
+        rays.update(&gpu, &stage.scene).expect("it fits");
+        gpu.counts().since(&before).uploaded
+    };
+    upload(&mut stage, 0..0);
+    let [all, one] = [0..5, 0..1].map(|moved| upload(&mut stage, moved));
+    assert!(one < all / 4, "{one} bytes where one of five moved, {all} where all did");
+}
+
 #[test]
 fn uploads_follow_what_moves() {
     let options = GpuOptions { adapter: None, shader_dir: default_shader_dir().expect("shaders") };

@@ -67,6 +67,8 @@ pub struct ScenePart {
     pub bvh: Bvh,
     /// Changes with the hierarchy, and with anything that rays meet in it.
     pub(crate) version: u64,
+    /// The version in which it was built last: since then its triangles have the same order.
+    pub(crate) built: u64,
     /// Indices in [`Scene::primitives`].
     primitives: Vec<usize>,
     /// Number of triangles in the hierarchy: those with a box.
@@ -118,6 +120,8 @@ struct Source {
     world_from_object: Affine3A,
     first: usize,
     count: usize,
+    /// The version of its part in which it changed last.
+    changed: u64,
 }
 
 impl Source {
@@ -180,12 +184,18 @@ impl SceneBvh {
         source.first..source.first + source.count
     }
 
+    /// Whether a primitive has changed since a version of its part.
+    pub(crate) fn has_changed(&self, primitive: u32, since: u64) -> bool {
+        self.sources[primitive as usize].changed > since
+    }
+
     fn next_version(&mut self) -> u64 {
         self.versions += 1;
         self.versions
     }
 
     fn rebuild(&mut self, scene: &Scene) -> Updated {
+        let changed = self.next_version();
         self.flags = scene.primitives.iter().map(Flags::of).collect();
         self.sources.clear();
         self.triangles.clear();
@@ -204,6 +214,7 @@ impl SceneBvh {
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
                 count,
+                changed,
             });
             let part = if primitive.moving { &mut self.movers } else { &mut self.statics };
             part.primitives.push(index as usize);
@@ -217,7 +228,7 @@ impl SceneBvh {
         for is_moving in [false, true] {
             let version = self.next_version();
             let (part, triangles) = self.part(is_moving);
-            part.version = version;
+            (part.version, part.built) = (version, version);
             part.build(triangles, !is_moving);
         }
         Updated::Built
@@ -231,19 +242,24 @@ impl SceneBvh {
 
     /// Brings one part up to date where the same primitives have moved or have other surfaces.
     fn follow(&mut self, scene: &Scene, is_moving: bool) -> Updated {
+        let version = self.next_version();
         let (mut moved, mut has_other_surfaces, mut has_other_flags) = (false, false, false);
         let part = if is_moving { &self.movers } else { &self.statics };
         for &index in &part.primitives {
             let (source, primitive) = (&mut self.sources[index], &scene.primitives[index]);
             let flags = Flags::of(primitive);
-            has_other_flags |= flags != self.flags[index];
+            let (has_flags, has_surface) = (flags == self.flags[index], source.material == primitive.material.id);
+            (has_other_flags, has_other_surfaces) = (has_other_flags || !has_flags, has_other_surfaces || !has_surface);
+            if !has_flags || !has_surface {
+                source.changed = version;
+            }
             self.flags[index] = flags;
-            has_other_surfaces |= source.material != primitive.material.id;
             source.material = primitive.material.id;
             if source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id {
                 continue;
             }
             moved = true;
+            source.changed = version;
             source.mesh = primitive.mesh.id;
             source.world_from_object = primitive.world_from_object;
             for triangle in &mut self.triangles[source.first..source.first + source.count] {
@@ -254,10 +270,13 @@ impl SceneBvh {
             self.surfaces_version = self.next_version();
         }
         if moved || has_other_surfaces || has_other_flags {
-            let version = self.next_version();
             let (part, triangles) = self.part(is_moving);
             part.version = version;
-            return if moved { part.refit(triangles, !is_moving) } else { Updated::Nothing };
+            let updated = if moved { part.refit(triangles, !is_moving) } else { Updated::Nothing };
+            if updated == Updated::Built {
+                part.built = version;
+            }
+            return updated;
         }
         Updated::Nothing
     }

@@ -10,6 +10,7 @@ use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
 use crate::scene::{Aabb, Scene};
 use glam::{Affine3A, Vec2, Vec3};
+use std::ops::Range;
 
 /// Flags of a triangle, above the index of its material.
 const CASTS_SHADOW: u32 = 1 << 29;
@@ -27,6 +28,8 @@ pub(super) struct GpuGeometry {
     extras: Words,
     /// Where what moves begins.
     movers: Place,
+    /// The boxes of what moves, as the device has them.
+    moving_boxes: Vec<Texel>,
     has_extras: bool,
     /// Boxes of a list of static objects.
     pub(super) box_count: u32,
@@ -51,6 +54,7 @@ impl GpuGeometry {
             attributes: Words::new(gpu, "ray attributes", 1),
             extras: Words::new(gpu, "ray extras", 1),
             movers: Place::default(),
+            moving_boxes: Vec::new(),
             has_extras: false,
             box_count: 0,
             exact_boxes: false,
@@ -98,6 +102,7 @@ impl GpuGeometry {
         self.triangles.reserve(gpu, "ray triangles", "triangles", triangle_rows)?;
         self.attributes.reserve(gpu, "ray attributes", "triangles", triangle_rows)?;
         self.extras.reserve(gpu, "ray extras", "triangles", if self.has_extras { triangle_rows } else { 0 })?;
+        self.moving_boxes.clear();
         self.movers = Place { box_index: first_box, triangle: (groups * row) as u32, next: 0, scene_size: 0.0 };
         let next = if moving > 0 { first_box } else { 0 };
         let lists = match is_passage {
@@ -106,12 +111,13 @@ impl GpuGeometry {
         };
         self.nodes.write(gpu, 0, 1, &lists.texels);
         (self.box_count, self.exact_boxes) = (lists.box_count, exact);
-        self.write_triangles(gpu, surfaces, statics, 0);
+        self.write_triangles(gpu, surfaces, statics, 0, |_| true);
         Ok(())
     }
 
-    /// Uploads all that moves.
-    pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces) {
+    /// Uploads of the boxes of what moves the rows that are others than before, and of its triangles those in which any has
+    /// changed since a version of it that the device holds; none: all.
+    pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces, since: Option<u64>) {
         if surfaces.bvh.moving_triangles() == 0 {
             return;
         }
@@ -121,18 +127,42 @@ impl GpuGeometry {
         let movers = &surfaces.bvh.movers.bvh;
         let lists = BoxLists::new(movers, self.exact_boxes, place);
         let row = place.box_index as usize * boxes::texels_of_box(self.exact_boxes) / ROW as usize;
-        self.nodes.write(gpu, row, 1, &lists.texels);
-        self.write_triangles(gpu, surfaces, movers, place.triangle as usize / ROW as usize * 3);
+        self.write_boxes(gpu, row, lists.texels);
+        let since = since.filter(|since| surfaces.bvh.movers.built <= *since);
+        let is_new = |index: u32| {
+            let primitive = surfaces.bvh.triangles[index as usize].primitive;
+            since.is_none_or(|since| surfaces.bvh.has_changed(primitive, since))
+        };
+        self.write_triangles(gpu, surfaces, movers, place.triangle as usize / ROW as usize * 3, is_new);
     }
 
-    /// Uploads triangles in the order of the leaves of their hierarchy.
-    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, bvh: &Bvh, row: usize) {
+    /// Uploads triangles in the order of the leaves of their hierarchy, from a row on: those rows in which any is new.
+    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, bvh: &Bvh, row: usize, is_new: impl Fn(u32) -> bool) {
+        let rows: Vec<&[u32]> = bvh.order.chunks(ROW as usize).collect();
+        let is_new: Vec<bool> = rows.iter().map(|row| row.iter().any(|&index| is_new(index))).collect();
+        for run in runs(&is_new) {
+            let texels = texels_of(&run, bvh.order.len());
+            self.write_run(gpu, surfaces, &bvh.order[texels], row + 3 * run.start);
+        }
+    }
+
+    fn write_boxes(&mut self, gpu: &Gpu, row: usize, boxes: Vec<Texel>) {
+        let known = if self.moving_boxes.len() == boxes.len() { &self.moving_boxes[..] } else { &[] };
+        let mut before = known.chunks(ROW as usize);
+        let is_new: Vec<bool> = boxes.chunks(ROW as usize).map(|now| before.next() != Some(now)).collect();
+        for run in runs(&is_new) {
+            self.nodes.write(gpu, row + run.start, 1, &boxes[texels_of(&run, boxes.len())]);
+        }
+        self.moving_boxes = boxes;
+    }
+
+    fn write_run(&self, gpu: &Gpu, surfaces: Surfaces, order: &[u32], row: usize) {
         let Surfaces { scene, bvh: SceneBvh { triangles: all, .. }, materials, emitters } = surfaces;
-        let count = bvh.order.len();
+        let count = order.len();
         let mut triangles = vec![Texel::default(); 3 * count];
         let mut attributes = triangles.clone();
         let mut extras = vec![Texel::default(); if self.has_extras { 3 * count } else { 0 }];
-        for (place, &index) in bvh.order.iter().enumerate() {
+        for (place, &index) in order.iter().enumerate() {
             let triangle = &all[index as usize];
             let primitive = &scene.primitives[triangle.primitive as usize];
             let material = materials.index(primitive.material.id);
@@ -162,6 +192,22 @@ impl GpuGeometry {
         self.attributes.write(gpu, row, 3, &attributes);
         self.extras.write(gpu, row, 3, &extras);
     }
+}
+
+/// The longest ranges in which all are set.
+fn runs(are_set: &[bool]) -> Vec<Range<usize>> {
+    let mut next = 0;
+    let ranges = are_set.chunk_by(|a, b| a == b).map(|run| {
+        let first = next;
+        next += run.len();
+        (run[0], first..next)
+    });
+    ranges.filter(|(is_set, _)| *is_set).map(|(_, range)| range).collect()
+}
+
+/// What lies in some rows, of so many texels.
+fn texels_of(rows: &Range<usize>, count: usize) -> Range<usize> {
+    rows.start * ROW as usize..count.min(rows.end * ROW as usize)
 }
 
 /// Second texture coordinates, then colour and alpha of 16 bits each.

@@ -188,7 +188,9 @@ impl RayScene {
         if !keeps_statics {
             self.geometry.update_statics(gpu, surfaces)?;
         }
-        self.geometry.update_movers(gpu, surfaces);
+        let keeps_movers = keeps_statics && has_materials && !has_moving_emitters;
+        let known = then.filter(|_| keeps_movers).map(|then| then.versions[1]);
+        self.geometry.update_movers(gpu, surfaces, known);
         if !keeps_statics || !has_materials || has_moving_emitters {
             let list = self.emissive.list(self.geometry.trees(bvh));
             self.emitter_count = list.len() as u32;
