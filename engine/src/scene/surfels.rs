@@ -5,6 +5,8 @@
 //! bend have the surfels of their mesh at rest, which stay on their triangles: they are the same in every pose.
 
 mod bending;
+#[cfg(test)]
+mod fixture;
 mod group;
 mod openness;
 mod patches;

@@ -150,8 +150,9 @@ impl SurfelCloud {
 
 #[cfg(test)]
 mod tests {
-    use crate::assets::{Deform, Material, Mesh, MorphTarget, Pose, Shape, Vertex, pose_all};
-    use crate::scene::{Primitive, Revisions, Scene, SceneId, SurfelCloud, cells_from_world};
+    use super::super::fixture;
+    use crate::assets::{Deform, Mesh, MorphTarget, Pose, Shape, Vertex, pose_all};
+    use crate::scene::{Primitive, Revisions, Scene, SurfelCloud, cells_from_world};
     use glam::{Affine3A, Vec3};
     use std::sync::Arc;
 
@@ -176,17 +177,7 @@ mod tests {
     }
 
     fn primitive(id: u64, mesh: Arc<Mesh>, place: Affine3A, moving: bool) -> Primitive {
-        Primitive {
-            id: SceneId(id),
-            bounds: mesh.bounds.transformed(&place),
-            world_from_object: place,
-            material: Arc::new(Material::diffuse("stone", Vec3::splat(0.5))),
-            mesh,
-            casts_shadow: true,
-            moving,
-            geometry_revision: 1,
-            material_revision: 1,
-        }
+        Primitive { moving, ..fixture::primitive(id, mesh, place) }
     }
 
     /// A floor, a pole that bends, another one that stands at the place of the floor, and one that moves as a whole.

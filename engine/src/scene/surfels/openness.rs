@@ -276,25 +276,16 @@ fn direction([u, v, normal]: [Vec3; 3], ray: u8, index: usize) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture;
     use crate::assets::{AlphaMode, Material, Shape};
-    use crate::scene::{Primitive, Revisions, Scene, SceneId, Surfel, SurfelCloud};
+    use crate::scene::{Primitive, Revisions, Scene, Surfel, SurfelCloud};
     use glam::{Affine3A, Vec3};
     use std::sync::Arc;
 
     fn box_at(id: u64, size: [f32; 3], at: Vec3, material: Material) -> Primitive {
         let mesh = Arc::new(Shape::Box { size }.mesh().expect("a valid shape"));
         let place = Affine3A::from_translation(at);
-        Primitive {
-            id: SceneId(id),
-            bounds: mesh.bounds.transformed(&place),
-            world_from_object: place,
-            material: Arc::new(material),
-            mesh,
-            casts_shadow: true,
-            moving: false,
-            geometry_revision: 0,
-            material_revision: 0,
-        }
+        Primitive { material: Arc::new(material), ..fixture::primitive(id, mesh, place) }
     }
 
     fn stone() -> Material {

@@ -108,7 +108,7 @@ impl Patches {
 
     /// Puts the patches of all objects together. Whether they are found elsewhere than before.
     pub(super) fn collect(&mut self, objects: &[Arc<Arranged>], bent: &[Bending]) -> bool {
-        let before = (std::mem::take(&mut self.table), self.places, self.bending);
+        let (table_before, starts_before) = (std::mem::take(&mut self.table), [self.places, self.bending]);
         self.ranges.clear();
         self.bends = vec![false; objects.len()];
         bent.iter().for_each(|bent| self.bends[bent.group] = true);
@@ -133,7 +133,7 @@ impl Patches {
             let cells = cells_of_poses(bent);
             self.table.extend(table(&cells, 2 * cells.len().max(CELLS_OF_A_PATCH * patches)));
         }
-        before != (self.table.clone(), self.places, self.bending)
+        table_before != self.table || starts_before != [self.places, self.bending]
     }
 
     /// Takes over where objects that bend are now. False if there is no room for that.

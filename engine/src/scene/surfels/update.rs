@@ -118,9 +118,10 @@ impl SurfelCloud {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture;
     use super::*;
-    use crate::assets::{Material, Shape};
-    use crate::scene::{Primitive, Revisions, SceneId};
+    use crate::assets::Shape;
+    use crate::scene::{Primitive, Revisions};
     use glam::{Quat, Vec3};
     use std::sync::Arc;
 
@@ -129,17 +130,7 @@ mod tests {
         let mesh = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().expect("a valid shape"));
         let primitive = |index: u64| {
             let place = Affine3A::from_translation(Vec3::X * (2 * index) as f32);
-            Primitive {
-                id: SceneId(index + 1),
-                mesh: mesh.clone(),
-                material: Arc::new(Material::diffuse("paint", Vec3::splat(0.5))),
-                bounds: mesh.bounds.transformed(&place),
-                world_from_object: place,
-                casts_shadow: true,
-                moving: index > 2,
-                geometry_revision: 1,
-                material_revision: 1,
-            }
+            Primitive { moving: index > 2, ..fixture::primitive(index + 1, mesh.clone(), place) }
         };
         let revisions = Revisions { geometry: 1, materials: 1, statics: 1, ..Revisions::default() };
         Scene { identity: 1, primitives: (0..5).map(primitive).collect(), revisions, ..Scene::default() }

@@ -1,23 +1,12 @@
-use super::super::SurfelCloud;
 use super::super::group::triangles;
+use super::super::{SurfelCloud, fixture};
 use super::*;
-use crate::assets::{Material, Shape};
-use crate::scene::{Primitive, Revisions, Scene, SceneId};
+use crate::assets::Shape;
+use crate::scene::{Primitive, Revisions, Scene};
 use glam::Affine3A;
 
 fn primitive(id: u64, shape: Shape, place: Affine3A) -> Primitive {
-    let mesh = Arc::new(shape.mesh().expect("a valid shape"));
-    Primitive {
-        id: SceneId(id),
-        bounds: mesh.bounds.transformed(&place),
-        world_from_object: place,
-        material: Arc::new(Material::diffuse("stone", Vec3::splat(0.5))),
-        mesh,
-        casts_shadow: true,
-        moving: false,
-        geometry_revision: 0,
-        material_revision: 0,
-    }
+    fixture::primitive(id, Arc::new(shape.mesh().expect("a valid shape")), place)
 }
 
 fn scene(primitives: Vec<Primitive>) -> Scene {
