@@ -145,7 +145,7 @@ impl Studio {
         let surfaces = [
             Material::diffuse("white", Vec3::splat(0.7)),
             Material::diffuse("red", Vec3::new(0.7, 0.1, 0.1)),
-            Material { roughness: 0.3, metallic: 0.8, ..Material::new("metal") },
+            Material { roughness: 0.2, metallic: 0.8, ..Material::new("metal") },
             Material { emissive: Vec3::new(1.0, 2.0, 0.5), ..Material::new("lamp") },
             Material {
                 alpha_mode: AlphaMode::Blend,

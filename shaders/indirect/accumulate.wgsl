@@ -11,6 +11,7 @@
 // What is kept is light over reflectance, so that textures stay sharp where the camera moves.
 //   MOVED    there are objects that are elsewhere than in the frame before
 //   PATCHES  the light of patches is known
+//   MIRRORS  roughness [%] up to which what metals reflect is none of this light, see lib/visible_surface.wgsl
 
 #import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance, decode_radiance, encode_radiance, world_position}
@@ -235,6 +236,16 @@ fn patch_of(id: u32, position: vec3f, n: vec3f) -> u32 {
 #endif
 }
 
+// Whether nothing that the pixel shows is reflected diffusely, and all else is mirrored.
+fn is_mirror_alone(pixel: vec2u, drawn: vec4u) -> bool {
+#ifdef MIRRORS
+    let is_smooth = f32(drawn.z) / 65535.0 <= f32(#{MIRRORS}u) / 100.0;
+    return is_smooth && all(decode_albedo(textureLoad(base_color, pixel, 0)) <= vec3f(0.0));
+#else
+    return false;
+#endif
+}
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
     let pixel = thread.xy;
@@ -246,7 +257,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var now = nothing();
     var patch_index = 0xfffffu;
     var reflectance = vec3f(0.0);
-    if z > 0.0 {
+    if z > 0.0 && !is_mirror_alone(pixel, drawn) {
         let size = average.view.size;
         let position = world_position(pixel, size, z, average.view.world_from_clip);
         let n = decode_normal(drawn);

@@ -15,6 +15,13 @@ const SIDES: f32 = 1023.0 * 1023.0;
 const LEVELS: f32 = 15.0;
 const FIRST_LEVEL: f32 = 3.0;
 
+// The code of a pixel without diffuse light to filter, since all that it reflects is mirrored.
+const NO_DIFFUSE: vec2f = vec2f(0.0, -1.0);
+
+fn has_diffuse(code: vec2f) -> bool {
+    return code.y >= 0.0;
+}
+
 // From the parts along the tangents, 1/R, and the same of emitted light.
 fn encode_inverse_distance(inverse_distance: vec3f, emitted: f32) -> vec2f {
     // Where the rays met nothing, a light still has its distance.

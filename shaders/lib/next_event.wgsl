@@ -26,6 +26,18 @@ fn bounded(value: vec3f) -> vec3f {
 
 // ---- Reflection ----
 
+// Least GGX α of what is seen by a diffuse reflection.
+const BLUR: f32 = 0.1;
+
+// A surface whose specular lobe is no narrower than `least`, a GGX α. A light that a smooth surface mirrors to a diffuse one
+// is a caustic there: rays hardly ever find it, and show it as a bright spot where they do. A wider lobe brings the same
+// energy, to where it falls in the mean (path space regularization: Kaplanyan and Dachsbacher 2013).
+fn blurred(surface: Surface, least: f32) -> Surface {
+    var result = surface;
+    result.alpha = max(surface.alpha, least);
+    return result;
+}
+
 // Chance to sample the specular lobe.
 fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
 #ifdef DIFFUSE
@@ -89,17 +101,26 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
 #endif
 }
 
-// Share of even light from all around that a surface reflects towards a unit direction: the diffuse part, less what the
-// specular lobe takes of it (Schlick's (1 − v·h)⁵ is 0.004 in the mean over diffuse directions), and that lobe.
-fn even_reflectance(surface: Surface, to_eye: vec3f) -> vec3f {
+// Share of even light from all around that a surface reflects diffusely: its albedo, less what the specular lobe takes of it
+// (Schlick's (1 − v·h)⁵ is 0.004 in the mean over diffuse directions).
+fn diffuse_reflectance(surface: Surface) -> vec3f {
 #ifdef DIFFUSE
     return surface.albedo;
 #else
     let f = mix(surface.normal_reflectance, vec3f(surface.grazing_reflectance), 0.004);
-    let lobe = lobe_reflectance(
+    return surface.albedo * (1.0 - max(f.r, max(f.g, f.b)));
+#endif
+}
+
+// The same of all that it reflects towards a unit direction, by its specular lobe too.
+fn even_reflectance(surface: Surface, to_eye: vec3f) -> vec3f {
+    let diffuse = diffuse_reflectance(surface);
+#ifdef DIFFUSE
+    return diffuse;
+#else
+    return diffuse + lobe_reflectance(
         surface.normal_reflectance, surface.grazing_reflectance, sqrt(surface.alpha), dot(surface.normal, to_eye),
     );
-    return surface.albedo * (1.0 - max(f.r, max(f.g, f.b))) + lobe;
 #endif
 }
 

@@ -2,6 +2,8 @@
 
 // A visible surface that rays start from, and what they bring, apart by what reflects it: diffuse light as if the surface
 // were white, so that it can be filtered without its texture, and the light of the specular lobe.
+//   MIRRORS   roughness [%] up to which a pass of its own traces the specular lobe, see
+//             indirect/light_volumes/sweep/mirror.wgsl
 
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::gbuffer::{Surface as Drawn}
@@ -11,9 +13,10 @@
 #import lightwell::view::{View, eye_offset, toward_eye}
 
 struct VisibleSurface {
-    surface: Surface,      // white
+    surface: Surface,      // white, as far as it is diffuse
     to_eye: vec3f,
     to_specular: f32,      // chance of a ray to follow the specular lobe
+    is_mirror: bool,       // that lobe is traced by a pass of its own; if there is nothing else, the surface is black
 }
 
 struct Contribution {
@@ -43,6 +46,19 @@ fn seen_surface(view: View, drawn: Drawn) -> VisibleSurface {
     seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
     seen.to_specular = specular_share(seen.surface, seen.to_eye);
     seen.surface.albedo = vec3f(1.0);
+#ifdef MIRRORS
+    seen.is_mirror = drawn.roughness <= f32(#{MIRRORS}u) / 100.0 && seen.to_specular > 0.0;
+    seen.to_specular = select(seen.to_specular, 0.0, seen.is_mirror);
+    seen.surface.albedo = select(vec3f(1.0), vec3f(0.0), seen.is_mirror && all(drawn.albedo <= vec3f(0.0)));
+#endif
+    return seen;
+}
+
+// The specular lobe of a mirror alone.
+fn mirror_surface(view: View, drawn: Drawn) -> VisibleSurface {
+    var seen = seen_surface(view, drawn);
+    seen.surface.albedo = vec3f(0.0);
+    seen.to_specular = 1.0;
     return seen;
 }
 
@@ -71,7 +87,7 @@ fn by_lobe(seen: VisibleSurface, direction: vec3f, light: vec3f) -> Contribution
     let f = fresnel_schlick(seen.surface.normal_reflectance, seen.surface.grazing_reflectance, dot(seen.to_eye, h));
     let of_diffuse = (1.0 - max(f.r, max(f.g, f.b))) * max(0.0, dot(seen.surface.normal, direction)) * INVERSE_PI;
     let share = saturate(vec3f(of_diffuse) / max(reflected(seen.surface, seen.to_eye, direction), vec3f(1e-20)));
-    return Contribution(value * share, value * (1.0 - share));
+    return Contribution(value * share, select(value * (1.0 - share), vec3f(0.0), seen.is_mirror));
 #endif
 }
 

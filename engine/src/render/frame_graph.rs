@@ -3,7 +3,7 @@
 //! ```text
 //! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
 //!      ├─ shadow (a map a light) ┘                           │
-//!      ├─ what the method of indirect light declares ─ accumulate ─┤
+//!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      └─ blend (blended surfaces, over all others) ─────────┘
 //! ```
@@ -17,7 +17,7 @@ use super::frame::Frame;
 use super::geometry::{GBuffer, gbuffer};
 use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
-use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light};
+use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
 use super::post::compose::{self, Lights};
 use super::post::{compare, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
@@ -45,12 +45,16 @@ pub(super) fn declare<'a>(
     let has_blended = blend::is_needed(graph, frame);
     let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
-    let (indirect, field) = match indirect {
-        Some(light) => (Some(accumulate::declare(graph, frame, &gbuffer, &light)), light.field),
-        None => (None, None),
+    let (indirect, mirrored, field) = match indirect {
+        Some(light) => {
+            let mirrored = light.mirrored.map(|mirrored| mirror_average::declare(graph, frame, &gbuffer, mirrored));
+            (Some(accumulate::declare(graph, frame, &gbuffer, &light)), mirrored, light.field)
+        }
+        None => (None, None, None),
     };
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
-    let mut lights = Lights { direct, indirect, sky: sky.as_ref().map(|sky| sky.radiance), blended: None };
+    let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
+    let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None };
     if has_blended {
         let source = source_of_blended(graph, &gbuffer, [field, sky.and_then(|sky| sky.field)], &lights);
         lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source));

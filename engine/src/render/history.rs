@@ -70,6 +70,8 @@ pub(crate) struct History {
     patches: Option<(u64, InTurns<wgpu::Buffer>)>,
     /// Radiance with smooth edges [W/(m² sr)], see `post/temporal_antialiasing.wgsl`.
     colors: Option<InTurns<wgpu::TextureView>>,
+    /// Radiance that mirrors reflect [W/(m² sr)], see `indirect/mirror_average.wgsl`.
+    mirrors: Option<InTurns<wgpu::TextureView>>,
 }
 
 /// Two of something that frames write in turns: what this one writes, and what the one before did.
@@ -227,19 +229,23 @@ impl History {
 
     fn keep_colors(&mut self, gpu: &Gpu, size: [u32; 2]) {
         let Some(number) = self.step.map(|step| step.number) else { return };
-        match &mut self.colors {
-            Some(known) => known.go_on(number),
-            None => {
-                let texture = |()| target(gpu, "smooth radiance of earlier frames", size);
-                self.colors = Some(InTurns::new(number, [(); 2].map(texture)));
-            }
-        }
+        keep(&mut self.colors, gpu, "smooth radiance of earlier frames", size, number);
+    }
+
+    /// Makes room for what mirrors show, if the frame is averaged.
+    pub fn keep_mirrors(&mut self, gpu: &Gpu, size: [u32; 2]) {
+        let Some(number) = self.step.map(|step| step.number) else { return };
+        keep(&mut self.mirrors, gpu, "mirrored radiance of earlier frames", size, number);
+    }
+
+    /// What mirrors show; none: the frame is not averaged, or has no mirrors.
+    pub fn mirrors(&self) -> Option<&InTurns<wgpu::TextureView>> {
+        of_frame(&self.mirrors, self.step?.number)
     }
 
     /// The radiance whose edges the mean over frames smooths; none: that is not wanted.
     pub fn colors(&self) -> Option<&InTurns<wgpu::TextureView>> {
-        let number = self.step?.number;
-        self.colors.as_ref().filter(|colors| colors.number == number)
+        of_frame(&self.colors, self.step?.number)
     }
 
     /// Whether light may have changed lately in the frame that was begun, so that it is not the plain mean of all.
@@ -259,7 +265,7 @@ impl History {
 
     fn start(&mut self, seen: Seen, jitter: [f32; 2]) {
         self.row += 1;
-        (self.patches, self.colors) = (None, None);
+        (self.patches, self.colors, self.mirrors) = (None, None, None);
         (self.rested, self.even) = (0, UNREST);
         self.step = Some(Step {
             number: 0,
@@ -309,6 +315,18 @@ impl Seen {
             unshifted: view.clip_from_world(),
         }
     }
+}
+
+/// Goes on with two images of earlier frames, or makes them.
+fn keep(images: &mut Option<InTurns<wgpu::TextureView>>, gpu: &Gpu, label: &str, size: [u32; 2], number: u32) {
+    match images {
+        Some(known) => known.go_on(number),
+        None => *images = Some(InTurns::new(number, [(); 2].map(|()| target(gpu, label, size)))),
+    }
+}
+
+fn of_frame(images: &Option<InTurns<wgpu::TextureView>>, number: u32) -> Option<&InTurns<wgpu::TextureView>> {
+    images.as_ref().filter(|images| images.number == number)
 }
 
 /// A texture of four whole numbers a pixel that passes write and later frames read.

@@ -10,12 +10,13 @@ use super::indirect::instant_radiosity::{
 };
 use super::indirect::light_culling::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 use super::indirect::light_volumes::sweep::{
-    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, ReachUniform, SumUniform,
-    UpsampleUniform,
+    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, MirrorFilterUniform,
+    MirrorUniform, ReachUniform, SumUniform, UpsampleUniform,
 };
 use super::indirect::light_volumes::{
     CameraSamplesUniform, FirstBounceUniform, LinksUniform, PropagationUniform, RelightUniform, VolumeUniform,
 };
+use super::indirect::mirror_average::MirrorAverageUniform;
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
 use super::indirect::sky_reflection::ReflectionUniform;
 use super::post::compare::CompareUniform;
@@ -53,6 +54,14 @@ fn rust_and_wgsl_agree_on_every_struct() {
         "indirect/light_volumes/radiosity/first_bounce.wgsl",
         "FirstBounce",
     );
+    check(&gpu, MirrorUniform::min_size().get(), "indirect/light_volumes/sweep/mirror.wgsl", "Mirror");
+    check(
+        &gpu,
+        MirrorFilterUniform::min_size().get(),
+        "indirect/light_volumes/sweep/mirror_filter.wgsl",
+        "MirrorFilter",
+    );
+    check(&gpu, MirrorAverageUniform::min_size().get(), "indirect/mirror_average.wgsl", "MirrorAverage");
     check(&gpu, ViewUniform::min_size().get(), "geometry/gbuffer.wgsl", "View");
     check(&gpu, MaterialUniform::min_size().get(), "geometry/gbuffer.wgsl", "Material");
     check(&gpu, size_of::<Instance>() as u64, "geometry/gbuffer.wgsl", "Instance");

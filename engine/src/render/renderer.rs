@@ -297,6 +297,9 @@ impl Renderer {
             self.surfels.update(gpu, scene, spacing);
             self.history.keep_patches(gpu, &self.surfels);
         }
+        if settings.only.shows_indirect() && self.rays.as_ref().is_some_and(RayScene::has_mirrors) {
+            self.history.keep_mirrors(gpu, view.size);
+        }
         Ok(bounds)
     }
 

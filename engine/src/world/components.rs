@@ -269,6 +269,10 @@ pub struct Clpv {
     /// chosen from four. They are drawn from reflective shadow maps by their light, and find the small bright patches that
     /// rays mostly miss. `Auto`: a quarter as many as rays.
     pub gather_points: GatherRays,
+    /// Rays of a pixel that shows a polished metal (roughness up to 0.25), and less on other smooth surfaces, by the share
+    /// of the specular lobe, but one at least. They follow that lobe, as far as mirrors that they meet lead on. `Count(0)`:
+    /// the rays that gather bring what mirrors show. `Auto`: as many as rays, and one in a window's frames.
+    pub mirror_rays: GatherRays,
     /// Radius of the filter over gathered light \[pixels\], 0 to 32; 0: none. It is that of a single image: where n are
     /// averaged, the filter is ∛n times narrower.
     pub gather_filter: u32,
@@ -312,6 +316,7 @@ impl Default for Clpv {
             placement: ClpvPlacement::Fixed,
             gather_rays: GatherRays::Auto,
             gather_points: GatherRays::Auto,
+            mirror_rays: GatherRays::Auto,
             gather_filter: 8,
             vary_directions: false,
             precision: Precision::Single,

@@ -156,6 +156,9 @@ impl Validator {
         if let GatherRays::Count(n) = c.gather_points {
             self.require(n <= 16, "gather_points", format!("{n} points"), "use Count(0) to Count(16), or Auto")?;
         }
+        if let GatherRays::Count(n) = c.mirror_rays {
+            self.require(n <= 16, "mirror_rays", format!("{n} rays"), "use Count(0) to Count(16), or Auto")?;
+        }
         if let GatherRays::Paths(n) = c.gather_rays {
             self.require(
                 (1..=16).contains(&n),
@@ -166,6 +169,8 @@ impl Validator {
         }
         let are_points = !matches!(c.gather_points, GatherRays::Paths(_));
         self.require(are_points, "gather_points", "points have no paths", "use Count(0) to Count(16), or Auto")?;
+        let are_rays = !matches!(c.mirror_rays, GatherRays::Paths(_));
+        self.require(are_rays, "mirror_rays", "mirrors have no paths", "use Count(0) to Count(16), or Auto")?;
         let filter = format!("`gather_filter` is {}", c.gather_filter);
         self.require(c.gather_filter <= 32, "gather_filter", filter, "use 0 to 32 pixels")?;
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;

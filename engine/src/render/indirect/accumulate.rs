@@ -10,6 +10,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::rays::mirror_define;
 use encase::ShaderType;
 use glam::Mat4;
 
@@ -45,7 +46,7 @@ pub(in crate::render) fn declare<'a>(
     inputs.into_iter().chain([gbuffer.depth, indirect]).for_each(|handle| pass.read(handle));
     light.change.into_iter().for_each(|handle| pass.read(handle));
     let averaged = pass.write(averaged);
-    pass.key(&(step.row, step.number, frame.view_key(), light.change.is_some()));
+    pass.key(&(step.row, step.number, frame.view_key(), light.change.is_some(), light.mirrored.is_some()));
     let [width, height] = frame.view.size;
     let is_followed = light.change.is_some() && frame.history.follows_patches();
     let most = if is_followed { step.most_followed } else { step.most };
@@ -61,6 +62,7 @@ pub(in crate::render) fn declare<'a>(
     };
     let now = (step.number % 2) as usize;
     let (written, before) = (&targets[now], &targets[1 - now]);
+    let has_mirrors = light.mirrored.is_some();
     let (depth, change, frame) = (gbuffer.depth, light.change, frame.clone());
     pass.execute(move |cx| {
         let [base_color, normal, object] = inputs.map(|handle| cx.view(handle));
@@ -85,6 +87,10 @@ pub(in crate::render) fn declare<'a>(
         if let Some(moved) = frame.history.motions().buffer() {
             key = key.def("MOVED", ShaderDef::Flag(true));
             group.push(("moved", Binding::Buffer(moved)));
+        }
+        if has_mirrors {
+            let (name, value) = mirror_define();
+            key = key.def(name, value);
         }
         if let Some(change) = &change {
             key = key.def("PATCHES", ShaderDef::Flag(true));

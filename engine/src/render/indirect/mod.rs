@@ -12,6 +12,7 @@ pub mod light_volumes;
 pub(in crate::render) mod lobe_reflectance;
 pub(in crate::render) mod lost_light;
 mod methods;
+pub(super) mod mirror_average;
 mod none;
 pub mod path_tracer;
 pub(in crate::render) mod sky_reflection;
@@ -56,6 +57,9 @@ pub struct Subject<'a> {
 pub struct IndirectLight {
     /// Radiance that the visible surfaces reflect [W/(m² sr)], rgba32float.
     pub radiance: Handle<Texture>,
+    /// Radiance that mirrors among them reflect \[W/(m² sr)\], and the distance of what they show \[m\], rgba32float: apart,
+    /// since what mirrors show moves otherwise than they do. None: all is in `radiance`.
+    pub(crate) mirrored: Option<Handle<Texture>>,
     /// Light to look up at any point, for blended surfaces; without it they take that of the pixels behind them.
     pub(crate) field: Option<Field>,
     /// How the light of the surfels' patches changed since the frame before, where frames are averaged and it is known: see
@@ -66,7 +70,7 @@ pub struct IndirectLight {
 impl IndirectLight {
     /// Light that is known at the pixels of opaque surfaces alone.
     pub fn at_pixels(radiance: Handle<Texture>) -> Self {
-        Self { radiance, field: None, change: None }
+        Self { radiance, mirrored: None, field: None, change: None }
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Lights {
     pub direct: Option<Handle<Texture>>,
     /// Radiance from the indirect method.
     pub indirect: Option<Handle<Texture>>,
+    /// Radiance that mirrors reflect, where that is no part of `indirect`.
+    pub mirrored: Option<Handle<Texture>>,
     /// Radiance from the sky, where the indirect method has none of it.
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
@@ -43,10 +45,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let radiance = graph.retained_texture(RADIANCE, desc);
     let mut pass = graph.pass("compose");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    for input in inputs.into_iter().chain(lights.direct).chain(lights.indirect).chain(lights.sky).chain(lights.blended)
-    {
-        pass.read(input);
-    }
+    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
+    inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
     let map = frame.scene.sky_map.as_deref();
@@ -58,10 +58,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         map.map(|map| map.id),
         layer,
         frame.view_key(),
-        lights.direct.is_some(),
-        lights.indirect.is_some(),
-        lights.sky.is_some(),
-        lights.blended.is_some(),
+        read.map(|light| light.is_some()),
     ));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -69,6 +66,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         let [base_color, normal, emissive, depth] = inputs.map(|handle| cx.view(handle));
         let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
         let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let mirrored = lights.mirrored.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
@@ -88,6 +86,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
                 ("depth", Binding::Texture(&depth)),
                 ("direct", Binding::Texture(&direct)),
                 ("indirect", Binding::Texture(&indirect)),
+                ("mirrored", Binding::Texture(&mirrored)),
                 ("sky_light", Binding::Texture(&sky_light)),
                 ("blended", Binding::Texture(&blended)),
                 ("sky", Binding::Texture(frame.gpu_scene.sky())),

@@ -2,13 +2,22 @@
 
 use super::atlas::Atlas;
 use super::{RayError, check_size};
-use crate::assets::{AssetId, Material};
-use crate::gpu::Gpu;
+use crate::assets::{AssetId, Material, Texture};
+use crate::gpu::{Gpu, ShaderDef};
 use crate::render::scene_gpu::alpha_cutoff;
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
+
+/// Perceptual roughness up to which a surface shows an image of what it reflects: the lobe is then no wider than a few
+/// pixels' view of the surface, and the filter of the gather leaves it alone.
+const MIRROR_ROUGHNESS: f32 = 0.25;
+
+/// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\].
+pub(in crate::render) fn mirror_define() -> (&'static str, ShaderDef) {
+    ("MIRRORS", ShaderDef::Uint((MIRROR_ROUGHNESS * 100.0).round() as u32))
+}
 
 /// `Material` of `lib/rays.wgsl`.
 #[repr(C)]
@@ -56,21 +65,34 @@ pub(super) struct GpuMaterials {
     indices: HashMap<AssetId, u32>,
     masked: Vec<bool>,
     specular: bool,
+    mirror: bool,
     emissive: bool,
     plain: bool,
+    /// Least roughness of textures that were looked at.
+    least_roughness: HashMap<AssetId, f32>,
 }
 
 impl GpuMaterials {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let buffer = gpu.storage("ray materials", &[RayMaterial::zeroed()], wgpu::BufferUsages::empty());
-        Self { buffer, indices: HashMap::new(), masked: Vec::new(), specular: false, emissive: false, plain: true }
+        Self {
+            buffer,
+            indices: HashMap::new(),
+            masked: Vec::new(),
+            specular: false,
+            mirror: false,
+            emissive: false,
+            plain: true,
+            least_roughness: HashMap::new(),
+        }
     }
 
     /// Uploads all materials of the scene, those of dynamic objects last: the indices of the others do not depend on them.
     pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
         self.indices.clear();
         self.masked.clear();
-        self.specular = scene.primitives.iter().any(|p| p.material.specular != 0.0 || p.material.metallic != 0.0);
+        self.specular = scene.primitives.iter().any(|p| reflects_specularly(&p.material));
+        self.mirror = self.find_mirrors(scene);
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         let mut list = Vec::new();
@@ -89,6 +111,22 @@ impl GpuMaterials {
         Ok(())
     }
 
+    fn find_mirrors(&mut self, scene: &Scene) -> bool {
+        let before = std::mem::take(&mut self.least_roughness);
+        let mut is_any = false;
+        for material in scene.primitives.iter().map(|primitive| &primitive.material) {
+            if !reflects_specularly(material) {
+                continue;
+            }
+            let least = material.metallic_roughness_texture.as_ref().map_or(1.0, |texture| {
+                let known = before.get(&texture.id).copied();
+                *self.least_roughness.entry(texture.id).or_insert_with(|| known.unwrap_or_else(|| least_green(texture)))
+            });
+            is_any |= material.roughness * least <= MIRROR_ROUGHNESS;
+        }
+        is_any
+    }
+
     pub(super) fn index(&self, material: AssetId) -> u32 {
         self.indices.get(&material).copied().unwrap_or(0)
     }
@@ -100,6 +138,11 @@ impl GpuMaterials {
     /// Whether any material is not purely diffuse.
     pub(super) fn any_specular(&self) -> bool {
         self.specular
+    }
+
+    /// Whether any material is smooth enough to show an image of what it reflects.
+    pub(super) fn any_mirror(&self) -> bool {
+        self.mirror
     }
 
     /// Whether any material emits light.
@@ -115,4 +158,14 @@ impl GpuMaterials {
     pub(super) fn is_masked(&self, index: u32) -> bool {
         self.masked.get(index as usize).copied().unwrap_or(false)
     }
+}
+
+fn reflects_specularly(material: &Material) -> bool {
+    material.specular != 0.0 || material.metallic != 0.0
+}
+
+/// The least value of a texture's green channel, which holds roughness, 0 to 1.
+fn least_green(texture: &Texture) -> f32 {
+    let least = texture.rgba.chunks_exact(4).map(|texel| texel[1]).min();
+    f32::from(least.unwrap_or(u8::MAX)) / 255.0
 }

@@ -23,6 +23,7 @@ use geometry::{GpuGeometry, Surfaces};
 use materials::GpuMaterials;
 use words::Words;
 
+pub(in crate::render) use materials::mirror_define;
 #[cfg(test)]
 pub(crate) use {emitters::Emitter, materials::RayMaterial};
 
@@ -202,6 +203,11 @@ impl RayScene {
     /// What `trace` of `lib/rays.wgsl` is to know: the boxes of the first hierarchy; 0 if there is nothing to meet.
     pub fn root(&self) -> u32 {
         self.geometry.box_count
+    }
+
+    /// Whether any surface is smooth enough to show an image of what it reflects.
+    pub fn has_mirrors(&self) -> bool {
+        self.materials.any_mirror()
     }
 
     /// The shader with all that this scene needs of `lib/rays.wgsl`, and no more.

@@ -69,6 +69,13 @@ fn at_most_sixteen(rays: GatherRays) -> GatherRays {
     }
 }
 
+fn without_paths(rays: GatherRays) -> GatherRays {
+    match at_most_sixteen(rays) {
+        GatherRays::Paths(_) => GatherRays::Auto,
+        rays => rays,
+    }
+}
+
 /// Settings in the ranges that [`Clpv`] names; the default for numbers that are not finite.
 fn sanitized(clpv: &Clpv) -> Clpv {
     let default = Clpv::default();
@@ -80,10 +87,8 @@ fn sanitized(clpv: &Clpv) -> Clpv {
         },
         cascades: clpv.cascades.clamp(1, 4),
         gather_rays: at_most_sixteen(clpv.gather_rays),
-        gather_points: match at_most_sixteen(clpv.gather_points) {
-            GatherRays::Paths(_) => GatherRays::Auto,
-            points => points,
-        },
+        gather_points: without_paths(clpv.gather_points),
+        mirror_rays: without_paths(clpv.mirror_rays),
         gather_filter: clpv.gather_filter.min(32),
         cells: clpv.cells.map(|n| n.clamp(1, 128)),
         cell_size: match clpv.cell_size {

@@ -5,7 +5,7 @@
 //   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
 //            others. Without it there are more, and each link chooses one by what it would bring
 
-#import lightwell::next_event::{LightSample, bounded, sample_light, sample_one_light}
+#import lightwell::next_event::{BLUR, LightSample, blurred, bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
@@ -62,7 +62,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
             continue;
         }
         let direction = hit.direction;
-        let surface = surface_at(hit.hit, direction);
+        let surface = blurred(surface_at(hit.hit, direction), BLUR);
 #ifdef LIGHTS
         var of_all = vec3f(0.0);
         for (var k = 0u; k < LIGHTS; k++) {

@@ -6,6 +6,7 @@
 //   RAYS      rays of a pixel
 //   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
 //   ONE_BOUNCE  patches have no light
+//   MIRRORS   what smooth surfaces mirror is left to another pass, see lib/visible_surface.wgsl
 //   PATHS     rays go on as paths (Kajiya 1986), each with so many rays more at most, and nothing ends in patches
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
@@ -13,7 +14,7 @@
 #ifdef POINTS
 #import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
-#import lightwell::next_event::{EMITTER_CANDIDATES, LightSample, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
+#import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightSample, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
 #ifndef UNLIT
 #import lightwell::color::luminance
 #import lightwell::next_event::resample_emitter
@@ -23,7 +24,7 @@
 #import lightwell::sky::sky_radiance
 #endif
 #import lightwell::interleave::{Interleave, pixel_of}
-#import lightwell::inverse_distance::{encode_inverse_distance, nearness_around}
+#import lightwell::inverse_distance::{NO_DIFFUSE, encode_inverse_distance, nearness_around}
 #ifndef ONE_BOUNCE
 #import lightwell::patches::{NO_PATCH, patch_at}
 #import lightwell::rays::primitive_of
@@ -302,7 +303,11 @@ fn arrive(
         (*sums).toward += direction * near;
         (*sums).inverse_distance += near;
     }
+#ifdef PATHS
     let surface = surface_at(hit, direction);
+#else
+    let surface = blurred(surface_at(hit, direction), BLUR);
+#endif
     if !surface.visible {
         return Waiting(no_light(), ray.seen_along);
     }
@@ -314,7 +319,7 @@ fn arrive(
 #endif
     let to_specular = specular_share(surface, -direction);
     if (hit.t < gather.nearest || to_specular > GLOSSY) && gather.nearest > 0.0 && depth < MOST_NEAR {
-        *vertex = Vertex(VisibleSurface(surface, -direction, to_specular), ray.throughput, ray.seen_along, depth + 1u);
+        *vertex = Vertex(VisibleSurface(surface, -direction, to_specular, false), ray.throughput, ray.seen_along, depth + 1u);
 #ifdef PATHS
         survive(vertex, random);
 #endif
@@ -425,9 +430,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let pixel = pixel_of(gather.interleave, texel, gather.view.size);
     let z = textureLoad(depth, pixel, 0);
     var sums: Sums;
-    var inverse_distance = vec2f(0.0);
-    if z > 0.0 {
-        let seen = seen_at(pixel, z);
+    var inverse_distance = select(vec2f(0.0), NO_DIFFUSE, z > 0.0);
+    let seen = seen_at(pixel, max(z, 1e-30));
+    if z > 0.0 && any(seen.start.surface.albedo > vec3f(0.0)) {
         sums = gathered(pixel, seen);
         let met = nearness_around(sums.toward, sums.inverse_distance, seen.start.surface.normal);
         inverse_distance = encode_inverse_distance(met, emitted_nearness(sums));

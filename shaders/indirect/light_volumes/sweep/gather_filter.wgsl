@@ -14,7 +14,7 @@
 #import lightwell::color::luminance
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
-#import lightwell::inverse_distance::{decode_inverse_distance, encode_inverse_distance}
+#import lightwell::inverse_distance::{NO_DIFFUSE, decode_inverse_distance, encode_inverse_distance, has_diffuse}
 #ifndef UNLIT
 #import lightwell::inverse_distance::decode_emitted
 #endif
@@ -64,8 +64,8 @@ fn mean_nearness(texel: vec2u) -> vec3f {
     for (var i = 0; i < 25; i++) {
         let around = vec2i(texel) + 2 * vec2i(i % 5 - 2, i / 5 - 2);
         let at = clamp(around, vec2i(0), vec2i(reach.interleave.texels) - 1);
-        if textureLoad(depth, pixel_at(at), 0) > 0.0 {
-            let code = vec2f(textureLoad(diffuse, at, 0).a, textureLoad(specular, at, 0).a);
+        let code = vec2f(textureLoad(diffuse, at, 0).a, textureLoad(specular, at, 0).a);
+        if textureLoad(depth, pixel_at(at), 0) > 0.0 && has_diffuse(code) {
             sum += decode_inverse_distance(code);
             count += 1.0;
         }
@@ -132,11 +132,19 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
 #endif
         let near = exp(-spread);
         let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
-        sum.diffuse += weight.x * textureLoad(diffuse, at, 0).rgb;
-        sum.specular += weight.y * textureLoad(specular, at, 0).rgb;
-        weights += weight;
+        let found_diffuse = textureLoad(diffuse, at, 0);
+        let found_specular = textureLoad(specular, at, 0);
+        if has_diffuse(vec2f(found_diffuse.a, found_specular.a)) {
+            sum.diffuse += weight.x * found_diffuse.rgb;
+            sum.specular += weight.y * found_specular.rgb;
+            weights += weight;
+        }
     }
     return Filtered(sum.diffuse / weights.x, sum.specular / weights.y);
+}
+
+fn has_diffuse_at(texel: vec2u) -> bool {
+    return has_diffuse(vec2f(textureLoad(diffuse, texel, 0).a, textureLoad(specular, texel, 0).a));
 }
 
 // How near what glows is to a texel alone.
@@ -149,7 +157,8 @@ fn emitted_at_texel(texel: vec2u) -> f32 {
 }
 
 fn store_filtered(texel: vec2u, light: Filtered, inverse_distance: vec3f) {
-    let code = encode_inverse_distance(inverse_distance, emitted_at_texel(texel));
+    let known = encode_inverse_distance(inverse_distance, emitted_at_texel(texel));
+    let code = select(NO_DIFFUSE, known, has_diffuse_at(texel));
     textureStore(diffuse_out, texel, vec4f(light.diffuse, code.x));
     textureStore(specular_out, texel, vec4f(light.specular, code.y));
 }
@@ -216,7 +225,7 @@ fn vertical(@builtin(global_invocation_id) thread: vec3u) {
     }
     let z = textureLoad(depth, thread.xy, 0);
     var radiance = vec3f(0.0);
-    if z > 0.0 {
+    if z > 0.0 && has_diffuse_at(thread.xy) {
         let light = filtered_vertically(thread.xy, z);
         let albedo = decode_albedo(textureLoad(base_color, thread.xy, 0));
         radiance = min(albedo * light.diffuse + light.specular, vec3f(1e32));

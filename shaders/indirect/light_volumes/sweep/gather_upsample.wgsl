@@ -5,6 +5,7 @@
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
+#import lightwell::inverse_distance::has_diffuse
 #import lightwell::view::View
 
 struct Upsample {
@@ -53,11 +54,15 @@ fn upsampled(pixel: vec2u, z: f32) -> Upsampled {
         }
         let share = select(1.0 - part, part, corner == vec2i(1));
         let other_position = world_position(other, view.size, other_z, view.world_from_clip);
-        let like = likeness(position, n, other_position, decode_normal(textureLoad(normal, other, 0)));
+        let found_diffuse = textureLoad(diffuse, texel, 0);
+        let found_specular = textureLoad(specular, texel, 0);
+        let is_like = has_diffuse(vec2f(found_diffuse.a, found_specular.a));
+        let likely = likeness(position, n, other_position, decode_normal(textureLoad(normal, other, 0)));
+        let like = select(0.0, likely, is_like);
         let near = max(share.x * share.y, LEAST);
         let weight = near * max(like, LEAST_LIKE);
-        sum.diffuse += weight * textureLoad(diffuse, texel, 0).rgb;
-        sum.specular += weight * textureLoad(specular, texel, 0).rgb;
+        sum.diffuse += weight * found_diffuse.rgb;
+        sum.specular += weight * found_specular.rgb;
         sum.weights += near * like;
         all += weight;
     }

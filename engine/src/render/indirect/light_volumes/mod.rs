@@ -29,6 +29,8 @@ pub const MAX_BOUNCES: u32 = 32;
 pub(crate) struct Indirect {
     /// What the visible surfaces reflect of it, rgba32float.
     pub radiance: Handle<Texture>,
+    /// Radiance that mirrors reflect, with the distance of what they show, where rays of their own bring it.
+    pub mirrored: Option<Handle<Texture>>,
     /// Whether that holds what glossy surfaces reflect.
     pub is_glossy: bool,
     /// Where it can be looked up at any point.

@@ -63,6 +63,7 @@ pub(super) fn declare<'a>(
     let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
     Ok(Some(Indirect {
         radiance,
+        mirrored: None,
         is_glossy: false,
         field: Field::Propagated { uniform, lit },
         sky: None,

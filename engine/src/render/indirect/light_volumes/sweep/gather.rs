@@ -2,19 +2,20 @@
 
 use super::gather_filter::{self, Gathered};
 use super::interleave::{Interleave, InterleaveUniform};
+use super::mirror;
 use super::rsm_samples::{self, RsmSamples};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::rays::{RayScene, dispatch_rays};
+use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
 use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
 use encase::ShaderType;
 use glam::Vec3;
 
 /// Most rays of a pixel: lavapipe ends all loops of a thread after 65,535 turns together, without a word, and a ray
 /// takes some thousand of them in a large scene.
-const MAX_RAYS: u32 = 16;
+pub(super) const MAX_RAYS: u32 = 16;
 /// Widest filter \[pixels\].
 const MAX_FILTER: u32 = 32;
 /// Most rays of all kinds of a gathered pixel that stands for four: 1.25 a pixel.
@@ -77,8 +78,9 @@ pub(super) fn declare<'a>(
     let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
     let scene = frame.scene;
     let (rays, points) = (rays(frame, settings, interleave), points(settings, interleave));
+    let has_mirrors = mirror::rays(frame, settings, interleave.is_sparse()).is_some();
     pass.key(&(
-        (rays, paths),
+        (rays, paths, has_mirrors),
         points,
         lit.is_some(),
         interleave.key(),
@@ -87,7 +89,19 @@ pub(super) fn declare<'a>(
         (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
     ));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, light, nearest, paths, lit, gathered, rays, points, interleave };
+    let work = Work {
+        frame: frame.clone(),
+        inputs,
+        light,
+        nearest,
+        paths,
+        lit,
+        gathered,
+        rays,
+        points,
+        has_mirrors,
+        interleave,
+    };
     pass.execute(move |cx| work.run(cx));
     gather_filter::declare(graph, frame, gbuffer, gathered, interleave, filter_radius(settings, frame.images()))
 }
@@ -103,6 +117,8 @@ struct Work<'a> {
     gathered: Gathered,
     rays: u32,
     points: u32,
+    /// Whether a pass of its own brings what smooth surfaces mirror.
+    has_mirrors: bool,
     interleave: Interleave,
 }
 
@@ -159,6 +175,10 @@ impl Work<'_> {
                 group.extend(self.frame.surfels.patches().bindings());
             }
             None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
+        }
+        if self.has_mirrors {
+            let (name, value) = mirror_define();
+            key = key.def(name, value);
         }
         if let Some(further) = self.paths {
             key = key.def("PATHS", ShaderDef::Uint(further));
@@ -234,7 +254,7 @@ fn paths(settings: &Clpv) -> Option<u32> {
 }
 
 /// Rays of a gathered pixel that are asked for.
-fn wanted_rays(settings: &Clpv) -> u32 {
+pub(super) fn wanted_rays(settings: &Clpv) -> u32 {
     match (settings.gather_rays, settings.quality) {
         (GatherRays::Count(count) | GatherRays::Paths(count), _) => count.min(MAX_RAYS),
         (GatherRays::Auto, Quality::Low) => 0,

@@ -27,6 +27,8 @@ mod grid;
 mod interleave;
 mod irradiance;
 mod links;
+mod mirror;
+mod mirror_filter;
 mod opacity;
 mod probes;
 mod rsm_samples;
@@ -43,13 +45,15 @@ pub(crate) use self::{
     gather_filter::ReachUniform,
     gather_upsample::UpsampleUniform,
     irradiance::LookupUniform,
+    mirror::MirrorUniform,
+    mirror_filter::MirrorFilterUniform,
     rsm_samples::DrawUniform,
     transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
 use super::volume::Volume;
 use super::{Indirect, radiosity};
-use crate::graph::{Buffer, Graph, Handle};
+use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -161,9 +165,11 @@ pub(super) fn declare<'a>(
         }
         (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
+    let mut mirrored = None;
     let radiance = if is_gathered {
         let patches = radiosity.map(|light| light.patches).filter(|_| !gather::are_paths(settings));
         let interleave = Interleave::new(frame, patches.is_some());
+        mirrored = declare_mirrors(graph, frame, gbuffer, settings, patches, interleave);
         let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
         gather::declare(graph, frame, gbuffer, settings, patches, lit, interleave)
     } else {
@@ -181,9 +187,36 @@ pub(super) fn declare<'a>(
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
     let ends_in_patches = is_gathered && !gather::are_paths(settings);
     let change = radiosity.filter(|_| ends_in_patches).and_then(|light| light.change);
-    let indirect =
-        |level: &Level| Indirect { radiance, is_glossy: is_gathered, field: sky::field_of(level), sky, change };
+    let indirect = |level: &Level| Indirect {
+        radiance,
+        mirrored,
+        is_glossy: is_gathered,
+        field: sky::field_of(level),
+        sky,
+        change,
+    };
     Ok(levels.last().map(indirect))
+}
+
+/// Declares the rays of mirrors, where there are any.
+fn declare_mirrors<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    settings: &Clpv,
+    patches: Option<Handle<Buffer>>,
+    interleave: Interleave,
+) -> Option<Handle<Texture>> {
+    match mirror::rays(frame, settings, interleave.is_sparse()) {
+        Some(rays) => {
+            let mirrored = mirror::declare(graph, frame, gbuffer, patches, rays);
+            Some(mirror_filter::declare(graph, frame, gbuffer, mirrored))
+        }
+        None => {
+            graph.skip("mirror", "no surface is smooth enough, or the settings leave mirrors to the gather");
+            None
+        }
+    }
 }
 
 /// What the volumes of these settings are swept with in a frame.

@@ -1,0 +1,138 @@
+//! Mirror reflections: rays of their own for the specular lobes of smooth surfaces, of every pixel. See
+//! `indirect/light_volumes/sweep/mirror.wgsl`.
+//!
+//! The gather has few rays, of which few follow a specular lobe, and evens out by its filter what they bring. Surfaces up to
+//! a roughness of 0.25 show an image, which no filter may blur: theirs are the rays of this pass.
+
+use super::gather;
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
+use crate::render::frame::{Frame, ViewUniform};
+use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
+use crate::world::{Clpv, GatherRays};
+use encase::ShaderType;
+use glam::Vec3;
+
+/// Paths of one submit: each may be five rays and as many shadow rays.
+const PATHS_A_SUBMIT: u64 = 1 << 16;
+
+/// `Mirror` of `indirect/light_volumes/sweep/mirror.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct MirrorUniform {
+    view: ViewUniform,
+    sky: Vec3,
+    sky_turn: f32,
+    root: u32,
+    light_count: u32,
+    seed: u32,
+    first_row: u32,
+    patch_size: f32,
+}
+
+/// Most rays of a pixel that mirrors; none: the gather's rays bring what mirrors show.
+pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u32> {
+    let is_needed = frame.rays.is_some_and(RayScene::has_mirrors) && !gather::are_paths(settings);
+    let wanted = match settings.mirror_rays {
+        GatherRays::Auto | GatherRays::Paths(_) => gather::wanted_rays(settings),
+        GatherRays::Count(count) => count.min(gather::MAX_RAYS),
+    };
+    (is_needed && wanted > 0).then_some(if is_sparse { 1 } else { wanted })
+}
+
+/// Declares the pass; the result is the radiance \[W/(m² sr)\] that mirrors reflect, with the distance \[m\] of what they
+/// show. `light` is that of the patches, if more than one bounce counts.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    light: Option<Handle<Buffer>>,
+    rays: u32,
+) -> Handle<Texture> {
+    let mirrored = graph.retained_texture("mirrored radiance", frame.image_desc());
+    let mut pass = graph.pass("mirror");
+    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
+    inputs.into_iter().for_each(|handle| pass.read(handle));
+    light.into_iter().for_each(|light| pass.read(light));
+    let mirrored = pass.write(mirrored);
+    pass.key(&(rays, frame.seed(), frame.view_key(), light.is_some(), frame.surfels.revision()));
+    let revisions = &frame.scene.revisions;
+    pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
+    let work = Work { frame: frame.clone(), inputs, light, mirrored, rays };
+    pass.execute(move |cx| work.run(cx));
+    mirrored
+}
+
+struct Work<'a> {
+    frame: Frame<'a>,
+    inputs: [Handle<Texture>; 4],
+    light: Option<Handle<Buffer>>,
+    mirrored: Handle<Texture>,
+    rays: u32,
+}
+
+impl Work<'_> {
+    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
+        let scene = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let [width, height] = self.frame.view.size;
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        let paths_a_row = u64::from(width) * u64::from(self.rays);
+        let rows_a_submit = cx.work_a_submit(PATHS_A_SUBMIT) / paths_a_row;
+        // Whole workgroups, eight rows high.
+        let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
+        for first_row in (0..height).step_by(step) {
+            let rows = (height - first_row).min(step as u32);
+            cx.work(u64::from(rows) * paths_a_row, PATHS_A_SUBMIT);
+            self.dispatch(cx, scene, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
+        }
+        Ok(())
+    }
+
+    fn dispatch(
+        &self,
+        cx: &mut PassContext,
+        scene: &RayScene,
+        first_row: u32,
+        groups: [u32; 3],
+    ) -> Result<(), PassError> {
+        let uniform = cx.gpu.uniform("mirror", &self.uniform(scene, first_row));
+        let views = self.inputs.map(|handle| cx.view(handle));
+        let target = cx.view(self.mirrored);
+        let light = self.light.map(|handle| cx.buffer(handle).clone());
+        let (name, value) = mirror_define();
+        let mut key = scene
+            .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
+            .def("RAYS", ShaderDef::Uint(self.rays))
+            .def(name, value);
+        let mut group = vec![("mirror", Binding::Buffer(&uniform)), ("mirrored", Binding::Texture(&target))];
+        let names = ["base_color", "normal", "object", "depth"];
+        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        match &light {
+            Some(light) => {
+                group.push(("patch_light", Binding::Buffer(light)));
+                group.extend(self.frame.surfels.patches().bindings());
+            }
+            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
+        }
+        if self.frame.scene.sky_map.is_some() {
+            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
+        } else {
+            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
+        }
+        dispatch_rays(cx, &key, &group, scene, groups)
+    }
+
+    fn uniform(&self, rays: &RayScene, first_row: u32) -> MirrorUniform {
+        let scene = self.frame.scene;
+        MirrorUniform {
+            view: self.frame.view_values(),
+            sky: scene.sky,
+            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+            root: rays.root(),
+            light_count: rays.light_count,
+            seed: self.frame.seed(),
+            first_row,
+            patch_size: self.frame.surfels.patch_size(),
+        }
+    }
+}
