@@ -2,7 +2,7 @@
 
 mod support;
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3, Vec4};
 use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, ImageF32, read_texture_f32};
 use lightwell::measure::Image;
@@ -183,6 +183,26 @@ fn facing_mirrors_end_in_what_the_path_tracer_finds() {
         println!("roughness {roughness}: error {found}, bias {bias}; {without} without rays of their own");
         assert!(found < 0.12 && bias.abs() < 0.03, "error {found}, bias {bias}");
         assert!(found < without, "error {found} against {without} without rays of their own");
+    }
+}
+
+/// What a polished white surface reflects diffusely is no part of what it mirrors, and the other way round: in even light both
+/// together are as bright as that, less the few per cent that Schlick's term takes from light that arrives at a slant.
+#[test]
+fn furnace_of_lacquer() {
+    let gpu = gpu();
+    for roughness in [0.05, 0.2] {
+        let mut stage = Stage::new(Vec3::new(0.0, 0.0, 2.5), Vec3::ZERO, 33);
+        let lacquer = Material { base_color: Vec4::ONE, roughness, ..Material::new("lacquer") };
+        let ball = Shape::Sphere { radius: 1.0, segments: 128, rings: 64 };
+        stage.add_material(ball, Material { metallic: 0.0, ..lacquer }, Affine3A::IDENTITY);
+        stage.scene.sky = Vec3::ONE;
+        stage.clpv(Vec3::ZERO, medium());
+        let image = indirect(&gpu, &stage);
+        for (x, y) in [(16, 16), (14, 18), (18, 13)] {
+            let found = rgb(&image, x, y).x;
+            assert!((0.96..=1.005).contains(&found), "roughness {roughness}, pixel {x}, {y}: {found}");
+        }
     }
 }
 
