@@ -1,9 +1,10 @@
 //! Prefabs made of what a world holds, and instances made plain entities.
 
 use super::custom_components::ComponentTypes;
-use super::edit::{describe_subtree, fault_error, with_writer};
+use super::edit::fault_error;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::save::saved_subtree;
 use super::source::{Origin, SceneInfo, Source};
 use super::validate::Validator;
 use crate::world::GameWorld;
@@ -26,6 +27,7 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
         if entity == instance {
             source.prefab = None;
             source.repeat = None;
+            source.overrides.clear();
             source.members.clear();
         }
     }
@@ -37,7 +39,7 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
 /// # Errors
 /// If something has no form in a file, or the file cannot be written.
 pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path) -> Result<(), FileError> {
-    let tree = describe_subtree(world, entity, scene)?;
+    let tree = saved_subtree(world, entity, scene)?;
     let bare = EntityFile { name: tree.name.clone(), transform: tree.transform, ..Default::default() };
     let only_children = EntityFile { children: Vec::new(), ..tree.clone() } == bare;
     let entities = match only_children {
@@ -47,27 +49,14 @@ pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path)
     write_prefab(world, entities, path)
 }
 
-/// Writes a prefab file of some entities with all below them.
-///
-/// # Errors
-/// As [`save_prefab`].
-pub fn save_prefab_children(
-    world: &GameWorld,
-    entities: &[Entity],
-    scene: &Path,
-    path: &Path,
-) -> Result<(), FileError> {
-    let entities = with_writer(world, scene, |writer| writer.entities(entities))?;
-    write_prefab(world, entities, path)
-}
-
 fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
+    super::document::check_replaced(path)?;
     let info = world.ecs.get_resource::<SceneInfo>();
     let mut names = std::collections::BTreeSet::new();
     entities.iter().for_each(|entity| material_names_of(entity, &mut names));
     let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
     let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
-    let prefab = PrefabFile { description: String::new(), materials, entities };
+    let prefab = PrefabFile { materials, entities, ..Default::default() };
     Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
     let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
         .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
