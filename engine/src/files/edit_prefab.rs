@@ -1,9 +1,11 @@
 //! Prefabs made of what a world holds, and instances made plain entities.
 
 use super::custom_components::ComponentTypes;
+use super::document::{check_replaced, folder_of};
 use super::edit::fault_error;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::paths::Rebase;
 use super::save::saved_subtree;
 use super::source::{Origin, SceneInfo, Source};
 use super::validate::Validator;
@@ -18,13 +20,15 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
         let info = world.ecs.get_resource::<SceneInfo>();
         let described = info.zip(material).and_then(|(info, m)| info.materials_by_id.get(&m.id).cloned());
         let Some(mut source) = world.ecs.get_mut::<Source>(entity) else { continue };
-        if matches!(source.origin, Origin::Prefab { .. }) {
+        let is_part = matches!(source.origin, Origin::Prefab { .. });
+        if is_part {
             if source.components.material.is_some() {
                 source.components.material = described.or(source.components.material.take());
             }
             source.origin = Origin::File;
         }
-        if entity == instance {
+        // Inner instances become plain too: the paths of their prefabs start at the folder of this one.
+        if is_part || entity == instance {
             source.prefab = None;
             source.repeat = None;
             source.overrides.clear();
@@ -46,17 +50,19 @@ pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path)
         true => tree.children,
         false => vec![EntityFile { transform: None, ..tree }],
     };
-    write_prefab(world, entities, path)
+    write_prefab(world, entities, scene, path)
 }
 
-fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
-    super::document::check_replaced(path)?;
+fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, scene: &Path, path: &Path) -> Result<(), FileError> {
+    check_replaced(path)?;
     let info = world.ecs.get_resource::<SceneInfo>();
     let mut names = std::collections::BTreeSet::new();
     entities.iter().for_each(|entity| material_names_of(entity, &mut names));
     let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
     let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
-    let prefab = PrefabFile { materials, entities, ..Default::default() };
+    let mut prefab = PrefabFile { materials, entities, ..Default::default() };
+    let rebase = Rebase::new(folder_of(scene), folder_of(path));
+    rebase.prefab(&mut prefab).map_err(|no_way| no_way.at_file(path))?;
     Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
     let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
         .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;

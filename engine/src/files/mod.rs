@@ -33,7 +33,7 @@
 //!
 //! [`save_scene`] writes the rest pose and not the animated one, replaces the file in one step, and keeps the one
 //! before as `NAME.bak`. It edits the file's text: what has not changed keeps its comments, order and layout byte for
-//! byte, see [`preserve`]. Entities that come from a glTF model are not written, nor what was changed of them: the file
+//! byte. Entities that come from a glTF model are not written, nor what was changed of them: the file
 //! names the model. Nor are values that were changed for this run alone ([`override_values`]).
 
 mod apply;

@@ -54,6 +54,12 @@ impl Rebase {
         scene.entities.iter_mut().try_for_each(|entity| self.entity(entity))
     }
 
+    /// All of a prefab.
+    pub fn prefab(&self, prefab: &mut PrefabFile) -> Result {
+        prefab.materials.values_mut().try_for_each(|material| self.material(material))?;
+        prefab.entities.iter_mut().try_for_each(|entity| self.entity(entity))
+    }
+
     /// The sky's image.
     pub fn settings(&self, settings: &mut SceneSettings) -> Result {
         match &mut settings.environment {
@@ -114,9 +120,11 @@ impl Rebase {
         self.asset(path)
     }
 
-    /// A model or an image.
+    /// A model or an image. One that does not lie where the path leads to is found by it elsewhere: below the folder of
+    /// models.
     fn asset(&self, written: &mut String) -> Result {
-        match self.models.as_ref().is_some_and(|models| models.join(&*written).is_file()) {
+        let is_model = self.models.as_ref().is_some_and(|models| models.join(&*written).is_file());
+        match is_model || !self.from.join(&*written).is_file() {
             true => Ok(()),
             false => self.path(written),
         }

@@ -19,8 +19,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Writes the world as a scene file: the rest pose, entities and assets as they were described where they have not
-/// changed. What has not changed keeps its text, see [`preserve`](super::preserve): that of the file which the scene was
-/// loaded from, also under another name. The file is replaced in one step; the one before is kept as `NAME.bak`.
+/// changed. What has not changed keeps its text: that of the file which the scene was loaded from, also under another
+/// name. The file is replaced in one step; the one before is kept as `NAME.bak`.
 ///
 /// # Errors
 /// When the world holds something that has no form in a file (a mesh made by code, a value that is not finite), or

@@ -328,6 +328,9 @@ fn save_as_rewrites_relative_paths() {
         expected = expected.replace(&format!("\"{name}\""), &up(name));
     }
     assert_eq!(folder.read("scenes/deep/er/b.scene.ron"), expected);
+    let prefab = folder.path("prefabs/new.prefab.ron");
+    save_prefab(&world, at(&world, "B").unwrap(), &to, &prefab).unwrap();
+    assert!(folder.read("prefabs/new.prefab.ron").contains("\"../scenes/images/red.png\""));
     folder.load("scenes/deep/er/b.scene.ron").unwrap();
     // The world is the new file's from then on.
     assert_eq!(scene_text(&world, &to).unwrap(), expected);

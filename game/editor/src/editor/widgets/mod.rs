@@ -130,7 +130,9 @@ impl Kit {
         if let Some(why) = self.marks.get(name) {
             let sign = egui::Label::new(egui::RichText::new("*").color(ui.visuals().warn_fg_color));
             let response = ui.add(sign.sense(egui::Sense::hover())).on_hover_text(why);
-            named(&response, &format!("{}: {why}", title(name)));
+            // What a screen reader says of a text is its value.
+            let said = format!("{}: {why}", title(name));
+            response.ctx.accesskit_node_builder(response.id, |node| node.set_value(said));
         }
     }
 
