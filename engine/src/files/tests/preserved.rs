@@ -67,7 +67,8 @@ fn without_a_change_every_byte_stays() {
 
 #[test]
 fn one_field_is_one_value() {
-    let edits: [(fn(&mut GameWorld), &str, &str); 5] = [
+    type Edit = fn(&mut GameWorld);
+    let edits: [(Edit, &str, &str); 5] = [
         (|world| light(world, "Sun").intensity = 4.5, "intensity: 3,", "intensity: 4.5,"),
         (|world| light(world, "Sun").intensity = 5.0, "intensity: 3,", "intensity: 5,"),
         (|world| light(world, "Sun").casts_shadow = false, "casts_shadow: true", "casts_shadow: false"),
