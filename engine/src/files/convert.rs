@@ -1,5 +1,6 @@
 //! Between what files say and what the engine uses.
 
+use super::custom_components::CustomValue;
 use super::format::*;
 use super::load::Context;
 use super::source::SceneInfo;
@@ -141,6 +142,28 @@ impl OverrideFile {
         if now.visible.is_none() && base.visible.is_some() {
             self.visible = Some(true);
         }
+    }
+
+    /// Takes from an override what it says that is still so, though it makes no difference to the prefab.
+    pub fn keep(&mut self, described: &Self, now: &Self) {
+        macro_rules! keep {
+            ($($field:ident),*) => {
+                $(if self.$field.is_none() && described.$field == now.$field { self.$field = described.$field.clone(); })*
+            };
+        }
+        for_components!(keep);
+        let is_so = |(name, value): &(&String, &CustomValue)| now.components.get(*name) == Some(*value);
+        let own = described.components.iter().filter(is_so);
+        self.components.extend(own.map(|(name, value)| (name.clone(), value.clone())));
+        let mut without = described.without.clone();
+        without.retain(|kind| {
+            let mut less = now.clone();
+            less.take_away(kind);
+            less == *now
+        });
+        self.without.retain(|kind| !without.contains(kind));
+        without.append(&mut self.without);
+        self.without = without;
     }
 
     fn has_surface(&self) -> bool {

@@ -123,6 +123,11 @@ pub type CustomComponents = BTreeMap<String, CustomValue>;
 /// Components of the engine that had another name in earlier versions, with the one that they have now.
 const RENAMED: [(&str, &str); 1] = [("Ghost", "NonSolid")];
 
+/// The present name of a component of the engine that had another one.
+pub(super) fn present_name(old: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|(known, _)| *known == old).map(|(_, new)| *new)
+}
+
 /// A component of a game that scene files can hold.
 #[derive(Clone)]
 pub struct ComponentType {
@@ -318,6 +323,8 @@ impl ComponentTypes {
 pub(super) struct Canonical<'a> {
     pub types: &'a ComponentTypes,
     pub document: &'a Document,
+    /// Nothing is logged: the file was read before.
+    pub is_quiet: bool,
 }
 
 type Checked = Result<(), Box<FileError>>;
@@ -358,6 +365,7 @@ impl Canonical<'_> {
                     Err(error) => return Err(Box::new(self.document.inner_error(&at, value.text(), error))),
                 },
                 None if self.types.is_complete => return Err(Box::new(self.unknown(name, &at))),
+                None if self.is_quiet => {}
                 None => log::warn!("`{name}` is no component that this program knows; it is kept as it is written"),
             }
         }
@@ -370,7 +378,9 @@ impl Canonical<'_> {
         let is_old = |(old, new): &(&str, &str)| self.types.get(old).is_none() && self.types.get(new).is_some();
         for (old, new) in RENAMED.into_iter().filter(|pair| self.types.is_complete && is_old(pair)) {
             if let Some(value) = components.remove(old) {
-                log::info!("the component `{old}` is called `{new}` now; a save writes it so");
+                if !self.is_quiet {
+                    log::info!("the component `{old}` is called `{new}` now");
+                }
                 components.entry(new.to_owned()).or_insert(value);
             }
         }

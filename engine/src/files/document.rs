@@ -1,11 +1,14 @@
 //! A text file while it is read: parsed values, and the way from a value back to its line and column.
 
 use super::error::{FileError, FileErrorKind, Place};
+use super::format::VERSION;
+use super::scan::block_comment;
 use super::suggest::suggestion;
-use super::tree::{Node, Step, block_comment};
+use super::tree::{Node, Step};
 use crate::assets::AssetError;
 use ron::error::{Error as Ron, SpannedError};
 use serde::de::DeserializeOwned;
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -25,12 +28,20 @@ fn read_limited(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The text of a file that is there and can be read.
+pub fn read_text(path: &Path) -> Option<String> {
+    let bytes = path.is_file().then(|| read_limited(path).ok()).flatten()?;
+    String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MAX_TEXT)
+}
+
 /// A text file with the shape of its values.
 pub struct Document {
     /// Where it lies.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
+    /// Whether a byte order mark stands before it.
+    has_mark: bool,
     /// Made when the first place is asked for: it takes more memory than all that a large scene holds.
     tree: OnceCell<Node>,
 }
@@ -57,14 +68,17 @@ impl Document {
 
     /// Parses a file's text. A byte order mark at the start is passed over.
     pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(Self, T), FileError> {
-        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        let plain = text.strip_prefix('\u{feff}').map(str::to_owned);
+        let has_mark = plain.is_some();
+        let text = plain.unwrap_or(text);
+        check_version(path, &text)?;
         let value = ron_options().from_str(&text).map_err(|e| syntax_error(path, &text, e))?;
-        Ok((Self { path: path.to_owned(), text, tree: OnceCell::new() }, value))
+        Ok((Self { path: path.to_owned(), text, has_mark, tree: OnceCell::new() }, value))
     }
 
     /// Stands for a file whose values were made in memory: errors name the file and no place.
     pub fn in_memory(path: &Path) -> Self {
-        Self { path: path.to_owned(), text: String::new(), tree: OnceCell::new() }
+        Self { path: path.to_owned(), text: String::new(), has_mark: false, tree: OnceCell::new() }
     }
 
     fn tree(&self) -> &Node {
@@ -123,9 +137,39 @@ impl Document {
         }
     }
 
+    /// Its text as it is on disk, with its byte order mark.
+    pub fn whole_text(&self) -> Cow<'_, str> {
+        match self.has_mark {
+            true => Cow::Owned(format!("\u{feff}{}", self.text)),
+            false => Cow::Borrowed(&self.text),
+        }
+    }
+
     /// The folder that relative paths in the file start from.
     pub fn folder(&self) -> &Path {
         folder_of(&self.path)
+    }
+}
+
+/// Refuses to replace a file of a later version of the format, which this program cannot have read.
+pub fn check_replaced(path: &Path) -> Result<(), FileError> {
+    read_text(path).map_or(Ok(()), |text| check_version(path, &text))
+}
+
+/// Refuses files of a later version of the format: what they say may mean something else there.
+fn check_version(path: &Path, text: &str) -> Result<(), FileError> {
+    if !text.contains("version") {
+        return Ok(());
+    }
+    let root = Node::parse(text);
+    let version = root.group.as_ref().and_then(|group| group.get(&Some("version".to_owned())));
+    match version.and_then(|version| Some((version, version.head.parse::<u64>().ok()?))) {
+        Some((node, version)) if version > u64::from(VERSION) => {
+            let message = format!("is of version {version} of the format, and this program knows up to {VERSION}");
+            let error = FileError::new(path, FileErrorKind::NewerVersion, message);
+            Err(error.with_help("use a newer Lightwell").at(text, Place::of(text, node.span.start)))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -11,6 +11,7 @@ use super::format::*;
 use super::load::{Context, Loader, Resolved, environment_image};
 use super::save::{Writer, scene_without_entities};
 use super::source::{Origin, SceneInfo, Source};
+use super::spawn::model_source;
 use super::surfaces::renderer;
 use super::tracks;
 use super::tree::Step;
@@ -302,7 +303,7 @@ pub(super) fn canonical(
     read: impl FnOnce(&Canonical) -> Result<(), Box<FileError>>,
 ) -> Result<(), FileError> {
     let document = Document::in_memory(context.path);
-    read(&Canonical { types: &context.options.types, document: &document }).map_err(|error| *error)
+    read(&Canonical { types: &context.options.types, document: &document, is_quiet: false }).map_err(|error| *error)
 }
 
 fn take_away(world: &mut GameWorld, context: &EditContext, entity: Entity, kind: &ComponentKind) {
@@ -333,7 +334,7 @@ fn remember(world: &mut GameWorld, entity: Entity, now: &OverrideFile, material:
         }
         return;
     }
-    let source = Source { components, material, prefab: None, repeat: None, members: Vec::new(), origin: Origin::File };
+    let source = Source { components, material, origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(entity).insert(source);
 }
 
@@ -382,7 +383,7 @@ fn material_names(world: &GameWorld) -> Vec<String> {
 pub(super) fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> T) -> T {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
-    read(&Writer { world, info, path })
+    read(&Writer { world, info, path, overridden: None })
 }
 
 /// Lends the world to a loader.

@@ -1,9 +1,12 @@
 //! Prefabs made of what a world holds, and instances made plain entities.
 
 use super::custom_components::ComponentTypes;
-use super::edit::{describe_subtree, fault_error, with_writer};
+use super::document::{check_replaced, folder_of};
+use super::edit::fault_error;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::paths::Rebase;
+use super::save::saved_subtree;
 use super::source::{Origin, SceneInfo, Source};
 use super::validate::Validator;
 use crate::world::GameWorld;
@@ -17,15 +20,18 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
         let info = world.ecs.get_resource::<SceneInfo>();
         let described = info.zip(material).and_then(|(info, m)| info.materials_by_id.get(&m.id).cloned());
         let Some(mut source) = world.ecs.get_mut::<Source>(entity) else { continue };
-        if matches!(source.origin, Origin::Prefab { .. }) {
+        let is_part = matches!(source.origin, Origin::Prefab { .. });
+        if is_part {
             if source.components.material.is_some() {
                 source.components.material = described.or(source.components.material.take());
             }
             source.origin = Origin::File;
         }
-        if entity == instance {
+        // Inner instances become plain too: the paths of their prefabs start at the folder of this one.
+        if is_part || entity == instance {
             source.prefab = None;
             source.repeat = None;
+            source.overrides.clear();
             source.members.clear();
         }
     }
@@ -37,37 +43,26 @@ pub fn break_prefab(world: &mut GameWorld, instance: Entity) {
 /// # Errors
 /// If something has no form in a file, or the file cannot be written.
 pub fn save_prefab(world: &GameWorld, entity: Entity, scene: &Path, path: &Path) -> Result<(), FileError> {
-    let tree = describe_subtree(world, entity, scene)?;
+    let tree = saved_subtree(world, entity, scene)?;
     let bare = EntityFile { name: tree.name.clone(), transform: tree.transform, ..Default::default() };
     let only_children = EntityFile { children: Vec::new(), ..tree.clone() } == bare;
     let entities = match only_children {
         true => tree.children,
         false => vec![EntityFile { transform: None, ..tree }],
     };
-    write_prefab(world, entities, path)
+    write_prefab(world, entities, scene, path)
 }
 
-/// Writes a prefab file of some entities with all below them.
-///
-/// # Errors
-/// As [`save_prefab`].
-pub fn save_prefab_children(
-    world: &GameWorld,
-    entities: &[Entity],
-    scene: &Path,
-    path: &Path,
-) -> Result<(), FileError> {
-    let entities = with_writer(world, scene, |writer| writer.entities(entities))?;
-    write_prefab(world, entities, path)
-}
-
-fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, path: &Path) -> Result<(), FileError> {
+fn write_prefab(world: &GameWorld, entities: Vec<EntityFile>, scene: &Path, path: &Path) -> Result<(), FileError> {
+    check_replaced(path)?;
     let info = world.ecs.get_resource::<SceneInfo>();
     let mut names = std::collections::BTreeSet::new();
     entities.iter().for_each(|entity| material_names_of(entity, &mut names));
     let materials = info.map(|info| info.materials.clone()).unwrap_or_default();
     let materials = materials.into_iter().filter(|(name, _)| names.contains(name)).collect();
-    let prefab = PrefabFile { description: String::new(), materials, entities };
+    let mut prefab = PrefabFile { materials, entities, ..Default::default() };
+    let rebase = Rebase::new(folder_of(scene), folder_of(path));
+    rebase.prefab(&mut prefab).map_err(|no_way| no_way.at_file(path))?;
     Validator::prefab(&prefab).map_err(|fault| fault_error(path, *fault))?;
     let text = super::write::prefab_text(&prefab, world.ecs.get_resource::<ComponentTypes>())
         .map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;

@@ -30,6 +30,8 @@ impl Place {
 pub enum FileErrorKind {
     /// The text is not RON.
     Syntax,
+    /// A file of a later version of the format.
+    NewerVersion,
     /// A field that the structure does not have.
     UnknownField,
     /// A variant that the choice does not have.

@@ -10,6 +10,9 @@ use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettin
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Version of the format that this program reads and writes.
+pub const VERSION: u32 = 1;
+
 /// Method of indirect light that a scene asks for, unless the command line says otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Gi {
@@ -28,6 +31,9 @@ pub enum Gi {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Scene")]
 pub struct SceneFile {
+    /// Version of the format, 1 if not said. A file of a later version than [`VERSION`] is refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
     /// What the scene shows, for people.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub description: String,
@@ -49,6 +55,9 @@ pub struct SceneFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Prefab")]
 pub struct PrefabFile {
+    /// Version of the format, 1 if not said. A file of a later version than [`VERSION`] is refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
     /// What it is, for people.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub description: String,

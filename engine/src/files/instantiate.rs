@@ -178,7 +178,7 @@ pub fn spawn_prefab_onto(
 pub fn describe_all(world: &GameWorld, path: &Path) -> Result<SceneFile, FileError> {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
-    let entities = Writer { world, info, path }.entities(&world.roots())?;
+    let entities = Writer { world, info, path, overridden: None }.entities(&world.roots())?;
     let file = SceneFile { entities, ..scene_without_entities(world) };
     super::save::check(&file, path)?;
     Ok(file)

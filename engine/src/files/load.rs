@@ -53,7 +53,7 @@ pub(super) fn canonical_entities(
     entities: &mut [EntityFile],
     types: &ComponentTypes,
 ) -> Result<(), FileError> {
-    Canonical { types, document }.entities(entities, &[key("entities")]).map_err(|error| *error)
+    Canonical { types, document, is_quiet: false }.entities(entities, &[key("entities")]).map_err(|error| *error)
 }
 
 /// Loads the sky's image, if the settings ask for one.
@@ -257,6 +257,7 @@ impl Loader<'_> {
             material,
             prefab: file.prefab.clone(),
             repeat: file.repeat.clone(),
+            overrides: if self.levels.is_empty() { file.overrides.clone() } else { BTreeMap::new() },
             members: Vec::new(),
             origin: resolved.origin,
         };

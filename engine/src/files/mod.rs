@@ -32,10 +32,11 @@
 //! so that one that fails leaves the running one alone.
 //!
 //! [`save_scene`] writes the rest pose and not the animated one, replaces the file in one step, and keeps the one
-//! before as `NAME.bak`. Entities that come from a glTF model are not written, nor what was changed of them: the file
-//! names the model. The comments at the head of the file are kept; comments inside it are not, they stay in the
-//! backup of the first save.
+//! before as `NAME.bak`. It edits the file's text: what has not changed keeps its comments, order and layout byte for
+//! byte. Entities that come from a glTF model are not written, nor what was changed of them: the file
+//! names the model. Nor are values that were changed for this run alone ([`override_values`]).
 
+mod apply;
 mod convert;
 mod custom_components;
 mod described;
@@ -48,12 +49,18 @@ mod instantiate;
 mod load;
 mod merge;
 mod model;
+mod overridden;
 mod parts;
+mod paths;
 mod prefabs;
+mod preserve;
 mod reload;
 mod repeat;
 mod replace;
+mod rewrite;
 mod save;
+mod save_as;
+mod scan;
 mod source;
 mod spawn;
 mod steps;
@@ -70,6 +77,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+pub use apply::apply_to_prefab;
 pub use convert::look_rotation;
 pub use custom_components::*;
 pub use described::DESCRIBED;
@@ -79,10 +87,12 @@ pub use edit_prefab::*;
 pub use error::{FileError, FileErrorKind, Place};
 pub use format::*;
 pub use instantiate::*;
+pub use overridden::{Overridden, override_values};
 pub use reload::{follow_scene, read_scene};
 pub use repeat::{MAX_COPIES, Repeat};
 pub use replace::replace_file;
 pub use save::save_scene;
+pub use save_as::{rewrite_paths, save_scene_as};
 pub use source::{Origin, SceneInfo, Source};
 pub use suggest::suggestion;
 pub use temporary_files::remove_leftovers;

@@ -1,8 +1,11 @@
 //! From a world to a scene file.
 
 use super::custom_components::ComponentTypes;
+use super::document::{check_replaced, read_text};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
+use super::overridden::Overridden;
+use super::rewrite::rewritten;
 use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
 use super::validate::Validator;
@@ -11,27 +14,66 @@ use crate::world::{
     Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::{Entity, World};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Writes the world as a scene file: the rest pose, entities and assets as they were described where they have not
-/// changed. The file is replaced in one step; the one before is kept as `NAME.bak`.
+/// changed. What has not changed keeps its text: that of the file which the scene was loaded from, also under another
+/// name. The file is replaced in one step; the one before is kept as `NAME.bak`.
 ///
 /// # Errors
 /// When the world holds something that has no form in a file (a mesh made by code, a value that is not finite), or
 /// when the file cannot be written. The file is untouched then.
 pub fn save_scene(world: &GameWorld, path: &Path) -> Result<(), FileError> {
+    check_replaced(path)?;
     let text = scene_text(world, path)?;
     write_atomically(path, &text)
 }
 
-/// The text of the scene file.
+/// The text of the scene file: the one that is there with what has changed, or else a new one.
 pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
+    text_of(world, path, &saved_file(world, path)?)
+}
+
+/// What the scene file is to say.
+pub(super) fn saved_file(world: &GameWorld, path: &Path) -> Result<SceneFile, FileError> {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
-    let writer = Writer { world, info, path };
-    let file = SceneFile { entities: writer.entities(&world.roots())?, ..scene_without_entities(world) };
-    checked_text(&file, info, path, world.ecs.get_resource())
+    let writer = Writer::saving(world, info, path);
+    let mut file = SceneFile { entities: writer.entities(&world.roots())?, ..scene_without_entities(world) };
+    if let Some(overridden) = writer.overridden {
+        file.settings = overridden.saved_settings(file.settings);
+    }
+    check(&file, path)?;
+    Ok(file)
+}
+
+/// The text of a scene file that says so.
+pub(super) fn text_of(world: &GameWorld, path: &Path, file: &SceneFile) -> Result<String, FileError> {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    let default_types = ComponentTypes::default();
+    let types = world.ecs.get_resource().unwrap_or(&default_types);
+    match bases(info, path).find_map(|base| rewritten(&base, path, file, types)) {
+        Some(text) => Ok(text),
+        None => new_text(file, info, path, types),
+    }
+}
+
+/// The texts that a save may edit: the scene's file as it is now, or as it was read; for a scene that comes from none the
+/// file that is replaced.
+fn bases<'a>(info: &'a SceneInfo, path: &'a Path) -> impl Iterator<Item = Cow<'a, str>> {
+    let (file, read) = info.file.as_ref().map_or((path, None), |(file, read)| (file.as_path(), Some(&**read)));
+    let present = std::iter::once_with(move || read_text(file)).flatten();
+    present.map(Cow::Owned).chain(read.map(Cow::Borrowed))
+}
+
+/// The entity with all below it, as a file would say it.
+pub(super) fn saved_subtree(world: &GameWorld, entity: Entity, path: &Path) -> Result<EntityFile, FileError> {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource().unwrap_or(&default_info);
+    Writer::saving(world, info, path).entity(entity)
 }
 
 /// Everything of the scene file but its entities.
@@ -39,6 +81,7 @@ pub(super) fn scene_without_entities(world: &GameWorld) -> SceneFile {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
     SceneFile {
+        version: info.version,
         description: info.description.clone(),
         gi: info.gi,
         presets: info.presets.clone(),
@@ -48,14 +91,8 @@ pub(super) fn scene_without_entities(world: &GameWorld) -> SceneFile {
     }
 }
 
-fn checked_text(
-    file: &SceneFile,
-    info: &SceneInfo,
-    path: &Path,
-    types: Option<&ComponentTypes>,
-) -> Result<String, FileError> {
-    check(file, path)?;
-    let body = to_text(file, types).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
+fn new_text(file: &SceneFile, info: &SceneInfo, path: &Path, types: &ComponentTypes) -> Result<String, FileError> {
+    let body = to_text(file, Some(types)).map_err(|e| FileError::new(path, Kind::Unsavable, e.to_string()))?;
     let header = if info.header.is_empty() { String::new() } else { format!("{}\n", info.header) };
     Ok(format!("{header}{body}\n"))
 }
@@ -97,9 +134,16 @@ pub(super) struct Writer<'a> {
     pub world: &'a GameWorld,
     pub info: &'a SceneInfo,
     pub path: &'a Path,
+    /// What is not to be written as it is.
+    pub overridden: Option<&'a Overridden>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    /// Reads what is to be saved: the file's values where others were set for this run.
+    pub fn saving(world: &'a GameWorld, info: &'a SceneInfo, path: &'a Path) -> Self {
+        Self { world, info, path, overridden: world.ecs.get_resource() }
+    }
+
     fn ecs(&self) -> &World {
         &self.world.ecs
     }
@@ -114,8 +158,14 @@ impl Writer<'_> {
 
     /// All that are to be written of these siblings.
     pub fn entities(&self, siblings: &[Entity]) -> Result<Vec<EntityFile>, FileError> {
-        let written = siblings.iter().filter(|e| !self.is_from_model(**e));
+        let written = siblings.iter().filter(|e| !self.is_from_model(**e) && !self.is_added(**e));
         written.map(|entity| self.entity(*entity)).collect()
+    }
+
+    /// Whether the entity is there for this run alone.
+    fn is_added(&self, entity: Entity) -> bool {
+        let Some(overridden) = self.overridden.filter(|_| self.world.children(entity).is_empty()) else { return false };
+        self.components(entity).is_ok_and(|now| overridden.is_added(self.world.id(entity), &now))
     }
 
     /// Whether the entity was made from a model's node, and is not written.
@@ -133,12 +183,15 @@ impl Writer<'_> {
             file.prefab = source.prefab.clone();
             file.repeat = source.repeat.clone();
             let mut found = BTreeSet::new();
-            self.overrides(entity, "", &mut file.overrides, &mut found)?;
+            self.overrides(source, entity, "", &mut file.overrides, &mut found)?;
+            let removed = source.overrides.iter().filter(|(path, patch)| patch.remove && !found.contains(*path));
+            file.overrides.extend(removed.map(|(path, patch)| (path.clone(), patch.clone())));
             for member in source.members.iter().filter(|m| !found.contains(*m)) {
                 // What lies below a removed entity goes with it.
                 let above = member.rsplit_once('/').map(|(above, _)| above.to_owned());
                 if above.is_none_or(|above| found.contains(&above)) {
-                    file.overrides.insert(member.clone(), OverrideFile { remove: true, ..Default::default() });
+                    let removed = || OverrideFile { remove: true, ..Default::default() };
+                    file.overrides.entry(member.clone()).or_insert_with(removed);
                 }
             }
             children.retain(|child| !self.is_member(*child, ""));
@@ -157,6 +210,7 @@ impl Writer<'_> {
     /// What differs below an instance from what its prefab says.
     fn overrides(
         &self,
+        instance: &Source,
         entity: Entity,
         path: &str,
         overrides: &mut BTreeMap<String, OverrideFile>,
@@ -178,11 +232,15 @@ impl Writer<'_> {
             let mut added = self.world.children(child);
             added.retain(|grandchild| !self.is_member(*grandchild, &path));
             changes.children = self.entities(&added)?;
-            if changes != OverrideFile::default() {
+            let described = instance.overrides.get(&path);
+            if let Some(described) = described {
+                changes.keep(described, &now);
+            }
+            if changes != OverrideFile::default() || described == Some(&changes) {
                 overrides.insert(path.clone(), changes);
             }
             found.insert(path.clone());
-            self.overrides(child, &path, overrides, found)?;
+            self.overrides(instance, child, &path, overrides, found)?;
         }
         Ok(())
     }
@@ -212,12 +270,18 @@ impl Writer<'_> {
             now.material = described.material;
             (now.casts_shadow, now.visible) = (described.casts_shadow, described.visible);
         }
-        Ok(now)
+        Ok(match self.overridden {
+            Some(overridden) => overridden.saved(self.world.id(entity), now),
+            None => now,
+        })
     }
 
     /// A glTF file that was opened as a scene is named by its whole path: relative where the scene lies above it, so
     /// that both can be moved together.
     fn model(&self, mut model: ModelFile) -> ModelFile {
+        if self.info.file.is_some() {
+            return model;
+        }
         let (ModelFile::Path(path) | ModelFile::Detailed(ModelDetails { path, .. })) = &mut model;
         let folder = self.path.parent().and_then(|folder| std::path::absolute(folder).ok());
         let below = folder.and_then(|folder| Some(Path::new(path.as_str()).strip_prefix(folder).ok()?.to_owned()));
@@ -232,7 +296,17 @@ impl Writer<'_> {
         if Transform::from(described.unwrap_or_default()) == rest {
             return described;
         }
-        Some(TransformFile::from(rest))
+        // A part that has not changed stays as it was put: angles, say.
+        let described = described.unwrap_or_default();
+        let turned = TransformFile { translation: rest.translation, ..described };
+        let mut now = TransformFile::from(rest);
+        if Transform::from(turned).rotation == rest.rotation {
+            (now.rotation, now.look_at) = (described.rotation, described.look_at);
+        }
+        if Transform::from(described).scale == rest.scale {
+            now.scale = described.scale;
+        }
+        Some(now)
     }
 
     fn surface(

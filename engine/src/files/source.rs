@@ -5,6 +5,7 @@ use super::format::{Gi, MaterialFile, MaterialRef, OverrideFile, Repeat, SceneFi
 use crate::assets::{AssetId, Material};
 use bevy_ecs::prelude::{Component, Resource};
 use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// How a file described the entity. What has changed since is written by its present value, all else as described.
@@ -18,6 +19,8 @@ pub struct Source {
     pub prefab: Option<String>,
     /// The copies that it makes of the prefab, if it is not one alone.
     pub repeat: Option<Repeat>,
+    /// For an instance in the scene file: what the file says to change in it.
+    pub overrides: BTreeMap<String, OverrideFile>,
     /// For an instance in the scene file: the paths of all of the prefab's entities below it.
     pub members: Vec<String>,
     /// Where the entity stands in the files.
@@ -45,6 +48,8 @@ pub enum Origin {
 /// What belongs to a scene file as a whole, besides its settings; and the descriptions of the assets it uses.
 #[derive(Resource, Clone, Debug)]
 pub struct SceneInfo {
+    /// Version of the format that the file says.
+    pub version: Option<u32>,
     /// What the scene shows, for people.
     pub description: String,
     /// Method of indirect light that it asks for.
@@ -59,6 +64,8 @@ pub struct SceneInfo {
     pub default_material: Arc<Material>,
     /// Comments at the start of the file.
     pub(super) header: String,
+    /// The file, and its text as it was read.
+    pub(super) file: Option<(PathBuf, Arc<str>)>,
     pub(super) materials_by_id: HashMap<AssetId, MaterialRef>,
     pub(super) textures_by_id: HashMap<AssetId, TextureFile>,
 }
@@ -66,6 +73,7 @@ pub struct SceneInfo {
 impl Default for SceneInfo {
     fn default() -> Self {
         Self {
+            version: None,
             description: String::new(),
             gi: Gi::default(),
             presets: BTreeMap::new(),
@@ -73,6 +81,7 @@ impl Default for SceneInfo {
             shapes: HashMap::new(),
             default_material: Arc::new(Material::new("default")),
             header: String::new(),
+            file: None,
             materials_by_id: HashMap::new(),
             textures_by_id: HashMap::new(),
         }
@@ -82,11 +91,13 @@ impl Default for SceneInfo {
 impl SceneInfo {
     pub(super) fn new(document: &Document, file: &SceneFile) -> Self {
         Self {
+            version: file.version,
             description: file.description.clone(),
             gi: file.gi,
             presets: file.presets.clone(),
             materials: file.materials.clone(),
             header: document.header().to_owned(),
+            file: Some((document.path.clone(), (&*document.whole_text()).into())),
             ..Self::default()
         }
     }

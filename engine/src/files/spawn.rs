@@ -154,6 +154,7 @@ pub(super) fn model_source() -> Source {
         material: None,
         prefab: None,
         repeat: None,
+        overrides: BTreeMap::new(),
         members: Vec::new(),
         origin: Origin::Model,
     }

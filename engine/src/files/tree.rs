@@ -3,6 +3,7 @@
 //! `ron` gives the place of a syntax error, but a value that is well formed and still wrong (a negative size, a name
 //! given twice) is found later, when only the values are left. The tree finds the place again by the value's path.
 
+use super::scan::{Scanner, unquote};
 use std::ops::Range;
 
 /// The field of entities that holds components of a game: names within them mean something else.
@@ -32,23 +33,28 @@ pub struct Node {
 pub(super) struct Group {
     pub open: char,
     pub items: Vec<Item>,
+    /// Bytes between the brackets.
+    pub inside: Range<usize>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct Item {
     pub key: Option<String>,
-    key_text: String,
+    pub key_text: String,
     pub node: Node,
+    /// Bytes from the key to the end of the value.
+    pub span: Range<usize>,
+    /// Byte of the comma behind it.
+    pub comma: Option<usize>,
 }
 
 /// Longest line that the writer makes where it has a choice (characters).
-const WIDTH: usize = 110;
+pub(super) const WIDTH: usize = 110;
 
 impl Node {
     /// Reads the shape of a text that `ron` has accepted. Anything else gives some tree, but never a panic.
     pub fn parse(text: &str) -> Self {
-        let mut scanner = Scanner { text, at: 0 };
-        scanner.value(0)
+        Scanner::new(text).value(0)
     }
 
     /// The value at the path, or the innermost one on the way there.
@@ -109,6 +115,17 @@ impl Node {
         items.filter(|item| item.key.is_some()).for_each(|item| f(&item.key_text, &mut item.node));
     }
 
+    /// A group that holds the value alone, under a key.
+    pub fn within(self, key: &str) -> Self {
+        let item = Item { key: Some(unquote(key)), key_text: key.to_owned(), span: 0..0, comma: None, node: self };
+        Self { span: 0..0, head: String::new(), group: Some(Group { open: '(', items: vec![item], inside: 0..0 }) }
+    }
+
+    /// The value that the group holds alone.
+    pub fn into_only(self) -> Option<Self> {
+        self.group.and_then(|mut group| group.items.pop()).map(|item| item.node)
+    }
+
     /// The value on one line.
     pub fn compact(&self) -> String {
         let Some(group) = &self.group else { return self.head.clone() };
@@ -161,7 +178,8 @@ impl Group {
 }
 
 impl Item {
-    fn prefix(&self) -> String {
+    /// The key with its colon.
+    pub fn prefix(&self) -> String {
         if self.key.is_some() { format!("{}: ", self.key_text) } else { String::new() }
     }
 
@@ -170,160 +188,12 @@ impl Item {
     }
 }
 
-fn closing(open: char) -> char {
+pub(super) fn closing(open: char) -> char {
     match open {
         '(' => ')',
         '[' => ']',
         _ => '}',
     }
-}
-
-struct Scanner<'a> {
-    text: &'a str,
-    at: usize,
-}
-
-/// Beyond what `ron` reads (128), so that only texts that it refuses are cut short.
-const MAX_DEPTH: usize = 200;
-
-impl Scanner<'_> {
-    fn value(&mut self, depth: usize) -> Node {
-        self.skip_blank();
-        while self.rest().starts_with("#!") {
-            let end = self.rest().find(']').map_or(self.rest().len(), |i| i + 1);
-            self.at += end;
-            self.skip_blank();
-        }
-        let start = self.at;
-        let head = self.head();
-        let mut end = self.at;
-        self.skip_blank();
-        let mut group = None;
-        if let Some(open) = self.peek().filter(|c| matches!(c, '(' | '[' | '{')) {
-            if depth < MAX_DEPTH {
-                self.at += 1;
-                group = Some(Group { open, items: self.items(closing(open), depth + 1) });
-            } else {
-                self.at = self.text.len();
-            }
-            end = self.at;
-        }
-        Node { span: start..end.max(start), head, group }
-    }
-
-    fn items(&mut self, close: char, depth: usize) -> Vec<Item> {
-        let mut items = Vec::new();
-        loop {
-            self.skip_blank();
-            match self.peek() {
-                None => return items,
-                Some(c) if c == close => {
-                    self.at += 1;
-                    return items;
-                }
-                Some(c @ (',' | ')' | ']' | '}' | ':')) => {
-                    self.at += c.len_utf8();
-                    continue;
-                }
-                Some(_) => {}
-            }
-            let before = self.at;
-            let first = self.value(depth);
-            self.skip_blank();
-            if self.peek() == Some(':') {
-                self.at += 1;
-                let key_text = self.text[first.span.clone()].to_owned();
-                let key = unquote(&key_text);
-                let node = self.value(depth);
-                items.push(Item { key: Some(key), key_text, node });
-            } else {
-                items.push(Item { key: None, key_text: String::new(), node: first });
-            }
-            if self.at == before {
-                self.at += self.peek().map_or(1, char::len_utf8);
-            }
-        }
-    }
-
-    /// A string, number or name.
-    fn head(&mut self) -> String {
-        let start = self.at;
-        let rest = self.rest();
-        let raw = rest.strip_prefix('r').map(|r| (r.len() - r.trim_start_matches('#').len(), r));
-        match raw {
-            Some((hashes, r)) if r[hashes..].starts_with('"') => {
-                let end = format!("\"{}", "#".repeat(hashes));
-                let body = &r[hashes + 1..];
-                let length = body.find(&end).map_or(body.len(), |i| i + end.len());
-                self.at += 2 + hashes + length;
-            }
-            _ if rest.starts_with('"') => self.quoted('"'),
-            _ if rest.starts_with('\'') => self.quoted('\''),
-            _ => {
-                let stop = |c: char| c.is_whitespace() || "()[]{},:\"/".contains(c);
-                self.at += rest.find(stop).unwrap_or(rest.len());
-            }
-        }
-        self.text[start..self.at].to_owned()
-    }
-
-    fn quoted(&mut self, quote: char) {
-        let mut escaped = false;
-        for (i, c) in self.rest().char_indices().skip(1) {
-            if c == quote && !escaped {
-                self.at += i + 1;
-                return;
-            }
-            escaped = c == '\\' && !escaped;
-        }
-        self.at = self.text.len();
-    }
-
-    fn skip_blank(&mut self) {
-        loop {
-            let rest = self.rest();
-            self.at += rest.len() - rest.trim_start().len();
-            let rest = self.rest();
-            if rest.starts_with("//") {
-                self.at += rest.find('\n').unwrap_or(rest.len());
-            } else if rest.starts_with("/*") {
-                self.at += block_comment(rest);
-            } else {
-                return;
-            }
-        }
-    }
-
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
-    fn peek(&self) -> Option<char> {
-        self.rest().chars().next()
-    }
-}
-
-/// Length of the block comment (they nest) that the text starts with.
-pub fn block_comment(text: &str) -> usize {
-    let (mut depth, mut i, bytes) = (0usize, 0, text.as_bytes());
-    while i + 1 < bytes.len() {
-        match &bytes[i..i + 2] {
-            b"/*" => depth += 1,
-            b"*/" if depth == 1 => return i + 2,
-            b"*/" => depth = depth.saturating_sub(1),
-            _ => {
-                i += 1;
-                continue;
-            }
-        }
-        i += 2;
-    }
-    text.len()
-}
-
-/// The text of a string literal as the file means it; other text stays as it is.
-fn unquote(text: &str) -> String {
-    ron::from_str::<String>(text).unwrap_or_else(|_| text.to_owned())
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ fn is_device(written: &str) -> bool {
 }
 
 /// The path without links and `..`, as far as it is there; what is not there is taken as written.
-fn real(path: &Path) -> PathBuf {
+pub(super) fn real(path: &Path) -> PathBuf {
     if let Ok(real) = path.canonicalize() {
         return real;
     }

@@ -30,7 +30,7 @@ pub fn prefab_text(file: &PrefabFile, types: Option<&ComponentTypes>) -> Result<
 }
 
 /// How the defaults of components look in a file.
-struct Defaults {
+pub(super) struct Defaults {
     scene: Node,
     components: BTreeMap<&'static str, Node>,
     material: Node,
@@ -38,7 +38,7 @@ struct Defaults {
 }
 
 impl Defaults {
-    fn new(types: Option<&ComponentTypes>) -> Result<Self, ron::Error> {
+    pub fn new(types: Option<&ComponentTypes>) -> Result<Self, ron::Error> {
         fn node(value: &impl Serialize) -> Result<Node, ron::Error> {
             Ok(Node::parse(&ron_options().to_string(value)?))
         }
@@ -72,6 +72,15 @@ impl Defaults {
 }
 
 impl Defaults {
+    /// The value without fields that say what is the default, by the key of the group that holds it and its own.
+    pub fn printed(&self, holder: &str, own: &str, node: &Node) -> Node {
+        let mut tree = node.clone().within(own).within(holder);
+        tree.for_each_field(&mut |key, node| self.drop_from(key, node));
+        // A value that is the default itself is asked for by name.
+        let inner = tree.into_only().and_then(Node::into_only);
+        inner.unwrap_or_else(|| node.clone())
+    }
+
     fn drop_from_own(&self, node: &mut Node) {
         node.for_each_direct_field(&mut |name, component| {
             if let Some(default) = self.own.get(name.trim_matches('"')) {

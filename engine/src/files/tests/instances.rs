@@ -105,6 +105,34 @@ fn edits_inside_an_instance_become_overrides() {
 }
 
 #[test]
+fn apply_writes_what_an_instance_changes_into_its_prefab() {
+    let folder = street();
+    let world = folder.load("street.scene.ron").unwrap();
+    let (scene, prefab) = (folder.path("street.scene.ron"), folder.path("pair.prefab.ron"));
+    apply_to_prefab(&world, at(&world, "Street").unwrap(), &scene, &prefab).unwrap();
+    let pair = folder.read("pair.prefab.ron");
+    let inner = "prefab: \"lamp.prefab.ron\",\n        overrides: {\"Pole/Bulb\": (without: [Light], children: [(name: \"Fly\")])},";
+    assert!(pair.contains(inner), "{pair}");
+    folder.write("plain.scene.ron", b"(entities: [(name: \"Street\", prefab: \"pair.prefab.ron\")])");
+    check_street(&folder.load("plain.scene.ron").unwrap_or_else(|error| panic!("{error}\n{pair}")));
+    let error = apply_to_prefab(&world, at(&world, "Street/Left").unwrap(), &scene, &prefab).unwrap_err();
+    assert!(error.message.contains("belongs to another prefab"), "{error}");
+    assert_eq!(folder.read("pair.prefab.ron"), pair);
+}
+
+#[test]
+fn a_broken_instance_with_instances_inside_is_plain() {
+    let folder = street();
+    let mut world = folder.load("street.scene.ron").unwrap();
+    let instance = at(&world, "Street").unwrap();
+    break_prefab(&mut world, instance);
+    save_scene(&world, &folder.path("plain.scene.ron")).unwrap();
+    let plain = folder.read("plain.scene.ron");
+    assert!(!plain.contains("prefab"), "{plain}");
+    check_street(&folder.load("plain.scene.ron").unwrap_or_else(|error| panic!("{error}\n{plain}")));
+}
+
+#[test]
 fn a_mesh_made_by_code_cannot_be_saved_and_leaves_the_file_alone() {
     let folder = street();
     let mut world = folder.load("street.scene.ron").unwrap();

@@ -7,6 +7,8 @@ mod fields;
 mod hostile;
 mod instances;
 mod models;
+mod preserved;
+mod preserved_random;
 mod repeats;
 mod round_trip;
 mod tracks;

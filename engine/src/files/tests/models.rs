@@ -279,7 +279,7 @@ fn models_are_imported_as_the_scene_or_the_file_beside_them_says() {
     let world = folder.load("here.scene.ron").unwrap();
     save_scene(&world, &folder.path("again.scene.ron")).unwrap();
     let saved = folder.read("again.scene.ron");
-    assert!(saved.contains("import: (scale: 3.0)"), "{saved}");
+    assert!(saved.contains("import: (scale: 3)"), "{saved}");
     assert_eq!(leaf("again.scene.ron", "M/Root/Leaf"), Vec3::new(6.0, 3.0, 0.0));
 }
 

@@ -304,17 +304,7 @@ impl Editor {
         if files::is_repeated(stage.world, entity) {
             anyhow::bail!("the selected entity makes several copies of its prefab: apply an instance that makes one");
         }
-        let holder = stage.world.snapshot(entity, true)?;
-        // Written in full, as if it were no instance.
-        files::break_prefab(stage.world, entity);
-        let children = stage.world.children(entity);
-        let saved = files::save_prefab_children(stage.world, &children, stage.files.path, &path);
-        let parent = stage.world.parent(entity);
-        let index = Seat::of(stage.world, stage.world.id(entity).unwrap_or_default()).index;
-        stage.world.ecs.despawn(entity);
-        stage.world.put_back(holder, parent, index)?;
-        stage.world.drop_snapshot(holder);
-        saved?;
+        files::apply_to_prefab(stage.world, entity, stage.files.path, &path)?;
         Ok(path)
     }
 

@@ -368,6 +368,21 @@ impl History {
         }
     }
 
+    /// Calls `work` with each description of the scene as a whole that undo or redo brings back.
+    pub fn for_each_scene(&mut self, work: &mut impl FnMut(&mut SceneFile) -> Result<()>) -> Result<()> {
+        let steps = self.done.iter_mut().chain(&mut self.undone);
+        for change in steps.flat_map(|step| &mut step.changes) {
+            if let Change::Scene(before, after) = change {
+                work(before)?;
+                work(after)?;
+            }
+        }
+        match self.open.as_mut().and_then(|open| open.scene.as_mut()) {
+            Some(scene) => work(scene),
+            None => Ok(()),
+        }
+    }
+
     /// Takes the last step back; says which.
     ///
     /// # Errors

@@ -7,8 +7,9 @@ use super::stage::Stage;
 use super::value::Value;
 use super::widgets::{edited_text, endings, pick_file, title};
 use egui::Ui;
-use lightwell::files::{self, OverrideFile, SceneFile, describe_entity, describe_scene, ron_options};
+use lightwell::files::{self, Overridden, OverrideFile, SceneFile, describe_entity, describe_scene, ron_options};
 use lightwell::scene::SceneId;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
 /// Fields of an override that are no components.
@@ -19,7 +20,8 @@ static COMPONENTS: LazyLock<Vec<(&'static str, Shape)>> =
     LazyLock::new(|| Shape::fields_of::<OverrideFile>(&NO_COMPONENTS));
 
 /// What belongs to a scene as a whole.
-static SCENE: LazyLock<Vec<(&'static str, Shape)>> = LazyLock::new(|| Shape::fields_of::<SceneFile>(&["entities"]));
+static SCENE: LazyLock<Vec<(&'static str, Shape)>> =
+    LazyLock::new(|| Shape::fields_of::<SceneFile>(&["version", "entities"]));
 
 /// Shows the selection.
 pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
@@ -79,9 +81,12 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
     fill_transform(&mut value);
     let old = value.clone();
     let mut changed: Option<String> = None;
+    let overridden = stage.world.ecs.get_resource::<Overridden>();
+    let fields = overridden.map(|overridden| overridden.fields(id, before)).unwrap_or_default();
     for (name, shape) in COMPONENTS.iter() {
         let Some(mut component) = value.field(name).cloned() else { continue };
         let key = format!("Override.{name}");
+        editor.kit.marks = marks(overridden, &fields, name);
         if is_section(shape) {
             let mut remove = false;
             let edited = section(ui, editor, name, &key, shape.inner(), &mut component, &mut remove);
@@ -104,12 +109,14 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
     for CustomComponent { name, shape, .. } in &own_components {
         let Some(mut component) = custom_component::get(&value, name) else { continue };
         let mut remove = false;
+        editor.kit.marks = marks(overridden, &fields, &format!("components.{name}"));
         let edited = section(ui, editor, name, name, shape, &mut component, &mut remove);
         if remove || edited {
             custom_component::set(&mut value, name, Some(component).filter(|_| !remove));
             changed = Some(format!("{} {name}", if remove { "remove" } else { "change" }));
         }
     }
+    editor.kit.marks.clear();
     ui.add_space(6.0);
     ui.menu_button("Add component", |ui| {
         let missing: Vec<_> =
@@ -155,6 +162,21 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
         [&mut old, &mut value].into_iter().for_each(|value| strip_transform(value, &written));
         apply(editor, stage, id, &label, &old, &value);
     }
+}
+
+/// The fields of a component that the command line set, with what is said of each: those of its first level, or itself.
+fn marks(overridden: Option<&Overridden>, fields: &BTreeSet<String>, component: &str) -> BTreeMap<String, String> {
+    let Some(overridden) = overridden else { return BTreeMap::new() };
+    let inside = |field: &String| {
+        let rest = field.strip_prefix(component)?;
+        let name = match rest.strip_prefix('.') {
+            Some(rest) => rest.split('.').next().unwrap_or(rest),
+            None if rest.is_empty() => component,
+            None => return None,
+        };
+        Some((name.to_owned(), overridden.reason(field)))
+    };
+    fields.iter().filter_map(inside).collect()
 }
 
 /// What files leave out of a transform, since it is the usual.
@@ -272,7 +294,13 @@ pub fn show_scene(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             value.set(name, Value::parse(empty).unwrap_or_default());
         }
     }
-    if !editor.kit.fields(ui, "Scene", &SCENE, &mut value) {
+    if let Some(overridden) = stage.world.ecs.get_resource::<Overridden>() {
+        let reason = |field: String| (field.clone(), overridden.reason(&format!("scene.{field}")));
+        editor.kit.marks = overridden.settings(&stage.world.rest_settings()).into_iter().map(reason).collect();
+    }
+    let is_edited = editor.kit.fields(ui, "Scene", &SCENE, &mut value);
+    editor.kit.marks.clear();
+    if !is_edited {
         return;
     }
     let result = ron_options().from_str::<SceneFile>(&value.print());

@@ -33,9 +33,10 @@ use anyhow::Result;
 use dialogs::Dialog;
 use egui::Ui;
 use history::History;
-use lightwell::files::{SceneFile, edit_scene};
+use lightwell::files::{SceneFile, edit_scene, rewrite_paths};
 use lightwell::scene::SceneId;
-use std::path::PathBuf;
+use lightwell_runtime::session::Files;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// How long a message is shown.
@@ -202,6 +203,15 @@ impl Editor {
         edit_scene(stage.world, &mut stage.files.context(), now)?;
         stage.clock.follow(&now.settings);
         Ok(())
+    }
+
+    /// The scene was saved in another folder: what undo brings back is to find its files from there.
+    ///
+    /// # Errors
+    /// If there is no way to one of them.
+    pub fn saved_as(&mut self, files: &Files, before: &Path) -> Result<()> {
+        let (now, options) = (files.path, files.options);
+        self.history.for_each_scene(&mut |scene| Ok(rewrite_paths(scene, before, now, options)?))
     }
 
     /// The scene is another one now.

@@ -70,9 +70,14 @@ impl Player {
     }
 
     fn save_as(&mut self, path: &Path) {
+        let before = self.session.path().to_owned();
         match self.session.save_as(path) {
             Ok(()) => {
                 self.note();
+                let moved = self.editor.saved_as(&self.session.parts().files, &before);
+                if let Err(error) = moved {
+                    self.editor.tell(format!("{error:#}"), true);
+                }
                 self.watcher = SceneWatcher::new(path, &self.session.files());
                 self.editor.history.mark_saved();
                 self.memory.played(path);

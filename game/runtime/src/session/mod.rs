@@ -11,9 +11,9 @@ pub use tracing::Tracing;
 use crate::cli::{Common, Gi, LookArgs};
 use crate::scene_path;
 use crate::set;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use lightwell::assets::AssetLibrary;
-use lightwell::files::{self, ComponentTypes, EditContext, LoadOptions, load_scene};
+use lightwell::files::{self, ComponentTypes, EditContext, LoadOptions, Overridden, load_scene};
 use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
@@ -160,7 +160,7 @@ impl Session {
         load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look))?;
         files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
         self.library = library;
-        complete(&mut self.world, &mut self.rendering)?;
+        complete(&mut self.world, &self.path, &mut self.rendering)?;
         Ok(())
     }
 
@@ -192,23 +192,12 @@ impl Session {
         Ok(files::save_scene(&self.world, path)?)
     }
 
-    /// Saves the scene under another name, and goes on with that file. Paths in scene files are relative: in another
-    /// folder the new file is tried first.
+    /// Saves the scene under another name, and goes on with that file. In another folder its relative paths are rewritten.
     ///
     /// # Errors
-    /// As [`Session::save`], and if the file could not be loaded from there.
+    /// As [`Session::save`], and if a file that the scene names cannot be reached from there.
     pub fn save_as(&mut self, path: &Path) -> Result<()> {
-        let folder = |path: &Path| path.canonicalize().ok().and_then(|p| p.parent().map(Path::to_owned));
-        let new_folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if folder(&self.path) != new_folder.canonicalize().ok() {
-            let trial = new_folder.join(format!(".{}.trial.scene.ron", std::process::id()));
-            let saved = self.save(&trial);
-            let loaded =
-                saved.and_then(|()| Ok(load_scene(&trial, &mut self.library.clone(), &self.options).map(drop)?));
-            let _ = std::fs::remove_file(&trial);
-            loaded.context("paths in the scene are relative to its folder; save it beside the original")?;
-        }
-        self.save(path)?;
+        files::save_scene_as(&mut self.world, &self.library, &self.options, &self.path, path)?;
         self.path = path.to_owned();
         Ok(())
     }
@@ -370,24 +359,30 @@ fn load(
     rendering: &mut RenderState,
 ) -> Result<GameWorld> {
     let mut world = load_scene(path, library, options)?;
-    complete(&mut world, rendering)?;
+    complete(&mut world, path, rendering)?;
     Ok(world)
 }
 
-/// Adds what the rendering's choices ask for to a scene that was loaded.
-fn complete(world: &mut GameWorld, rendering: &mut RenderState) -> Result<()> {
+/// Adds what the rendering's choices ask for to a scene that was loaded. None of it is saved.
+fn complete(world: &mut GameWorld, path: &Path, rendering: &mut RenderState) -> Result<()> {
     let look = rendering.look.clone();
     world.set_tick(0);
     update(world, rendering);
-    if look.gi == Some(Gi::Clpv) && rendering.scene.clpv.is_none() {
-        add_light_volume(world, &rendering.scene);
+    let wants_volume = look.gi == Some(Gi::Clpv) && rendering.scene.clpv.is_none();
+    let wants_lights = rendering.scene.vpl.is_none()
+        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && render_state::gi_of_scene(world) == Gi::Vpl);
+    if look.sets.is_empty() && !wants_volume && !wants_lights {
+        world.ecs.remove_resource::<Overridden>();
+        return rendering.camera().map(drop);
     }
-    if rendering.scene.vpl.is_none()
-        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && render_state::gi_of_scene(world) == Gi::Vpl)
-    {
-        add_virtual_lights(world);
-    }
-    set::apply_all(world, &look.sets)?;
+    set::override_values(world, path, &look.sets, |world| {
+        if wants_volume {
+            add_light_volume(world, &rendering.scene);
+        }
+        if wants_lights {
+            add_virtual_lights(world);
+        }
+    })?;
     update(world, rendering);
     rendering.camera()?;
     Ok(())

@@ -6,7 +6,7 @@ mod custom_component;
 use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
-use lightwell::files::SceneInfo;
+use lightwell::files::{self, SceneInfo};
 use lightwell::world::fields::text;
 use lightwell::world::{
     Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings,
@@ -14,6 +14,7 @@ use lightwell::world::{
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Sets one value. `target` is `scene.FIELD`, `clpv.FIELD`, `vpl.FIELD`, `slc.FIELD`, `preset`, `clip` or
 /// `ENTITY.COMPONENT.FIELD`, where an entity is its name,
@@ -84,6 +85,23 @@ pub fn apply_all(world: &mut GameWorld, sets: &[(String, String)]) -> Result<()>
     let mut sets = sets.iter();
     sets.try_for_each(|(target, value)| {
         apply(world, target, value).map_err(|error| anyhow!("--set {target}={value}: {error}"))
+    })
+}
+
+/// Adds something to a world and sets several values for this run: no save of the scene writes them.
+///
+/// # Errors
+/// As [`apply_all`].
+pub fn override_values(
+    world: &mut GameWorld,
+    path: &Path,
+    sets: &[(String, String)],
+    add: impl FnOnce(&mut GameWorld),
+) -> Result<()> {
+    let said = sets.iter().map(|(target, value)| format!("--set {target}={value}")).collect();
+    files::override_values(world, path, said, |world| {
+        add(world);
+        apply_all(world, sets)
     })
 }
 

@@ -13,6 +13,7 @@ mod keyed;
 mod model;
 mod panels;
 mod reload;
+mod save;
 mod tree;
 
 use super::Editor;

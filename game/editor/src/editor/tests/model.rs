@@ -50,6 +50,8 @@ fn a_model_is_edited_undone_and_saved_as_a_scene() {
     // As its own folder would hold it.
     let written = |bench: &Bench| {
         let path = folder.path().join("written.scene.ron");
+        // Anew, and not into what was written before.
+        let _ = std::fs::remove_file(&path);
         save_scene(&bench.state().world, &path).unwrap();
         std::fs::read_to_string(path).unwrap()
     };

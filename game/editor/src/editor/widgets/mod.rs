@@ -13,7 +13,7 @@ use super::value::{Value, float};
 use egui::{Response, Ui};
 use lightwell::files;
 use numbers::{boolean, integer, number, numbers};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Starting values of what zeros would make invalid, or dull.
 const STARTERS: [(&str, &str); 9] = [
@@ -39,6 +39,8 @@ pub struct Kit {
     pub materials: Vec<String>,
     /// Folders that assets are looked for in.
     pub folders: Vec<std::path::PathBuf>,
+    /// Fields that are marked, each with what is said of it, for the component that is shown.
+    pub marks: BTreeMap<String, String>,
 }
 
 impl Default for Kit {
@@ -54,6 +56,7 @@ impl Default for Kit {
             customs,
             materials: Vec::new(),
             folders: Vec::new(),
+            marks: BTreeMap::new(),
         }
     }
 }
@@ -99,6 +102,7 @@ impl Kit {
         match shape.inner() {
             _ if is_plain(shape, value) => ui.horizontal(|ui| self.labelled(ui, name, key, shape, value, &note)).inner,
             _ => {
+                self.mark(ui, name);
                 let header = egui::CollapsingHeader::new(title(name)).id_salt((key, name)).default_open(true);
                 let response = header.show(ui, |ui| self.value(ui, name, key, shape, value, &note));
                 help(response.header_response, &note);
@@ -117,7 +121,19 @@ impl Kit {
             ui.add(label)
         });
         help(label.inner, note);
+        self.mark(ui, name);
         ui.push_id(name, |ui| self.value(ui, name, key, shape, value, note)).inner
+    }
+
+    /// The sign of a field that is marked.
+    fn mark(&self, ui: &mut Ui, name: &str) {
+        if let Some(why) = self.marks.get(name) {
+            let sign = egui::Label::new(egui::RichText::new("*").color(ui.visuals().warn_fg_color));
+            let response = ui.add(sign.sense(egui::Sense::hover())).on_hover_text(why);
+            // What a screen reader says of a text is its value.
+            let said = format!("{}: {why}", title(name));
+            response.ctx.accesskit_node_builder(response.id, |node| node.set_value(said));
+        }
     }
 
     /// The widget of a component; true if it changed.

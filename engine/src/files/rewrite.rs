@@ -1,0 +1,59 @@
+//! A file's new text out of the one that is there.
+
+use super::custom_components::{Canonical, ComponentTypes};
+use super::document::{Document, ron_options};
+use super::format::{EntityFile, PrefabFile, SceneFile};
+use super::preserve::edited;
+use super::steps::key;
+use super::tree::Node;
+use super::write::Defaults;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+
+/// What stands in a file of entities.
+pub(super) trait Root: Serialize + DeserializeOwned + Clone {
+    fn entities(&mut self) -> &mut Vec<EntityFile>;
+}
+
+impl Root for SceneFile {
+    fn entities(&mut self) -> &mut Vec<EntityFile> {
+        &mut self.entities
+    }
+}
+
+impl Root for PrefabFile {
+    fn entities(&mut self) -> &mut Vec<EntityFile> {
+        &mut self.entities
+    }
+}
+
+/// The text of a file that says what is wanted: `base` with what differs. None if that does not read as such a file, or
+/// cannot be made to say it.
+pub(super) fn rewritten<T: Root>(base: &str, path: &Path, wanted: &T, types: &ComponentTypes) -> Option<String> {
+    let (_, before) = meaning::<T>(base, path, types)?;
+    let wanted = said(wanted.clone(), &Document::in_memory(path), types)?;
+    if before == wanted {
+        return Some(base.to_owned());
+    }
+    let defaults = Defaults::new(Some(types)).ok()?;
+    let print = |holder: &str, own: &str, node: &Node| defaults.printed(holder, own, node);
+    let text = edited(base, &Node::parse(&before), &Node::parse(&wanted), &print);
+    let means_it = meaning::<T>(&text, path, types).is_some_and(|(_, now)| now == wanted);
+    if !means_it {
+        log::warn!("{}: the file is written anew, without its comments and its layout", path.display());
+    }
+    means_it.then_some(text)
+}
+
+/// What a text says, and the same as its writer would put it, defaults included.
+pub(super) fn meaning<T: Root>(text: &str, path: &Path, types: &ComponentTypes) -> Option<(T, String)> {
+    let (document, file) = Document::parse::<T>(path, text.to_owned()).ok()?;
+    Some((file.clone(), said(file, &document, types)?))
+}
+
+fn said<T: Root>(mut file: T, document: &Document, types: &ComponentTypes) -> Option<String> {
+    let canonical = Canonical { types, document, is_quiet: true };
+    canonical.entities(file.entities(), &[key("entities")]).ok()?;
+    ron_options().to_string(&file).ok()
+}

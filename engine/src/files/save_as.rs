@@ -1,0 +1,130 @@
+//! A scene under another name, in any folder.
+
+use super::LoadOptions;
+use super::document::{check_replaced, folder_of};
+use super::error::FileError;
+use super::format::{MaterialRef, ModelDetails, ModelFile, OverrideFile, SceneFile};
+use super::paths::{NoWay, Rebase};
+use super::save::{saved_file, text_of};
+use super::source::{Origin, SceneInfo, Source};
+use super::write::write_atomically;
+use crate::assets::AssetLibrary;
+use crate::world::{EnvironmentImage, GameWorld};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::Allow;
+use std::path::Path;
+
+/// Writes the world, whose paths start at the folder of `from`, as a scene file in any folder. Relative paths are
+/// rewritten for it, in the world too: from then on it is the new file's scene. Paths of models and images that lie in
+/// the folder of models stay.
+///
+/// # Errors
+/// As [`save_scene`](super::save_scene), and when a file that the scene names cannot be reached from there: which one,
+/// and why. File and world are untouched then.
+pub fn save_scene_as(
+    world: &mut GameWorld,
+    library: &AssetLibrary,
+    options: &LoadOptions,
+    from: &Path,
+    to: &Path,
+) -> Result<(), FileError> {
+    check_replaced(to)?;
+    let rebase = rebase(from, to, options);
+    let mut file = saved_file(world, from)?;
+    rebase.scene(&mut file).map_err(|no_way| no_way.at_file(to))?;
+    let text = text_of(world, to, &file)?;
+    if rebase.moves() {
+        try_out(&text, to, library, options)?;
+    }
+    write_atomically(to, &text)?;
+    follow(world, &rebase, from).map_err(|no_way| no_way.at_file(to))?;
+    world.ecs.get_resource_or_init::<SceneInfo>().file = Some((to.to_owned(), text.into()));
+    Ok(())
+}
+
+/// Rewrites the paths of a description for a scene that was saved in another folder.
+///
+/// # Errors
+/// When there is no relative path.
+pub fn rewrite_paths(scene: &mut SceneFile, from: &Path, to: &Path, options: &LoadOptions) -> Result<(), FileError> {
+    rebase(from, to, options).scene(scene).map_err(|no_way| no_way.at_file(to))
+}
+
+fn rebase(from: &Path, to: &Path, options: &LoadOptions) -> Rebase {
+    Rebase::new(folder_of(from), folder_of(to)).with_models(options.models.as_deref())
+}
+
+/// Whether the text can be loaded from there.
+fn try_out(text: &str, to: &Path, library: &AssetLibrary, options: &LoadOptions) -> Result<(), FileError> {
+    let trial = folder_of(to).join(format!(".{}.trial.scene.ron", std::process::id()));
+    let loaded = write_atomically(&trial, text)
+        .and_then(|()| super::load_scene(&trial, &mut library.clone(), options).map(drop));
+    // It is of no use to anyone.
+    let _ = std::fs::remove_file(&trial);
+    loaded.map_err(|mut error| {
+        error.message = format!("cannot be saved there: {}", error.message);
+        if error.file == trial {
+            error.file = to.to_owned();
+        }
+        error
+    })
+}
+
+/// Rewrites the paths that the world remembers, those of what an undo brings back too.
+fn follow(world: &mut GameWorld, rebase: &Rebase, from: &Path) -> Result<(), NoWay> {
+    let is_of_model = world.ecs.get_resource::<SceneInfo>().is_none_or(|info| info.file.is_none());
+    let mut sources = world.ecs.query_filtered::<&mut Source, Allow<Disabled>>();
+    for mut source in sources.iter_mut(&mut world.ecs) {
+        if let Some(ModelFile::Detailed(model)) = source.components.model.as_mut().filter(|_| is_of_model) {
+            below(model, from);
+        }
+        self::source(&mut source, rebase)?;
+    }
+    let mut settings = world.rest_settings();
+    let before = settings.environment.clone();
+    rebase.settings(&mut settings)?;
+    if let Some(mut image) = world.ecs.get_resource_mut::<EnvironmentImage>()
+        && before.as_ref() == Some(&image.environment)
+        && let Some(environment) = &settings.environment
+    {
+        image.environment = environment.clone();
+    }
+    world.set_rest_settings(settings);
+    let mut info = world.ecs.get_resource_or_init::<SceneInfo>();
+    info.materials.values_mut().try_for_each(|material| rebase.material(material))?;
+    info.textures_by_id.values_mut().try_for_each(|image| rebase.texture(image))?;
+    info.materials_by_id.values_mut().try_for_each(|material| match material {
+        MaterialRef::Inline(material) => rebase.material(material),
+        MaterialRef::Named(_) => Ok(()),
+    })
+}
+
+/// A model that was opened as a scene is named by its whole path; from its own scene on by the way to it.
+fn below(model: &mut ModelDetails, from: &Path) {
+    let folder = std::path::absolute(folder_of(from)).unwrap_or_default();
+    if let Ok(inside) = Path::new(&model.path).strip_prefix(folder) {
+        model.path = inside.to_string_lossy().into_owned();
+    }
+}
+
+/// What the scene's file says of the entity; what its prefab says starts at the prefab's folder.
+fn source(source: &mut Source, rebase: &Rebase) -> Result<(), NoWay> {
+    source.overrides.values_mut().try_for_each(|patch| rebase.patch(patch))?;
+    let OverrideFile { model, material, .. } = &mut source.components;
+    match &source.origin {
+        Origin::Prefab { base, material_overridden, .. } => {
+            if *model != base.model {
+                rebase.model(model)?;
+            }
+            if *material_overridden || *material != base.material {
+                rebase.material_ref(material)?;
+            }
+            return Ok(());
+        }
+        Origin::File => {}
+        Origin::Model => return Ok(()),
+    }
+    rebase.model(model)?;
+    rebase.material_ref(material)?;
+    source.prefab.iter_mut().try_for_each(|prefab| rebase.path(prefab))
+}
