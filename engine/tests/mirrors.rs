@@ -199,10 +199,10 @@ fn furnace_of_lacquer() {
         stage.scene.sky = Vec3::ONE;
         stage.clpv(Vec3::ZERO, medium());
         let image = indirect(&gpu, &stage);
-        for (x, y) in [(16, 16), (14, 18), (18, 13)] {
-            let found = rgb(&image, x, y).x;
-            assert!((0.96..=1.005).contains(&found), "roughness {roughness}, pixel {x}, {y}: {found}");
-        }
+        // The mean, since some of the noise is in few pixels; not of the rim, where the formula of glTF gains light.
+        let pixels = (13..20).flat_map(|y| (13..20).map(move |x| (x, y)));
+        let found = pixels.map(|(x, y)| rgb(&image, x, y).x).sum::<f32>() / 49.0;
+        assert!((0.96..=1.005).contains(&found), "roughness {roughness}: {found}");
     }
 }
 
@@ -244,8 +244,8 @@ fn mirrors_do_not_darken_what_lies_beside_them() {
 }
 
 /// Black pillars behind the camera, which the mirror before it shows.
-fn hall_of_pillars(clpv: Clpv) -> Stage {
-    let mut stage = flat_hall(clpv, 0.05);
+fn hall_of_pillars(clpv: Clpv, roughness: f32) -> Stage {
+    let mut stage = flat_hall(clpv, roughness);
     for index in 0..6_u8 {
         let at = Vec3::new(1.5, 0.0, -1.6 + 0.6 * f32::from(index));
         stage.add(Shape::Box { size: [0.2, 3.8, 0.25] }, Vec3::splat(0.02), Affine3A::from_translation(at));
@@ -254,32 +254,34 @@ fn hall_of_pillars(clpv: Clpv) -> Stage {
     stage
 }
 
-/// While the camera moves, mirrors show what they face now: within the noise of few rays of a frame that stands for itself,
-/// and far better than with the rays of the gather alone, whose history is that of the surface.
+/// The last of twelve frames of a window whose camera moves.
+fn moved(gpu: &Gpu, mut stage: Stage) -> (ImageF32, Stage) {
+    let settings = RenderSettings { only: Layer::Indirect, display: false, average: true, ..Default::default() };
+    let mut renderer = Renderer::new(gpu);
+    let frames = (0..12).map(|_| {
+        stage.view.camera.world_from_view.translation += glam::Vec3A::new(-0.04, 0.01, -0.02);
+        stage.render_with(gpu, &mut renderer, &settings).0
+    });
+    (frames.last().expect("frames"), stage)
+}
+
+/// While the camera moves, mirrors show what they face now, far sharper than with the rays of the gather alone, whose history
+/// is that of the surface; and rough ones have no more noise.
 #[test]
 fn a_moving_camera_sees_mirrors_as_they_are() {
     let gpu = gpu();
-    let moved = |clpv: Clpv| {
-        let settings = RenderSettings { only: Layer::Indirect, display: false, average: true, ..Default::default() };
-        let mut stage = hall_of_pillars(clpv);
-        let mut renderer = Renderer::new(&gpu);
-        let mut last = None;
-        for _ in 0..12 {
-            stage.view.camera.world_from_view.translation += glam::Vec3A::new(-0.04, 0.01, -0.02);
-            last = Some(stage.render_with(&gpu, &mut renderer, &settings).0);
-        }
-        (last.expect("a frame"), stage)
-    };
-    let (found, stage) = moved(medium());
-    let (without, _) = moved(Clpv { mirror_rays: GatherRays::Count(0), ..medium() });
-    // A frame that stands for itself, with many rays.
-    let many = Clpv { quality: Quality::Ultra, ..Default::default() };
-    let mut alone = hall_of_pillars(many);
-    alone.view = stage.view;
-    let truth = Image::from_rgba(EDGE, EDGE, &averaged_at_centres(&gpu, &alone).rgba).expect("a square image");
-    let [(found, bias), (without, _)] = [found, without].map(|image| error(&image, &truth));
-    println!("error {found}, bias {bias}; {without} without rays of their own");
-    assert!(found < 0.75 * without && bias.abs() < 0.04, "error {found}, bias {bias}; {without} without");
+    for (roughness, most) in [(0.05, 0.75), (0.2, 1.0)] {
+        let (found, stage) = moved(&gpu, hall_of_pillars(medium(), roughness));
+        let off = Clpv { mirror_rays: GatherRays::Count(0), ..medium() };
+        let (without, _) = moved(&gpu, hall_of_pillars(off, roughness));
+        // Frames that stand for themselves, with many rays.
+        let mut alone = hall_of_pillars(Clpv { quality: Quality::Ultra, ..Default::default() }, roughness);
+        alone.view = stage.view;
+        let truth = Image::from_rgba(EDGE, EDGE, &averaged_at_centres(&gpu, &alone).rgba).expect("a square image");
+        let [(found, bias), (without, _)] = [found, without].map(|image| error(&image, &truth));
+        println!("roughness {roughness}: error {found}, bias {bias}; {without} without rays of their own");
+        assert!(found < most * without && bias.abs() < 0.04, "error {found}, bias {bias}; {without} without");
+    }
 }
 
 /// A view that rests comes to a mean in which the noise of the rays is gone.

@@ -7,8 +7,10 @@ use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
 
-/// Width of the filter over that of the lobe, of a single image: both together are a tenth wider than the lobe.
+/// Width of the filter over that of the lobe: both together are a tenth wider than the lobe.
 const WIDTH: f32 = 0.5;
+/// The same in frames of a window, which have a ray a pixel: as wide as the lobe.
+const WIDTH_IN_WINDOWS: f32 = 1.0;
 
 /// `MirrorFilter` of `indirect/light_volumes/sweep/mirror_filter.wgsl`.
 #[derive(ShaderType)]
@@ -30,7 +32,8 @@ pub(super) fn declare<'a>(
     inputs.into_iter().for_each(|handle| pass.read(handle));
     let filtered = pass.write(filtered);
     // As the filter of the gather: the more images, the narrower.
-    let width = WIDTH / (frame.images().max(1) as f32).cbrt();
+    let width = if frame.number().is_some() { WIDTH_IN_WINDOWS } else { WIDTH };
+    let width = width / (frame.images().max(1) as f32).cbrt();
     pass.key(&(width.to_bits(), frame.view_key()));
     let [columns, rows] = frame.view.size;
     let uniform = MirrorFilterUniform { view: frame.view_values(), width };
