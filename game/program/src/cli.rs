@@ -79,7 +79,7 @@ pub struct PlayArgs {
     #[arg(default_value = "cornell")]
     pub scene: String,
     /// Size of the window, or of the images without a display [default: as it was last, or 1280x800; 512x512]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged
     #[arg(long, value_name = "N", value_parser = parse_frame_rate)]

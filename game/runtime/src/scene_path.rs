@@ -1,6 +1,7 @@
 //! Scenes by file or by name.
 
 use anyhow::{Result, bail};
+use lightwell::files::suggestion;
 use std::path::{Path, PathBuf};
 
 const ENDINGS: [&str; 3] = ["scene.ron", "gltf", "glb"];
@@ -32,7 +33,11 @@ pub fn find(scene: &str) -> Result<PathBuf> {
     if known.is_empty() {
         bail!("`{scene}` {what}; give a .scene.ron, .gltf or .glb file");
     }
-    bail!("`{scene}` {what}; known scenes: {}", known.join(", "))
+    let all = format!("known scenes: {}", known.join(", "));
+    match suggestion(scene, known.iter().map(String::as_str)).filter(|words| words.starts_with("did you mean")) {
+        Some(meant) => bail!("`{scene}` {what}; {meant} {all}"),
+        None => bail!("`{scene}` {what}; {all}"),
+    }
 }
 
 /// The scene's name: its file name without `.scene.ron`, `.gltf` or `.glb`.

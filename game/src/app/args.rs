@@ -33,7 +33,7 @@ pub struct GameArgs {
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
     /// Size of the window or of the pictures [default: 1280x800; 512x320]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Part of the window's size that is drawn, 0.1 to 1: less is faster
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_scale)]

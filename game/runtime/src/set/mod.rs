@@ -6,7 +6,7 @@ mod custom_component;
 use anyhow::{Result, anyhow, bail};
 use bevy_ecs::prelude::{ChildOf, Component, Entity};
 use glam::{EulerRot, Quat, Vec3};
-use lightwell::files::{self, SceneInfo};
+use lightwell::files::{self, SceneInfo, suggestion};
 use lightwell::world::fields::text;
 use lightwell::world::{
     Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings,
@@ -219,7 +219,17 @@ fn edit_transform(world: &mut GameWorld, entity: Entity, field: &str, value: &st
 fn changed<T: Serialize + DeserializeOwned>(current: &T, field: &str, value: &str) -> Result<T> {
     let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let text = changed_text(&options.to_string(current)?, field, value)?;
-    options.from_str(&text).map_err(|error| misfit(field, value, &error.code))
+    options.from_str(&text).or_else(|error| match in_its_case(value, &error.code) {
+        Some(value) => changed(current, field, &value),
+        None => Err(misfit(field, value, &error.code)),
+    })
+}
+
+/// The value with the variant of an enum that it names in other letters, such as `high`, as the enum has it.
+fn in_its_case(value: &str, fault: &ron::Error) -> Option<String> {
+    let ron::Error::NoSuchEnumVariant { expected, found, .. } = fault else { return None };
+    let meant = expected.iter().find(|name| name.eq_ignore_ascii_case(found))?;
+    (**meant != **found).then(|| value.replacen(found.as_str(), meant, 1))
 }
 
 fn changed_text(current: &str, field: &str, value: &str) -> Result<String> {
@@ -228,7 +238,14 @@ fn changed_text(current: &str, field: &str, value: &str) -> Result<String> {
 }
 
 fn misfit(field: &str, value: &str, fault: &ron::Error) -> anyhow::Error {
-    anyhow!("`{value}` does not fit `{field}`: {fault}")
+    let meant = match fault {
+        ron::Error::NoSuchEnumVariant { expected, found, .. } => suggestion(found, expected.iter().copied()),
+        _ => None,
+    };
+    match meant.filter(|words| words.starts_with("did you mean")) {
+        Some(meant) => anyhow!("`{value}` does not fit `{field}`; {meant} {fault}"),
+        None => anyhow!("`{value}` does not fit `{field}`: {fault}"),
+    }
 }
 
 /// The entity that the path begins with: itself, its name, and what follows it in the path.

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use lightwell::world::LightKind;
+use lightwell::world::{Bounces, LightKind, Quality};
 
 fn world() -> GameWorld {
     let mut world = GameWorld::new();
@@ -60,10 +60,21 @@ fn what_is_not_there_is_named_with_what_is() {
         ("Lamp.light.kind.outer.x", "5", "has no fields"),
         ("scene.skye", "5", "sky"),
         ("Lamp.light", "5", "COMPONENT.FIELD"),
+        ("clpv.quality", "Hihg", "did you mean `High`?"),
     ] {
         let error = apply(&mut world, path, value).unwrap_err().to_string();
         assert!(error.contains(expected), "{path}={value}: {error}");
     }
+}
+
+#[test]
+fn variants_may_be_written_in_other_letters() {
+    let mut world = world();
+    apply(&mut world, "clpv.quality", "ultra").unwrap();
+    apply(&mut world, "clpv.bounces", "count(2)").unwrap();
+    let mut clpv = world.ecs.query::<&Clpv>();
+    let found = clpv.iter(&world.ecs).next().unwrap();
+    assert_eq!((found.quality, found.bounces), (Quality::Ultra, Bounces::Count(2)));
 }
 
 #[test]

@@ -55,10 +55,10 @@ pub struct BenchArgs {
     #[arg(long, value_enum, value_name = "WHAT", value_delimiter = ',')]
     pub growth: Vec<Grows>,
     /// Sizes at which times are taken; plots use the first [default: 512x512,1024x1024; quick: 512x512]
-    #[arg(long, value_name = "WxH", value_delimiter = ',', value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_delimiter = ',', value_parser = parse_size, allow_hyphen_values = true)]
     pub time_size: Vec<[u32; 2]>,
     /// Size at which errors are taken [default: 256x256; quick: 128x128]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub error_size: Option<[u32; 2]>,
     /// Frames with shifted pixel grids that are averaged for an error [default: 16; --rooms: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -105,7 +105,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "S", default_value_t = 1, requires = "rooms")]
     pub seed: u64,
     /// Image size of the random rooms [default: 128x128]
-    #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "rooms")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "rooms")]
     pub size: Option<[u32; 2]>,
     /// Write the random rooms as scenes and measure nothing
     #[arg(long, requires = "rooms")]

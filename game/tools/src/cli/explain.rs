@@ -10,7 +10,7 @@ pub struct ExplainArgs {
     /// Scene file, or name of a scene in `scenes`
     pub scene: String,
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Time in seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]

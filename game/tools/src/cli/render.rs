@@ -34,7 +34,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
     pub output: PathBuf,
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Time in seconds [default: 0]
     #[arg(long, value_name = "S", value_parser = parse_time, conflicts_with = "frames")]

@@ -29,7 +29,7 @@ pub struct SheetArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Size of a thumbnail in pixels
-    #[arg(long, value_name = "WxH", default_value = "240x240", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "240x240", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Thumbnails in a row [default: as many as fit 1800 pixels]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=64))]
