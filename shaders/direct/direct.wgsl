@@ -5,8 +5,7 @@
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
 #ifdef SHADOW_RAYS
-#import lightwell::lights::Incidence
-#import lightwell::rays::{NONE, SHADOW, Ray, Surface as Start, leave_surface, trace}
+#import lightwell::shadow_rays::is_reached
 #endif
 #import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
 #import lightwell::view::{View, toward_eye}
@@ -56,22 +55,6 @@ fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
 
 #ifdef SHADOW_RAYS
 const UNKNOWN: f32 = -1.0;
-
-// Whether nothing is between a visible point and the light.
-fn is_reached(position: vec3f, n: vec3f, incidence: Incidence) -> bool {
-    var start: Start;
-    start.position = position;
-    start.geometric_normal = n;
-    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
-    let p = max(abs(position), abs(toward_eye(view, position)));
-    start.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
-    let origin = leave_surface(start, incidence.to_light);
-    // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
-    let is_far = incidence.distance == 0.0;
-    let offset = position + incidence.to_light * incidence.distance - origin;
-    let ray = Ray(origin, select(offset, incidence.to_light, is_far));
-    return trace(region.root, ray, select(1.0, 3e38, is_far), SHADOW).triangle == NONE;
-}
 #endif
 
 @compute @workgroup_size(8, 8)
@@ -95,7 +78,7 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     var lit = visibility(position, surface.normal, incidence.to_light);
 #ifdef SHADOW_RAYS
     if lit == UNKNOWN {
-        lit = select(0.0, 1.0, is_reached(position, surface.normal, incidence));
+        lit = select(0.0, 1.0, is_reached(view, region.root, position, surface.normal, incidence));
     }
 #endif
     if lit <= 0.0 {

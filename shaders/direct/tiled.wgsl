@@ -4,7 +4,7 @@
 
 #import lightwell::direct::{is_lit, reflected_light}
 #import lightwell::gbuffer::{decode_surface, world_position}
-#import lightwell::lights::{Light, DIRECTIONAL, light_incidence}
+#import lightwell::lights::{Light, is_distant, light_incidence}
 #import lightwell::view::{View, toward_eye}
 
 struct Lights {
@@ -46,7 +46,7 @@ fn bound(local: u32, position: vec3f, has_surface: bool) {
 
 // Whether the sphere of a light's range meets a box (Arvo 1990).
 fn reaches(light: Light, box_low: vec3f, box_high: vec3f) -> bool {
-    if light.range <= 0.0 || light.shape == DIRECTIONAL {
+    if light.range <= 0.0 || is_distant(light) {
         return true;
     }
     let nearest = (clamp(light.position, box_low, box_high) - light.position) / light.range;

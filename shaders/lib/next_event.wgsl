@@ -3,13 +3,16 @@
 // A vertex of a path: directions by the surface's reflection, and next-event estimation towards lights, emissive triangles
 // and the sky. What both ways can find is weighted by the balance heuristic (Veach and Guibas 1995). What a scene does not
 // have is left out: see lib/rays.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
-// sky is alike in all directions.
+// sky is alike in all directions; (the other way around) AREA_LIGHTS, a light has a surface.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
 #ifndef DIFFUSE
 #import lightwell::environment::lobe_reflectance
 #endif
-#import lightwell::lights::{Incidence, light_incidence}
+#ifdef AREA_LIGHTS
+#import lightwell::area_lights::{is_area, sample_incidence, meet_light}
+#endif
+#import lightwell::lights::{Incidence, Light, light_incidence}
 #import lightwell::rays::{Ray, Hit, Surface, NONE, DOUBLE_SIDED, leave_surface, load_triangle, emitted_at, coverage, emitters, load_light}
 #import lightwell::sampling::{INVERSE_PI, cosine_direction, is_chosen, visible_ggx_normal}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
@@ -131,17 +134,42 @@ struct LightSample {
     light: vec3f,          // over the chance of the choice [W/(m² sr)]
     ray: Ray,
     reach: f32,            // 0: no ray is needed
-    irradiance: f32,       // of a light, on a plane across its light, all channels together [W/m²]
+    irradiance: f32,       // of a light at a point, on a plane across its light, all channels together [W/m²]
 }
 
 fn no_light() -> LightSample {
     return LightSample(vec3f(0.0), Ray(vec3f(0.0), vec3f(0.0)), 0.0, 0.0);
 }
 
+// `share` of `sample_light` where no ray goes on that could meet the light.
+const NO_RAY: f32 = -1.0;
+
+// Light from a point of a light, which two random numbers choose if it has a surface.
+fn incidence_of(light: Light, position: vec3f, on_light: vec2f) -> Incidence {
+#ifdef AREA_LIGHTS
+    return sample_incidence(light, position, on_light);
+#else
+    return light_incidence(light, position);
+#endif
+}
+
+// Weight of a sampled point of a light against the ray that goes on, by the specular lobe with a chance of `share`, and may
+// meet it too.
+fn light_weight(surface: Surface, to_eye: vec3f, share: f32, incidence: Incidence) -> f32 {
+#ifdef AREA_LIGHTS
+    if share >= 0.0 && incidence.solid_angle > 0.0 {
+        return 1.0 / (1.0 + incidence.solid_angle * direction_density(surface, to_eye, incidence.to_light, share));
+    }
+#endif
+    return 1.0;
+}
+
 // One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
 // Chao 1982): a single light is sampled without noise. Lights that feed no indirect light are left out unless the light
 // is direct.
-fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, random: f32) -> LightSample {
+fn sample_light(
+    surface: Surface, to_eye: vec3f, share: f32, count: u32, is_direct: bool, random: f32, on_light: vec2f,
+) -> LightSample {
     var total = 0.0;
     var chosen: Incidence;
     var chosen_weight = 0.0;
@@ -153,7 +181,7 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
         if !is_direct && candidate.indirect == 0u {
             continue;
         }
-        let incidence = light_incidence(candidate.light, surface.position);
+        let incidence = incidence_of(candidate.light, surface.position, on_light);
         if all(incidence.irradiance <= vec3f(0.0)) {
             continue;
         }
@@ -173,13 +201,14 @@ fn sample_light(surface: Surface, to_eye: vec3f, count: u32, is_direct: bool, ra
     if chosen_weight <= 0.0 {
         return no_light();
     }
-    return toward_light(surface, chosen, chosen_light * (total / chosen_weight), casts_shadow);
+    let found = light_weight(surface, to_eye, share, chosen);
+    return toward_light(surface, chosen, chosen_light * (found * total / chosen_weight), casts_shadow);
 }
 
 // What a surface reflects of one light, that feeds indirect light.
-fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32) -> LightSample {
+fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32, on_light: vec2f) -> LightSample {
     let candidate = load_light(index);
-    let incidence = light_incidence(candidate.light, surface.position);
+    let incidence = incidence_of(candidate.light, surface.position, on_light);
     if candidate.indirect == 0u || all(incidence.irradiance <= vec3f(0.0)) {
         return no_light();
     }
@@ -190,9 +219,33 @@ fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32) -> LightSample 
     return toward_light(surface, incidence, light, candidate.casts_shadow != 0u);
 }
 
+#ifdef AREA_LIGHTS
+// Radiance that a ray in a unit direction, sampled with that density, finds on the surfaces of lights, up to where it meets the
+// scene, over what `sample_light` finds of them. With L/(p + 1/ω) written as E·p/(1 + ω·p): no light is divided by its size.
+fn radiance_of_lights(origin: vec3f, direction: vec3f, density: f32, hit_distance: f32, count: u32, is_direct: bool) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < count; i++) {
+        let candidate = load_light(i);
+        if !is_area(candidate.light) || (!is_direct && candidate.indirect == 0u) {
+            continue;
+        }
+        let incidence = meet_light(candidate.light, origin, direction);
+        // As for its samples, nothing stands before a light that casts no shadow; the sun lies behind all.
+        let distance = select(incidence.distance, 1e38, incidence.distance == 0.0);
+        if all(incidence.irradiance <= vec3f(0.0)) || (candidate.casts_shadow != 0u && 0.9999 * distance > hit_distance) {
+            continue;
+        }
+        sum += bounded(incidence.irradiance * (density / (1.0 + incidence.solid_angle * density)));
+    }
+    return bounded(sum);
+}
+#endif
+
 // What a surface reflects of a light if nothing is between them.
 fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, casts_shadow: bool) -> LightSample {
-    let irradiance = incidence.irradiance.r + incidence.irradiance.g + incidence.irradiance.b;
+    // Points that a light with a surface reaches are not drawn from its reflective shadow map, which sees from one point.
+    let e = select(incidence.irradiance, vec3f(0.0), incidence.solid_angle > 0.0);
+    let irradiance = e.r + e.g + e.b;
     if !casts_shadow {
         return LightSample(reflected_light, Ray(vec3f(0.0), vec3f(0.0)), 0.0, irradiance);
     }
@@ -201,7 +254,9 @@ fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, 
     let is_far = incidence.distance == 0.0;
     let offset = surface.position + incidence.to_light * incidence.distance - origin;
     let ray = Ray(origin, select(offset, incidence.to_light, is_far));
-    return LightSample(reflected_light, ray, select(1.0, 3e38, is_far), irradiance);
+    // The surface of a light may lie on one of the scene.
+    let reach = select(1.0, 0.9999, incidence.solid_angle > 0.0);
+    return LightSample(reflected_light, ray, select(reach, 3e38, is_far), irradiance);
 }
 
 #ifndef UNLIT

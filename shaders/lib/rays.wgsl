@@ -69,7 +69,7 @@ struct RayLight {
 @group(1) @binding(2) var attributes: texture_storage_2d<rgba32uint, read>;
 @group(1) @binding(3) var<storage, read> materials: array<Material>;
 @group(1) @binding(4) var<storage, read> emitters: array<Emitter>;
-// Four texels a light.
+// Five texels a light.
 @group(1) @binding(5) var lights: texture_storage_2d<rgba32uint, read>;
 @group(1) @binding(6) var atlas: texture_2d_array<f32>;
 #ifndef PLAIN
@@ -116,11 +116,11 @@ fn primitive_of(index: u32) -> u32 {
 
 // As ray_scene/lights.rs writes it.
 fn load_light(index: u32) -> RayLight {
-    let at = box_texel(4u * index);
-    let a = textureLoad(lights, at);
-    let b = textureLoad(lights, at + vec2u(1u, 0u));
-    let c = textureLoad(lights, at + vec2u(2u, 0u));
-    let d = textureLoad(lights, at + vec2u(3u, 0u));
+    let a = textureLoad(lights, box_texel(5u * index));
+    let b = textureLoad(lights, box_texel(5u * index + 1u));
+    let c = textureLoad(lights, box_texel(5u * index + 2u));
+    let d = textureLoad(lights, box_texel(5u * index + 3u));
+    let e = textureLoad(lights, box_texel(5u * index + 4u));
     var light: Light;
     light.position = bitcast<vec3f>(a.xyz);
     light.shape = a.w;
@@ -128,8 +128,10 @@ fn load_light(index: u32) -> RayLight {
     light.range = bitcast<f32>(b.w);
     light.intensity = bitcast<vec3f>(c.xyz);
     light.cone_scale = bitcast<f32>(c.w);
-    light.cone_offset = bitcast<f32>(d.x);
-    return RayLight(light, d.z, d.w);
+    light.axis = bitcast<vec3f>(d.xyz);
+    light.cone_offset = bitcast<f32>(d.w);
+    light.size = bitcast<vec2f>(e.xy);
+    return RayLight(light, e.z, e.w);
 }
 
 // ---- Textures ----

@@ -1,6 +1,6 @@
 #define_import_path lightwell::rsm
 
-#import lightwell::lights::{Light, DIRECTIONAL, light_intensity_towards, range_window}
+#import lightwell::lights::{Light, is_distant, light_intensity_towards, range_window}
 
 // One view of a reflective shadow map.
 struct RsmLayer {
@@ -40,7 +40,7 @@ fn texel_received(rsm: RsmLayer, light: Light, texel: vec2u, position: vec3f) ->
     let flux = light_intensity_towards(light, -to_light) * range_window(light, d) * solid_angle;
     // Both are computed: Mesa's software driver (22.3) makes shaders anew in every frame whose branches hang on values of
     // uniforms alone that stand beside others that change.
-    let is_directional = light.shape == DIRECTIONAL;
+    let is_directional = is_distant(light);
     return Received(
         select(flux, light.intensity * (step * step), is_directional),
         select(to_light, -light.direction, is_directional),

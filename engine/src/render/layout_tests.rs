@@ -70,6 +70,8 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct/direct.wgsl", "Light");
     check(&gpu, RegionUniform::min_size().get(), "direct/direct.wgsl", "Region");
     check(&gpu, LightsUniform::min_size().get(), "direct/tiled.wgsl", "Lights");
+    check(&gpu, AreaUniform::min_size().get(), "direct/area.wgsl", "Area");
+    check(&gpu, ShadowsUniform::min_size().get(), "direct/area_shadows.wgsl", "Shadows");
     check(&gpu, LightUniform::min_size().get(), "direct/tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "post/compose.wgsl", "Compose");
     check(&gpu, AverageUniform::min_size().get(), "indirect/accumulate.wgsl", "Average");

@@ -227,7 +227,7 @@ impl Renderer {
             gpu_scene: &self.gpu_scene,
             surfels: &self.surfels,
             rays,
-            shadow_rays: rays.filter(|_| method.rays(scene) != RayUse::None),
+            shadow_rays: rays.filter(|_| method.rays(scene) != RayUse::None || casts_soft_shadows(scene)),
             refused_rays,
             view,
             settings,
@@ -303,13 +303,17 @@ impl Renderer {
         Ok(bounds)
     }
 
-    /// How the frame casts rays: for its method and the borders of shadows, or to show their hierarchy.
+    /// How the frame casts rays: for its method, soft shadows and the borders of others, or to show their hierarchy.
     fn ray_use(&self, scene: &Scene, settings: &RenderSettings) -> Result<RayUse, RenderError> {
         if settings.display && settings.debug.shows(DebugView::Bvh) {
             return Ok(RayUse::Required);
         }
         let method = self.methods.get(settings.gi)?;
-        Ok(if settings.only.is_light() { method.rays(scene) } else { RayUse::None })
+        Ok(match method.rays(scene) {
+            _ if !settings.only.is_light() => RayUse::None,
+            RayUse::None if casts_soft_shadows(scene) => RayUse::Optional,
+            of_method => of_method,
+        })
     }
 
     /// Brings the scene for rays up to date where a method can do without. What does not fit the device is not tried again
@@ -443,4 +447,9 @@ fn check_view(gpu: &Gpu, view: &SceneView) -> Result<(), RenderError> {
         return wrong("its place is not finite".into());
     }
     Ok(())
+}
+
+/// Whether a light with a surface casts shadows, which rays find.
+fn casts_soft_shadows(scene: &Scene) -> bool {
+    scene.lights.iter().any(|light| light.casts_shadow && light.shape.is_area())
 }

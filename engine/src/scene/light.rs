@@ -1,7 +1,7 @@
 //! Lights as the renderer sees them.
 
 use super::SceneId;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Largest edge of a reflective shadow map \[texels\]: four targets of a point light's six faces take 2.3 GiB then.
 pub const MAX_RSM_SIZE: u32 = 4096;
@@ -20,6 +20,45 @@ pub enum LightShape {
         /// Half angle beyond which there is no light.
         outer: f32,
     },
+    /// Parallel light but for the width of a disc in the sky; intensity is irradiance E on a perpendicular plane [W/m²].
+    Sun {
+        /// Half the angle under which it is seen \[rad\], 0..π/4.
+        half_angle: f32,
+    },
+    /// A sphere of even radiance; intensity is radiant intensity I [W/sr].
+    Sphere {
+        /// Radius \[m\].
+        radius: f32,
+    },
+    /// A disc of even radiance on its front; intensity is radiant intensity on the axis [W/sr].
+    Disc {
+        /// Radius \[m\].
+        radius: f32,
+    },
+    /// A rectangle of even radiance on its front; intensity is radiant intensity on the axis [W/sr].
+    Rectangle {
+        /// Half edges along `SceneLight::axis` and across it \[m\].
+        half_size: Vec2,
+    },
+    /// A tube along `SceneLight::axis`, dark at its ends; intensity is radiant intensity across the axis [W/sr].
+    Tube {
+        /// Half the length \[m\].
+        half_length: f32,
+        /// Radius \[m\].
+        radius: f32,
+    },
+}
+
+impl LightShape {
+    /// Whether it has a surface.
+    pub fn is_area(&self) -> bool {
+        !matches!(self, Self::Directional | Self::Point | Self::Spot { .. })
+    }
+
+    /// Whether all its light comes from one direction, or nearly so.
+    pub fn is_distant(&self) -> bool {
+        matches!(self, Self::Directional | Self::Sun { .. })
+    }
 }
 
 /// A light in world space.
@@ -35,8 +74,10 @@ pub struct SceneLight {
     pub intensity: Vec3,
     /// World position \[m\]; unused by directional lights.
     pub position: Vec3,
-    /// Unit direction that the light travels along its axis; unused by point lights.
+    /// Unit direction that the light travels along its axis; unused by point lights and spheres.
     pub direction: Vec3,
+    /// Unit direction of a rectangle's width and of a tube, at right angles to `direction`; unused by the others.
+    pub axis: Vec3,
     /// Distance beyond which there is no light \[m\], windowed as in `KHR_lights_punctual`.
     pub range: Option<f32>,
     /// Whether it casts shadows.
@@ -52,9 +93,9 @@ pub struct SceneLight {
 }
 
 impl SceneLight {
-    /// Whether it stands somewhere, unlike a directional light.
+    /// Whether it stands somewhere, unlike a directional light or the sun.
     pub fn has_position(&self) -> bool {
-        self.shape != LightShape::Directional
+        !self.shape.is_distant()
     }
 
     /// Name and identity: unique in the scene, for the names of passes and resources.

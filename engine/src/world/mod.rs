@@ -40,6 +40,6 @@ pub(crate) use hierarchy::clone_onto;
 pub use identity::Identity;
 pub use instant_radiosity::*;
 pub use light_culling::*;
-pub(crate) use propagate::forward;
+pub(crate) use propagate::{forward, right};
 pub use rest_pose::RestPose;
 pub use sample::{MaterialSample, Sample};

@@ -104,3 +104,8 @@ fn parent_frame(parents: &Query<&ChildOf>, nodes: &Query<Node>, entity: Entity) 
 pub(crate) fn forward(orientation: &Orientation) -> Vec3A {
     -orientation.0.z_axis
 }
+
+/// The direction along X of an orientation.
+pub(crate) fn right(orientation: &Orientation) -> Vec3A {
+    orientation.0.x_axis
+}

@@ -118,6 +118,7 @@ impl Stage {
             intensity,
             position,
             direction: direction.normalize(),
+            axis: direction.normalize().any_orthonormal_vector(),
             range: None,
             casts_shadow: true,
             indirect: true,

@@ -10,8 +10,8 @@
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{Surface as Drawn, decode_albedo, decode_normal, decode_surface, world_position}
-#import lightwell::lights::{Incidence, light_incidence}
-#import lightwell::next_event::{LightSample, bounded, no_light, reflected, toward_light}
+#import lightwell::lights::Incidence
+#import lightwell::next_event::{LightSample, bounded, incidence_of, no_light, reflected, toward_light}
 #import lightwell::rays::{Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, load_light, surface_at, trace}
 #import lightwell::sampling::{Sampler, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
@@ -83,7 +83,7 @@ fn brightness(light: vec3f) -> f32 {
 }
 
 // What a surface reflects of one light, chosen in proportion to what each would bring (weighted reservoir, Chao 1982).
-fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32) -> LightSample {
+fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32, on_light: vec2f) -> LightSample {
     var total = 0.0;
     var chosen: Incidence;
     var chosen_light = vec3f(0.0);
@@ -95,7 +95,7 @@ fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32) -> Light
         if candidate.indirect == 0u || share <= 0.0 {
             continue;
         }
-        let incidence = light_incidence(candidate.light, surface.position);
+        let incidence = incidence_of(candidate.light, surface.position, on_light);
         let light = share * bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
         let weight = brightness(light);
         if weight <= 0.0 {
@@ -154,7 +154,12 @@ fn unblocked(sample: LightSample) -> vec3f {
 // Light that a surface sends back along a ray which met it, as far as it is left out.
 fn sent(surface: Surface, direction: vec3f, distance: f32, random: ptr<function, Sampler>) -> vec3f {
     var light = surface.emissive * left_out(distance, near.glow);
-    light += unblocked(of_lamp(surface, -direction, distance, next_pair(random).x));
+    let pick = next_pair(random).x;
+    var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+    on_light = next_pair(random);
+#endif
+    light += unblocked(of_lamp(surface, -direction, distance, pick, on_light));
     if near.virtual_count > 0u {
         light += unblocked(of_virtual_light(surface, -direction, distance, random));
     }

@@ -4,11 +4,15 @@
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
 // passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): UNLIT, no surface emits light;
-// DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions;
-// ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to the surface that the camera sees, with that
-// surface's own emission; all else is indirect, and `bounces` counts the rays that go on.
+// DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions; (the other way around) AREA_LIGHTS, a
+// light has a surface; ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to
+// the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
+// that go on.
 
-#import lightwell::next_event::{LightSample, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
+#import lightwell::next_event::{LightSample, NO_RAY, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
+#ifdef AREA_LIGHTS
+#import lightwell::next_event::radiance_of_lights
+#endif
 #ifndef UNLIT
 #import lightwell::next_event::sample_emitter
 #endif
@@ -102,19 +106,37 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
 
 // ---- Next-event estimation ----
 
-fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) {
+fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: f32, random: ptr<function, Sampler>) {
     let is_direct = (*path).vertices == 1u;
     var pick = 0.0;
     if light_count > 1u {
         pick = next_pair(random).x;
     }
-    let sample = sample_light(surface, to_eye, light_count, is_direct, pick);
+    var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+    on_light = next_pair(random);
+#endif
+    let sample = sample_light(surface, to_eye, share, light_count, is_direct, pick, on_light);
     if sample.reach <= 0.0 {
         add(path, sample.light, is_direct);
         return;
     }
     (*path).shadow = Shadow(sample.ray, sample.reach, bounded((*path).throughput * bounded(sample.light)), is_direct);
 }
+
+#ifdef AREA_LIGHTS
+// What the ray that goes on finds of lights with a surface, up to where it met the scene.
+fn add_met_lights(path: ptr<function, Path>, hit: Hit) {
+    // The camera sees no lights.
+    if (*path).vertices == 0u {
+        return;
+    }
+    let is_direct = (*path).vertices == 1u;
+    let ray = (*path).ray;
+    let distance = select(hit.t, 3e38, hit.triangle == NONE);
+    add(path, radiance_of_lights(ray.origin, ray.direction, (*path).density, distance, light_count, is_direct), is_direct);
+}
+#endif
 
 // What is left of the light of a sample, if nothing is in the way.
 fn add_unless_blocked(path: ptr<function, Path>, sample: LightSample) {
@@ -192,6 +214,9 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
 
 // Goes on from the surface that the path has met; false where it ends.
 fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -> bool {
+#ifdef AREA_LIGHTS
+    add_met_lights(path, hit);
+#endif
     if hit.triangle == NONE {
         add_sky(path);
         return false;
@@ -203,12 +228,14 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
     }
     add_emission(path, surface, hit);
     let to_eye = -normalize((*path).ray.direction);
-    add_light(path, surface, to_eye, random);
     let bounces = (*path).vertices - 1u;
-    if bounces >= min(params.bounces, MAX_BOUNCES) {
+    let is_last = bounces >= min(params.bounces, MAX_BOUNCES);
+    let share = specular_share(surface, to_eye);
+    // After the last surface no ray goes on.
+    add_light(path, surface, to_eye, select(share, NO_RAY, is_last), random);
+    if is_last {
         return false;
     }
-    let share = specular_share(surface, to_eye);
 #ifndef UNLIT
     let choice_of_emitter = next_pair(random);
     add_unless_blocked(path, sample_emitter(surface, to_eye, share, emitter_count, 1.0, choice_of_emitter.x, next_pair(random)));

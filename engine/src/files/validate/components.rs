@@ -76,6 +76,7 @@ impl Validator {
                 "use half angles 0 ≤ inner < outer ≤ 90 degrees",
             )?;
         }
+        self.light_surface(l.kind)?;
         let size = |s: u32, low: u32, high: u32| (low..=high).contains(&s);
         self.require(
             size(l.shadow_size, 16, 8192),
@@ -89,6 +90,33 @@ impl Validator {
             format!("`rsm_size` is {}", l.rsm_size),
             "use 4 to 2048 texels",
         )
+    }
+
+    /// Sizes of lights with a surface.
+    fn light_surface(&mut self, kind: LightKind) -> Checked {
+        let sizes: &[(&str, f32)] = match kind {
+            LightKind::Sphere { radius } => &[("radius", radius)],
+            LightKind::Disc { radius } => &[("radius", radius)],
+            LightKind::Rectangle { width, height } => &[("width", width), ("height", height)],
+            LightKind::Tube { length, radius } => &[("length", length), ("radius", radius)],
+            LightKind::Sun { angle } => {
+                return self.require(
+                    LightKind::ANGLES.contains(&angle),
+                    "kind",
+                    format!("the sun's `angle` is {angle}°"),
+                    "use 0.001 to 90 degrees (the sun has 0.53), or Directional for none",
+                );
+            }
+            LightKind::Directional | LightKind::Point | LightKind::Spot { .. } => return Ok(()),
+        };
+        sizes.iter().try_for_each(|(name, size)| {
+            self.require(
+                LightKind::SIZES.contains(size),
+                "kind",
+                format!("the light's `{name}` is {size}"),
+                "use 1e-6 to 1e6 m, or Point for a light without a size",
+            )
+        })
     }
 
     pub(super) fn camera(&mut self, c: &Camera) -> Checked {

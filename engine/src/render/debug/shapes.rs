@@ -71,7 +71,7 @@ fn hue(light: &SceneLight) -> Vec3 {
     if brightest > 0.0 { (color / brightest).powf(1.0 / 2.2) } else { Vec3::splat(0.5) }
 }
 
-/// The volume of a light: a sphere, a cone, or parallel arrows on the scene's bounds.
+/// The volume of a light: a sphere, a cone, the surface that it has, or parallel arrows on the scene's bounds.
 pub(super) fn light_lines(light: &SceneLight, bounds: &Aabb) -> Vec<Line> {
     let color = hue(light);
     let most = 2.0 * bounds.size().length().max(1.0);
@@ -92,7 +92,10 @@ pub(super) fn light_lines(light: &SceneLight, bounds: &Aabb) -> Vec<Line> {
             let inner = inner.into_iter().flat_map(|(center, r)| circle(center, x * r, y * r, 0.6 * color));
             sides.into_iter().chain(circle(center, x * radius, y * radius, color)).chain(inner).collect()
         }
-        LightShape::Directional => {
+        LightShape::Sphere { .. } | LightShape::Disc { .. } | LightShape::Rectangle { .. } | LightShape::Tube { .. } => {
+            surface_lines(light, color)
+        }
+        LightShape::Directional | LightShape::Sun { .. } => {
             let half = 0.5 * bounds.size();
             let spread = 0.6 * half.length();
             let from = bounds.center() - z * half.length();
@@ -106,6 +109,36 @@ pub(super) fn light_lines(light: &SceneLight, bounds: &Aabb) -> Vec<Line> {
             };
             starts.flat_map(arrow).collect()
         }
+    }
+}
+
+/// The outline of a light's surface; of a flat one with a line to the side that it shines to.
+fn surface_lines(light: &SceneLight, color: Vec3) -> Vec<Line> {
+    let (center, axis) = (light.position, light.axis);
+    let across = light.direction.cross(axis);
+    let toward = |length: f32| Line::new(center, center + light.direction * length, color);
+    match light.shape {
+        LightShape::Sphere { radius: r } => {
+            let circles = [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::X)];
+            circles.into_iter().flat_map(|(a, b)| circle(center, a * r, b * r, color)).collect()
+        }
+        LightShape::Disc { radius: r } => {
+            circle(center, axis * r, across * r, color).chain([toward(r)]).collect()
+        }
+        LightShape::Rectangle { half_size } => {
+            let (x, y) = (axis * half_size.x, across * half_size.y);
+            let corners = [x + y, y - x, -x - y, x - y].map(|corner| center + corner);
+            let edges = (0..4).map(|i| Line::new(corners[i], corners[(i + 1) % 4], color));
+            edges.chain([toward(half_size.min_element())]).collect()
+        }
+        LightShape::Tube { half_length, radius } => {
+            let ends = [-half_length, half_length].map(|along| center + axis * along);
+            let rims = ends.into_iter().flat_map(|end| circle(end, light.direction * radius, across * radius, color));
+            let sides = [light.direction, across, -light.direction, -across].map(|side| side * radius);
+            let sides = sides.map(|side| Line::new(ends[0] + side, ends[1] + side, color));
+            rims.chain(sides).collect()
+        }
+        _ => Vec::new(),
     }
 }
 
@@ -179,6 +212,7 @@ mod tests {
             intensity: Vec3::new(0.4, 0.2, 0.0),
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Y,
+            axis: Vec3::X,
             range: None,
             casts_shadow: true,
             indirect: true,

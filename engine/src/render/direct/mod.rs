@@ -1,7 +1,10 @@
 //! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
 //! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]). Where the scene is there for rays, a shadow ray
-//! decides at the borders of shadows, where a map's texels are too coarse to.
+//! decides at the borders of shadows, where a map's texels are too coarse to. Lights with a surface have passes of their own
+//! ([`area`]).
 
+pub(in crate::render) mod area;
+pub(in crate::render) mod area_shadows;
 pub(in crate::render) mod tiled;
 
 use super::frame::Frame;
@@ -38,10 +41,15 @@ pub fn declare<'a>(
     direct_lights: &[DirectLight<'a>],
 ) -> Handle<Texture> {
     let mut radiance = declare_clear(graph, frame);
+    let (area, points): (Vec<&DirectLight>, Vec<&DirectLight>) =
+        direct_lights.iter().partition(|direct_light| direct_light.light.shape.is_area());
+    for direct_light in area {
+        radiance = area::declare(graph, frame, gbuffer, radiance, direct_light.clone());
+    }
     let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) =
-        direct_lights.iter().partition(|direct_light| direct_light.shadow.is_some());
+        points.iter().partition(|direct_light| direct_light.shadow.is_some());
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
-    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (direct_lights.iter().collect(), Vec::new()) };
+    let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {
         let name = format!("direct {}", direct_light.light.pass_name());
         radiance = declare_light(graph, frame, gbuffer, radiance, &name, direct_light.clone());
@@ -240,6 +248,7 @@ mod tests {
             intensity: Vec3::ONE,
             position,
             direction: Vec3::NEG_Z,
+            axis: Vec3::X,
             range,
             casts_shadow: false,
             indirect: false,

@@ -6,7 +6,7 @@ use crate::scene::SceneLight;
 use encase::ShaderType;
 
 /// Texels of a light.
-const TEXELS: usize = 4;
+const TEXELS: usize = 5;
 
 /// All lights: `Light` of `lib/lights.wgsl`, and in the two words at its end that are left, whether it casts shadows and
 /// whether it lights more than what the camera sees.
@@ -20,7 +20,7 @@ pub(super) fn texels(lights: &[SceneLight]) -> Vec<Texel> {
             log::error!("light `{}`: {error}", light.name);
         }
         texels.copy_from_slice(bytemuck::cast_slice(&bytes.into_inner()));
-        texels[3][2..].copy_from_slice(&[u32::from(light.casts_shadow), u32::from(light.indirect)]);
+        texels[4][2..].copy_from_slice(&[u32::from(light.casts_shadow), u32::from(light.indirect)]);
     }
     texels
 }
@@ -40,6 +40,7 @@ mod tests {
             intensity: Vec3::ONE,
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Y,
+            axis: Vec3::X,
             range: None,
             casts_shadow,
             indirect,
@@ -48,9 +49,9 @@ mod tests {
             revision: 0,
         };
         let texels = texels(&[light(true, false), light(false, true)]);
-        assert_eq!(texels.len(), 8);
-        assert_eq!(texels[4], [1.0_f32.to_bits(), 2.0_f32.to_bits(), 3.0_f32.to_bits(), 1]);
-        assert_eq!((texels[3], texels[7]), ([0, 0, 1, 0], [0, 0, 0, 1]));
+        assert_eq!(texels.len(), 10);
+        assert_eq!(texels[5], [1.0_f32.to_bits(), 2.0_f32.to_bits(), 3.0_f32.to_bits(), 1]);
+        assert_eq!((texels[4], texels[9]), ([0, 0, 1, 0], [0, 0, 0, 1]));
         assert_eq!(texels[2][0], 1.0_f32.to_bits());
     }
 }

@@ -112,6 +112,7 @@ pub struct RayScene {
     pub light_count: u32,
     /// Number of triangles that emit light.
     pub emitter_count: u32,
+    has_area_lights: bool,
 }
 
 impl RayScene {
@@ -128,6 +129,7 @@ impl RayScene {
             synced: None,
             light_count: 0,
             emitter_count: 0,
+            has_area_lights: false,
         }
     }
 
@@ -148,6 +150,7 @@ impl RayScene {
         }
         if then.is_none_or(|then| then.lights() != now.lights()) {
             self.light_count = scene.lights.len() as u32;
+            self.has_area_lights = scene.lights.iter().any(|light| light.shape.is_area());
             let texels = lights::texels(&scene.lights);
             self.lights.reserve(gpu, "ray lights", "lights", texels.len().div_ceil(words::ROW as usize))?;
             self.lights.write(gpu, 0, 1, &texels);
@@ -221,6 +224,7 @@ impl RayScene {
             ("UNLIT", self.emitter_count == 0),
             ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
+            ("AREA_LIGHTS", self.has_area_lights),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
         set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)))

@@ -1,4 +1,5 @@
-//! The views that a light sees the scene by: one for spot and directional lights, six for point lights.
+//! The views that a light sees the scene by: one for spot and directional lights, six for point lights. Lights with a surface
+//! see from their middle.
 //!
 //! Shadow maps and reflective shadow maps are drawn through the same views.
 
@@ -56,8 +57,14 @@ pub fn light_views(light: &SceneLight, bounds: &Aabb) -> Vec<LightView> {
         return Vec::new();
     }
     match light.shape {
-        LightShape::Directional => directional_view(light.direction, bounds).into_iter().collect(),
-        LightShape::Point => {
+        LightShape::Directional | LightShape::Sun { .. } => {
+            directional_view(light.direction, bounds).into_iter().collect()
+        }
+        LightShape::Point
+        | LightShape::Sphere { .. }
+        | LightShape::Disc { .. }
+        | LightShape::Rectangle { .. }
+        | LightShape::Tube { .. } => {
             let Some(depth) = depth_range(light, bounds) else { return Vec::new() };
             let mut faces = Vec::with_capacity(6);
             for (&(direction, up), face) in CUBE_FACES.iter().zip(0..) {
@@ -181,6 +188,7 @@ mod tests {
             intensity: Vec3::ONE,
             position: Vec3::new(0.2, 0.5, -0.3),
             direction: Vec3::new(0.3, -1.0, 0.2).normalize(),
+            axis: Vec3::X,
             range: None,
             casts_shadow: true,
             indirect: true,

@@ -8,7 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
 use crate::render::geometry::static_layers;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
-use crate::scene::{Aabb, Frustum, LightShape, MAX_RSM_SIZE, SceneLight};
+use crate::scene::{Aabb, Frustum, MAX_RSM_SIZE, SceneLight};
 use encase::ShaderType;
 use glam::{Mat4, Vec3};
 use wgpu::TextureFormat;
@@ -52,17 +52,22 @@ pub struct Rsm<'a> {
 }
 
 impl Rsm<'_> {
+    /// What the light's intensity is multiplied by for a bound on its flux: the area that it shines through \[m²\], or all
+    /// directions \[sr\].
+    pub(in crate::render) fn extent(&self) -> f32 {
+        match self.light.shape.is_distant() {
+            true => self.views.iter().map(|view| 4.0 * view.half_extent * view.half_extent).sum(),
+            false => 4.0 * std::f32::consts::PI,
+        }
+    }
+
     /// Power of two that turns flux [W] into fixed point so that no sum over the whole map overflows: a lobe's
     /// coefficient is at most a third of its flux, and all flux together at most what the light sends into its views.
     ///
     /// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
     pub(in crate::render) fn fixed_point_scale(&self) -> f32 {
         let intensity = self.light.intensity.max_element();
-        let extent: f32 = match self.light.shape {
-            LightShape::Directional => self.views.iter().map(|v| 4.0 * v.half_extent * v.half_extent).sum(),
-            LightShape::Point | LightShape::Spot { .. } => 4.0 * std::f32::consts::PI,
-        };
-        let total = (intensity * extent).clamp(1e-30, 1e36);
+        let total = (intensity * self.extent()).clamp(1e-30, 1e36);
         (29.0 - total.log2().ceil()).exp2()
     }
 
@@ -87,10 +92,8 @@ impl Rsm<'_> {
 /// Edge \[texels\] with which a texel is no larger than `spacing` \[m\] at the far end of the light's views: a power of
 /// two times the light's own size, and at most 1024 or the light's own.
 pub fn size_for_spacing(light: &SceneLight, bounds: &Aabb, spacing: f32) -> u32 {
-    let width = |view: &LightView| match light.shape {
-        LightShape::Directional => 2.0 * view.half_extent,
-        LightShape::Point | LightShape::Spot { .. } => 2.0 * view.half_extent * view.far,
-    };
+    let is_distant = light.shape.is_distant();
+    let width = |view: &LightView| 2.0 * view.half_extent * if is_distant { 1.0 } else { view.far };
     let widest = light_views(light, bounds).iter().map(width).fold(0.0, f32::max);
     let mut size = light.rsm_size;
     while size > 0 && 2 * size <= 1024 && (size as f32) * spacing < widest {

@@ -99,9 +99,9 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
         wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
     );
     let kind = match light.shape {
-        LightShape::Directional => 1,
+        LightShape::Directional | LightShape::Sun { .. } => 1,
         LightShape::Spot { .. } => 2,
-        LightShape::Point => 3,
+        _ => 3,
     };
     let (drawn, faces) = (frame.clone(), views.clone());
     let draw = move |cx: &mut PassContext, maps: &[Handle<Texture>; 1], motion| {

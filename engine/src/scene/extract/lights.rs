@@ -3,10 +3,10 @@
 use super::sorted::Elements;
 use super::{Context, Part, name_or_id};
 use crate::scene::{LightShape, MAX_RSM_SIZE, Scene, SceneLight};
-use crate::world::{GlobalTransform, Identity, Light, LightKind, Name, Orientation, forward};
+use crate::world::{GlobalTransform, Identity, Light, LightKind, Name, Orientation, forward, right};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Largest edge of a shadow map \[texels\]: the portable limit of a texture.
 const MAX_MAP_SIZE: u32 = 8192;
@@ -60,6 +60,7 @@ impl Lights {
                 name: name_or_id(entity, name),
                 position: place.relative_to(scene.origin).translation.into(),
                 direction: forward(orientation).into(),
+                axis: right(orientation).into(),
                 ..sanitized(light, |message| context.log.warn(entity, Part::Light, name, message))
             };
             match elements.get(&mut scene.lights, entity) {
@@ -102,6 +103,7 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
             intensity = Vec3::ZERO;
             cone(0.0, 45.0, &mut warn)
         }
+        _ => surface(light.kind, &mut warn),
     };
     let range = light.range.filter(|r| *r != f32::INFINITY);
     let valid_range = range.filter(|r| *r > 0.0);
@@ -123,6 +125,7 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
         intensity,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
+        axis: Vec3::X,
         range: valid_range,
         casts_shadow: light.casts_shadow,
         indirect: light.indirect,
@@ -130,6 +133,37 @@ fn sanitized(light: &Light, mut warn: impl FnMut(&'static str)) -> SceneLight {
         rsm_size,
         revision: 0,
     }
+}
+
+/// A light with a surface. A size that is out of range becomes the nearest one that is in it: what is too small is a point.
+fn surface(kind: LightKind, warn: &mut impl FnMut(&'static str)) -> LightShape {
+    let mut has_changed = false;
+    let mut within = |value: f32, range: std::ops::RangeInclusive<f32>| {
+        let (low, high) = range.into_inner();
+        // Not a number is none either.
+        let new = value.min(high).max(low);
+        has_changed |= new != value;
+        new
+    };
+    let mut size = |value: f32| within(value, LightKind::SIZES);
+    let shape = match kind {
+        LightKind::Sphere { radius } => LightShape::Sphere { radius: size(radius) },
+        LightKind::Disc { radius } => LightShape::Disc { radius: size(radius) },
+        LightKind::Rectangle { width, height } => {
+            LightShape::Rectangle { half_size: 0.5 * Vec2::new(size(width), size(height)) }
+        }
+        LightKind::Tube { length, radius } => {
+            LightShape::Tube { half_length: 0.5 * size(length), radius: size(radius) }
+        }
+        LightKind::Sun { angle } => {
+            LightShape::Sun { half_angle: 0.5 * within(angle, LightKind::ANGLES).to_radians() }
+        }
+        LightKind::Directional | LightKind::Point | LightKind::Spot { .. } => LightShape::Point,
+    };
+    if has_changed {
+        warn("is a light of another size: sizes are in 1e-6..=1e6 m, and a sun's angle in 1e-3..=90 degrees");
+    }
+    shape
 }
 
 /// A cone with 0 ≤ inner < outer ≤ 90° and outer at least 0.01°, from half angles in degrees.

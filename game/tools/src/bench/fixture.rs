@@ -233,6 +233,11 @@ fn lights_in_words(scene: &lightwell::scene::Scene) -> String {
                 LightShape::Directional => "directional",
                 LightShape::Point => "point",
                 LightShape::Spot { .. } => "spot",
+                LightShape::Sun { .. } => "sun",
+                LightShape::Sphere { .. } => "sphere",
+                LightShape::Disc { .. } => "disc",
+                LightShape::Rectangle { .. } => "rectangle",
+                LightShape::Tube { .. } => "tube",
             })
             .or_default() += 1;
     }

@@ -5,7 +5,7 @@
 //   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
 //            others. Without it there are more, and each link chooses one by what it would bring
 
-#import lightwell::next_event::{BLUR, LightSample, blurred, bounded, sample_light, sample_one_light}
+#import lightwell::next_event::{BLUR, LightSample, NO_RAY, blurred, bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::rays::{NONE, SHADOW, surface_at, trace}
 #import lightwell::sampling::{Sampler, next_pair}
@@ -63,15 +63,24 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         }
         let direction = hit.direction;
         let surface = blurred(surface_at(hit.hit, direction), BLUR);
+        var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
 #ifdef LIGHTS
         var of_all = vec3f(0.0);
         for (var k = 0u; k < LIGHTS; k++) {
-            of_all += arriving(sample_one_light(surface, -direction, k));
+            var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+            on_light = next_pair(&random);
+#endif
+            of_all += arriving(sample_one_light(surface, -direction, k, on_light));
         }
         light += of_all;
 #else
-        var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
-        light += arriving(sample_light(surface, -direction, light_count, false, next_pair(&random).x));
+        let pick = next_pair(&random).x;
+        var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+        on_light = next_pair(&random);
+#endif
+        light += arriving(sample_light(surface, -direction, NO_RAY, light_count, false, pick, on_light));
 #endif
     }
     reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);

@@ -14,7 +14,7 @@
 #ifdef POINTS
 #import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
-#import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightSample, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
+#import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightSample, NO_RAY, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
 #ifndef UNLIT
 #import lightwell::color::luminance
 #import lightwell::next_event::resample_emitter
@@ -330,7 +330,11 @@ fn arrive(
     if gather.light_count > 1u {
         pick = next_pair(random).x;
     }
-    var sample = sample_light(surface, -direction, gather.light_count, false, pick);
+    var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+    on_light = next_pair(random);
+#endif
+    var sample = sample_light(surface, -direction, NO_RAY, gather.light_count, false, pick, on_light);
     sample.light = ray.throughput * bounded(sample.light) * lamp_weight(sample, surface, ray, hit, depth);
     light = ray.throughput * bounded(light);
     if sample.reach <= 0.0 {

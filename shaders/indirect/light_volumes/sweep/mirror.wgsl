@@ -12,7 +12,7 @@
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
 
 #import lightwell::gbuffer::{Surface as Drawn, decode_surface, world_position}
-#import lightwell::next_event::{LightSample, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_share}
+#import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_share}
 #ifndef EVEN_SKY
 #import lightwell::sky::sky_radiance
 #endif
@@ -127,11 +127,15 @@ fn lit_radiance(surface: Surface, direction: vec3f, random: ptr<function, Sample
     }
     var sum = vec3f(0.0);
     for (var i = 0u; i < select(1u, mirror.light_count, are_few); i++) {
+        var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+        on_light = next_pair(random);
+#endif
         var sample: LightSample;
         if are_few {
-            sample = sample_one_light(surface, -direction, i);
+            sample = sample_one_light(surface, -direction, i, on_light);
         } else {
-            sample = sample_light(surface, -direction, mirror.light_count, false, pick);
+            sample = sample_light(surface, -direction, NO_RAY, mirror.light_count, false, pick, on_light);
         }
         if sample.reach <= 0.0 || trace(mirror.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
             sum += bounded(sample.light);

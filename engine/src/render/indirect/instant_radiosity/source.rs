@@ -169,12 +169,14 @@ impl<'a> Source<'a> {
         let feeds = |light: &SceneLight| light.indirect && light.intensity.max_element() > 0.0;
         for (index, light) in scene.lights.iter().enumerate().filter(|(_, light)| feeds(light)) {
             let beam = match light.shape {
-                LightShape::Directional => Beam::new(light.direction, &bounds, bvh),
+                LightShape::Directional | LightShape::Sun { .. } => Beam::new(light.direction, &bounds, bvh),
                 _ => Beam::default(),
             };
             let extent = match light.shape {
-                LightShape::Directional => beam.area(),
-                LightShape::Point => 4.0 * PI,
+                LightShape::Directional | LightShape::Sun { .. } => beam.area(),
+                LightShape::Point | LightShape::Sphere { .. } => 4.0 * PI,
+                LightShape::Disc { .. } | LightShape::Rectangle { .. } => PI,
+                LightShape::Tube { .. } => PI * PI,
                 LightShape::Spot { inner, outer } => 2.0 * PI * (1.0 - 0.5 * (inner.cos() + outer.cos())),
             };
             let flux = f64::from(light.intensity.element_sum()) / 3.0 * f64::from(extent);
@@ -211,7 +213,7 @@ impl<'a> Source<'a> {
     /// A particle.
     pub(super) fn start(&self, numbers: &mut Numbers) -> Option<Start> {
         match self {
-            Source::Light(_, light, beam) => Some(start_of_light(light, beam, numbers.pair())),
+            Source::Light(_, light, beam) => Some(start_of_light(light, beam, numbers)),
             Source::Emitters(emitters) => emitters.start(numbers),
             Source::Sky { light, center, radius } => {
                 let SkySample { direction, irradiance } = light.sample(numbers.pair());
@@ -235,7 +237,8 @@ impl<'a> Source<'a> {
     }
 }
 
-fn start_of_light(light: &SceneLight, beam: &Beam, u: Vec2) -> Start {
+fn start_of_light(light: &SceneLight, beam: &Beam, numbers: &mut Numbers) -> Start {
+    let u = numbers.pair();
     let start = |direction: Vec3, flux: Vec3, solid_angle: f32| Start {
         origin: light.position,
         direction,
@@ -261,5 +264,50 @@ fn start_of_light(light: &SceneLight, beam: &Beam, u: Vec2) -> Start {
             per_area: 1.0 / beam.area(),
             ..start(light.direction, Vec3::ZERO, 1.0)
         },
+        LightShape::Sun { half_angle } => Start {
+            origin: beam.start(u),
+            direction: cone_direction(light.direction, half_angle.cos(), numbers.pair()),
+            flux: light.intensity * beam.area(),
+            per_solid_angle: 0.0,
+            per_area: 1.0 / beam.area(),
+            ..start(light.direction, Vec3::ZERO, 1.0)
+        },
+        _ => {
+            let (offset, normal, extent) = point_of_surface(light, u);
+            let direction = cosine_direction(normal, numbers.pair());
+            let flux = light.intensity * extent;
+            Start {
+                origin: light.position + offset,
+                per_solid_angle: normal.dot(direction).max(1e-3) / PI,
+                ..start(direction, flux, 1.0)
+            }
+        }
+    }
+}
+
+/// A point of a light's surface, from its middle, with its normal, and the light's flux over its intensity \[sr\]. Every
+/// point of it sends out the same flux.
+fn point_of_surface(light: &SceneLight, u: Vec2) -> (Vec3, Vec3, f32) {
+    let across = light.direction.cross(light.axis);
+    match light.shape {
+        LightShape::Sphere { radius } => {
+            let normal = cone_direction(Vec3::Z, -1.0, u);
+            (normal * radius, normal, 4.0 * PI)
+        }
+        LightShape::Disc { radius } => {
+            let (r, angle) = (radius * u.x.sqrt(), 2.0 * PI * u.y);
+            ((light.axis * angle.cos() + across * angle.sin()) * r, light.direction, PI)
+        }
+        LightShape::Rectangle { half_size } => {
+            let at = (2.0 * u - 1.0) * half_size;
+            (light.axis * at.x + across * at.y, light.direction, PI)
+        }
+        LightShape::Tube { half_length, radius } => {
+            let angle = 2.0 * PI * u.y;
+            let normal = light.direction * angle.cos() + across * angle.sin();
+            (light.axis * ((2.0 * u.x - 1.0) * half_length) + normal * radius, normal, PI * PI)
+        }
+        // What has no surface.
+        _ => (Vec3::ZERO, light.direction, 0.0),
     }
 }

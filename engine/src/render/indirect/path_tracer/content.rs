@@ -67,13 +67,21 @@ impl Content {
     }
 
     fn light(&mut self, light: &SceneLight) {
-        let (kind, inner, outer) = match light.shape {
-            LightShape::Directional => (0, 0.0, 0.0),
-            LightShape::Point => (1, 0.0, 0.0),
-            LightShape::Spot { inner, outer } => (2, inner, outer),
+        let (kind, [first, second]) = match light.shape {
+            LightShape::Directional => (0, [0.0; 2]),
+            LightShape::Point => (1, [0.0; 2]),
+            LightShape::Spot { inner, outer } => (2, [inner, outer]),
+            LightShape::Sun { half_angle } => (3, [half_angle, 0.0]),
+            LightShape::Sphere { radius } => (4, [radius, 0.0]),
+            LightShape::Disc { radius } => (5, [radius, 0.0]),
+            LightShape::Rectangle { half_size } => (6, half_size.to_array()),
+            LightShape::Tube { half_length, radius } => (7, [half_length, radius]),
         };
         self.u32s([kind, u32::from(light.casts_shadow), u32::from(light.indirect)]);
-        self.f32s([inner, outer, light.range.unwrap_or(0.0)]);
+        self.f32s([first, second, light.range.unwrap_or(0.0)]);
+        if light.shape.is_area() {
+            self.f32s(light.axis.to_array());
+        }
         self.f32s(light.intensity.to_array());
         self.f32s(light.position.to_array());
         self.f32s(light.direction.to_array());

@@ -78,9 +78,9 @@ impl<'a> HostTracer<'a> {
         Self { scene, bvh, view, settings, half_height: view.camera.half_height() }
     }
 
-    /// Whether this tracer knows all materials of the scene.
+    /// Whether this tracer knows all materials and lights of the scene.
     pub(super) fn knows(scene: &Scene) -> bool {
-        scene.primitives.iter().all(|primitive| {
+        !scene.lights.iter().any(|light| light.shape.is_area()) && scene.primitives.iter().all(|primitive| {
             let m = &primitive.material;
             let textured = m.base_color_texture.is_some() || m.normal_texture.is_some() || m.emissive_texture.is_some();
             !textured

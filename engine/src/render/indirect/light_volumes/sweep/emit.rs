@@ -10,7 +10,6 @@ use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::texels::dispatch_rsm;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;
-use crate::scene::LightShape;
 use crate::world::Precision;
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
@@ -74,13 +73,7 @@ pub(super) fn totals(graph: &mut Graph<'_>, bounces: u32) -> Handle<Buffer> {
 ///
 /// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
 pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
-    let of_light = |rsm: &Rsm| {
-        let extent: f32 = match rsm.light.shape {
-            LightShape::Directional => rsm.views.iter().map(|v| 4.0 * v.half_extent * v.half_extent).sum(),
-            LightShape::Point | LightShape::Spot { .. } => 4.0 * PI,
-        };
-        f64::from(rsm.light.intensity.max_element()) * f64::from(extent)
-    };
+    let of_light = |rsm: &Rsm| f64::from(rsm.light.intensity.max_element()) * f64::from(rsm.extent());
     let sky = levels.last().map_or(Vec3::ZERO, |level| sky_flux(frame, &level.volume));
     let surfaces = f64::from((frame.surfels.emitted() + sky).max_element());
     let total = rsms.iter().map(of_light).sum::<f64>() + surfaces;

@@ -59,14 +59,15 @@ pub(super) fn declare<'a>(
     asked_for: u32,
 ) -> Option<RsmSamples> {
     let (mut maps, mut strips) = (Vec::new(), 0);
-    for rsm in rsms.iter().filter(|rsm| rsm.light.casts_shadow) {
+    // The map of a light with a surface is seen from its middle alone, and does not know the borders of its shadows.
+    for rsm in rsms.iter().filter(|rsm| rsm.light.casts_shadow && !rsm.light.shape.is_area()) {
         for layer in 0..rsm.views.len() {
             maps.push(Map { rsm: rsm.clone(), layer, first_strip: strips });
             strips += strips_of(rsm);
         }
     }
     if maps.is_empty() || asked_for == 0 {
-        let why = if asked_for == 0 { "no points are asked for" } else { "no light with shadows has a map" };
+        let why = if asked_for == 0 { "no points are asked for" } else { "no light without a surface that casts shadows has a map" };
         graph.skip("RSM samples", why);
         return None;
     }
