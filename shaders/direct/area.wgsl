@@ -55,7 +55,7 @@ const ROUND: u32 = 16u;
 const END: u32 = 5u;
 // Lights count as no smaller than this share of their distance, and are less bright instead: of the outline of a smaller one
 // rounding would leave nothing.
-const LEAST: f32 = 5e-4;
+const LEAST: f32 = 2e-3;
 
 // The light as it is seen from a point: no smaller than LEAST, and with its radiance.
 struct Seen {
@@ -249,8 +249,14 @@ fn unshadowed(surface: Surface, to_eye: vec3f) -> Unshadowed {
 // ---- Shadows ----
 
 #ifdef SHADOW_RAYS
+// Share of a pixel's own samples that arrive; below 0: it has none.
+fn lit_share(s: vec4f) -> f32 {
+    return select(-1.0, s.x / max(s.y, 1e-37), s.y > 0.0);
+}
+
 // Share of diffuse and of specular light that arrives: the ratio of sums over the neighbourhood. Its border counts half, so that
-// the window holds as many pixels of each kind as the samples of a square of pixels have.
+// the window holds as many pixels of each kind as the samples of a square of pixels have. Stratified samples of a soft shadow
+// are rarely all lit in one pixel and all dark in the next: where they are, there is the border of a hard one.
 fn arriving(pixel: vec2u, surface: Surface) -> vec2f {
     let r = i32(area.radius);
     let low = vec2i(area.origin);
@@ -268,6 +274,7 @@ fn arriving(pixel: vec2u, surface: Surface) -> vec2f {
         return vec2f(select(0.0, 1.0, all_lit));
     }
     var sums = textureLoad(arrived, pixel, 0);
+    let own = lit_share(sums);
     for (var y = -r; y <= r; y++) {
         for (var x = -r; x <= r; x++) {
             let other = vec2i(pixel) + vec2i(x, y);
@@ -280,7 +287,9 @@ fn arriving(pixel: vec2u, surface: Surface) -> vec2f {
             let at = world_position(vec2u(other), view.size, z, view.world_from_clip);
             let n = decode_normal(textureLoad(normal, other, 0));
             let border = select(1.0, 0.5, abs(x) == r) * select(1.0, 0.5, abs(y) == r);
-            sums += s * (border * likeness(surface.position, surface.normal, at, n));
+            let apart = own - lit_share(s);
+            let alike = select(1.0 - apart * apart, 1.0, own < 0.0 || lit_share(s) < 0.0);
+            sums += s * (border * alike * likeness(surface.position, surface.normal, at, n));
         }
     }
     let diffuse = select(0.0, sums.x / max(sums.y, 1e-37), sums.y > 0.0);

@@ -1,6 +1,6 @@
 #define_import_path lightwell::rays
 
-// The scene as rays see it: group 1 of all passes that cast rays (engine/src/render/ray_scene/).
+// The scene as rays see it: group 1 of all passes that cast rays (engine/src/render/rays/).
 //
 // Boxes, triangles and lights lie in storage textures of integers: four words come with one fetch, which on some
 // adapters costs a quarter of the same words from a buffer, and half of a fetch from a sampled texture, which has levels.
@@ -114,7 +114,7 @@ fn primitive_of(index: u32) -> u32 {
     return textureLoad(triangles, triangle_texel(index) + vec2u(0u, 2u)).w;
 }
 
-// As ray_scene/lights.rs writes it.
+// As rays/lights.rs writes it.
 fn load_light(index: u32) -> RayLight {
     let a = textureLoad(lights, box_texel(5u * index));
     let b = textureLoad(lights, box_texel(5u * index + 1u));
@@ -547,7 +547,7 @@ struct Surface {
     visible: bool,         // false: the back of a single-sided surface
 }
 
-// As `encode_direction` of ray_scene/geometry.rs; zero for no direction.
+// As `encode_direction` of rays/geometry.rs; zero for no direction.
 fn decode_direction(code: u32) -> vec3f {
     if code == 0u {
         return vec3f(0.0);

@@ -2,6 +2,8 @@
 
 use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
 use super::direct::RegionUniform;
+use super::direct::area::AreaUniform;
+use super::direct::area_shadows::ShadowsUniform;
 use super::direct::tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::indirect::accumulate::AverageUniform;

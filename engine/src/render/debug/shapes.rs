@@ -92,9 +92,10 @@ pub(super) fn light_lines(light: &SceneLight, bounds: &Aabb) -> Vec<Line> {
             let inner = inner.into_iter().flat_map(|(center, r)| circle(center, x * r, y * r, 0.6 * color));
             sides.into_iter().chain(circle(center, x * radius, y * radius, color)).chain(inner).collect()
         }
-        LightShape::Sphere { .. } | LightShape::Disc { .. } | LightShape::Rectangle { .. } | LightShape::Tube { .. } => {
-            surface_lines(light, color)
-        }
+        LightShape::Sphere { .. }
+        | LightShape::Disc { .. }
+        | LightShape::Rectangle { .. }
+        | LightShape::Tube { .. } => surface_lines(light, color),
         LightShape::Directional | LightShape::Sun { .. } => {
             let half = 0.5 * bounds.size();
             let spread = 0.6 * half.length();
@@ -122,9 +123,7 @@ fn surface_lines(light: &SceneLight, color: Vec3) -> Vec<Line> {
             let circles = [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::X)];
             circles.into_iter().flat_map(|(a, b)| circle(center, a * r, b * r, color)).collect()
         }
-        LightShape::Disc { radius: r } => {
-            circle(center, axis * r, across * r, color).chain([toward(r)]).collect()
-        }
+        LightShape::Disc { radius: r } => circle(center, axis * r, across * r, color).chain([toward(r)]).collect(),
         LightShape::Rectangle { half_size } => {
             let (x, y) = (axis * half_size.x, across * half_size.y);
             let corners = [x + y, y - x, -x - y, x - y].map(|corner| center + corner);

@@ -155,9 +155,7 @@ fn surface(kind: LightKind, warn: &mut impl FnMut(&'static str)) -> LightShape {
         LightKind::Tube { length, radius } => {
             LightShape::Tube { half_length: 0.5 * size(length), radius: size(radius) }
         }
-        LightKind::Sun { angle } => {
-            LightShape::Sun { half_angle: 0.5 * within(angle, LightKind::ANGLES).to_radians() }
-        }
+        LightKind::Sun { angle } => LightShape::Sun { half_angle: 0.5 * within(angle, LightKind::ANGLES).to_radians() },
         LightKind::Directional | LightKind::Point | LightKind::Spot { .. } => LightShape::Point,
     };
     if has_changed {

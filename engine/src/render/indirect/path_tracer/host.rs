@@ -80,15 +80,17 @@ impl<'a> HostTracer<'a> {
 
     /// Whether this tracer knows all materials and lights of the scene.
     pub(super) fn knows(scene: &Scene) -> bool {
-        !scene.lights.iter().any(|light| light.shape.is_area()) && scene.primitives.iter().all(|primitive| {
-            let m = &primitive.material;
-            let textured = m.base_color_texture.is_some() || m.normal_texture.is_some() || m.emissive_texture.is_some();
-            !textured
-                && primitive.mesh.extras.is_none()
-                && m.specular == 0.0
-                && m.metallic == 0.0
-                && m.emissive == Vec3::ZERO
-        })
+        !scene.lights.iter().any(|light| light.shape.is_area())
+            && scene.primitives.iter().all(|primitive| {
+                let m = &primitive.material;
+                let textured =
+                    m.base_color_texture.is_some() || m.normal_texture.is_some() || m.emissive_texture.is_some();
+                !textured
+                    && primitive.mesh.extras.is_none()
+                    && m.specular == 0.0
+                    && m.metallic == 0.0
+                    && m.emissive == Vec3::ZERO
+            })
     }
 
     /// Follows the path of one sample of a pixel.

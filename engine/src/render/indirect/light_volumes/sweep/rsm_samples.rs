@@ -67,7 +67,11 @@ pub(super) fn declare<'a>(
         }
     }
     if maps.is_empty() || asked_for == 0 {
-        let why = if asked_for == 0 { "no points are asked for" } else { "no light without a surface that casts shadows has a map" };
+        let why = if asked_for == 0 {
+            "no points are asked for"
+        } else {
+            "no light without a surface that casts shadows has a map"
+        };
         graph.skip("RSM samples", why);
         return None;
     }
