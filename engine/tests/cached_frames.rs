@@ -20,6 +20,16 @@ use support::gpu;
 
 const THINGS: usize = 3;
 const LIGHTS: usize = 3;
+const KINDS: [LightKind; 8] = [
+    LightKind::Point,
+    LightKind::Directional,
+    LightKind::Spot { inner: 20.0, outer: 50.0 },
+    LightKind::Sun { angle: 5.0 },
+    LightKind::Sphere { radius: 0.2 },
+    LightKind::Disc { radius: 0.3 },
+    LightKind::Rectangle { width: 0.5, height: 0.3 },
+    LightKind::Tube { length: 0.6, radius: 0.05 },
+];
 
 /// One change. Numbers choose among a few states each, so that states come back.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +74,7 @@ fn edit() -> impl Strategy<Value = Edit> {
         1 => (thing, 0..SURFACES).prop_map(|(thing, surface)| Surface(thing, surface)),
         3 => light.clone().prop_map(LightComesOrGoes),
         1 => (light.clone(), 0..3usize).prop_map(|(light, at)| LightMoves(light, at)),
-        1 => (light.clone(), 0..3usize).prop_map(|(light, kind)| LightKind(light, kind)),
+        1 => (light.clone(), 0..KINDS.len()).prop_map(|(light, kind)| LightKind(light, kind)),
         1 => (light.clone(), 0..3usize).prop_map(|(light, strength)| LightStrength(light, strength)),
         2 => light.clone().prop_map(LightFeedsIndirect),
         1 => light.clone().prop_map(LightCastsShadow),
@@ -350,10 +360,7 @@ impl Studio {
                 transform.rotation = Quat::from_rotation_arc(Vec3::NEG_Z, (-at).normalize());
                 self.insert(entity, transform);
             }
-            Edit::LightKind(index, kind) => self.light(index, |light| {
-                light.kind =
-                    [LightKind::Point, LightKind::Directional, LightKind::Spot { inner: 20.0, outer: 50.0 }][kind];
-            }),
+            Edit::LightKind(index, kind) => self.light(index, |light| light.kind = KINDS[kind]),
             Edit::LightStrength(index, strength) => {
                 self.light(index, |light| light.intensity = [0.0, 1.0, 6.0][strength]);
             }

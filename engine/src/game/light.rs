@@ -7,7 +7,7 @@
 use super::space::SpatialQuery;
 use crate::files::SceneData;
 pub use crate::scene::ProbePoint;
-use crate::world::{GameWorld, GlobalTransform, Identity, Light, LightKind, Orientation, forward};
+use crate::world::{GameWorld, GlobalTransform, Identity, Light, LightKind, Orientation, forward, right};
 use bevy_ecs::prelude::*;
 use glam::{DVec3, Vec3};
 
@@ -70,11 +70,11 @@ pub(super) fn update(
 const FAR: f32 = 1e4;
 
 /// Irradiance of a surface that faces the light, and where the light is: I/d² with the window of a range and the
-/// smoothing of a cone as in glTF's `KHR_lights_punctual`.
+/// smoothing of a cone as in glTF's `KHR_lights_punctual`. Lights with a surface count as if they were far off.
 fn arriving(light: &Light, place: &GlobalTransform, axes: &Orientation, at: Vec3) -> Option<(Vec3, Vec3)> {
     let intensity = light.color * light.intensity;
     let axis = Vec3::from(forward(axes));
-    if light.kind == LightKind::Directional {
+    if matches!(light.kind, LightKind::Directional | LightKind::Sun { .. }) {
         return Some((intensity, at - axis * FAR));
     }
     let source = Vec3::from(place.0.translation);
@@ -87,6 +87,8 @@ fn arriving(light: &Light, place: &GlobalTransform, axes: &Orientation, at: Vec3
             let t = ((axis.dot(way / distance) - outer) / (inner - outer).max(1e-6)).clamp(0.0, 1.0);
             t * t
         }
+        LightKind::Disc { .. } | LightKind::Rectangle { .. } => axis.dot(way / distance).max(0.0),
+        LightKind::Tube { .. } => Vec3::from(right(axes)).cross(way / distance).length(),
         _ => 1.0,
     };
     let irradiance = intensity * (window * cone / (distance * distance));

@@ -70,6 +70,13 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
         "inner < outer",
     ),
     (
+        "(entities: [(name: \"A\", light: (kind: ‸Rectangle(width: 1, height: 0), intensity: 1))])",
+        Kind::BadValue,
+        "height",
+        "Point",
+    ),
+    ("(entities: [(name: \"A\", light: (kind: ‸Sun(angle: 120), intensity: 1))])", Kind::BadValue, "120", "0.53"),
+    (
         "(entities: [(name: \"A\", light: (kind: Point, intensity: 1, rsm_size: ‸0))])",
         Kind::BadValue,
         "rsm_size",

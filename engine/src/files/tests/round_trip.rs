@@ -123,7 +123,7 @@ fn a_failed_write_leaves_the_file() {
 }
 
 /// Scenes that need no models of others.
-pub(super) const SHIPPED: [&str; 10] = [
+pub(super) const SHIPPED: [&str; 11] = [
     "bleeding_gloss",
     "cathedral",
     "cornell",
@@ -134,6 +134,7 @@ pub(super) const SHIPPED: [&str; 10] = [
     "meeting_room",
     "night_court",
     "prefabs",
+    "studio",
 ];
 
 /// Where all entities with a component are.
@@ -206,6 +207,11 @@ fn light() -> impl Strategy<Value = Light> {
         Just(LightKind::Directional),
         Just(LightKind::Point),
         (0.0f32..40.0, 41.0f32..90.0).prop_map(|(inner, outer)| LightKind::Spot { inner, outer }),
+        (0.01f32..90.0).prop_map(|angle| LightKind::Sun { angle }),
+        (0.001f32..10.0).prop_map(|radius| LightKind::Sphere { radius }),
+        (0.001f32..10.0).prop_map(|radius| LightKind::Disc { radius }),
+        (0.001f32..10.0, 0.001f32..10.0).prop_map(|(width, height)| LightKind::Rectangle { width, height }),
+        (0.001f32..10.0, 0.001f32..10.0).prop_map(|(length, radius)| LightKind::Tube { length, radius }),
     ];
     (kind, 0.0f32..1e4, of(0.1f32..50.0), any::<bool>(), 16u32..4096).prop_map(
         |(kind, intensity, range, casts_shadow, shadow_size)| Light {

@@ -141,7 +141,7 @@ fn surface(kind: LightKind, warn: &mut impl FnMut(&'static str)) -> LightShape {
     let mut within = |value: f32, range: std::ops::RangeInclusive<f32>| {
         let (low, high) = range.into_inner();
         // Not a number is none either.
-        let new = value.min(high).max(low);
+        let new = value.max(low).min(high);
         has_changed |= new != value;
         new
     };

@@ -7,7 +7,7 @@ use crate::scene::{LightShape, Revisions, Scene, SceneId, ViewProjection};
 use crate::world::animation::{Animation, Track};
 use crate::world::*;
 use bevy_ecs::prelude::{Bundle, Component, Entity};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use std::sync::Arc;
 
 fn mesh() -> Arc<Mesh> {
@@ -299,6 +299,21 @@ fn lights_come_out_in_range() {
     }
     let lost = s.light(Light { kind: LightKind::Spot { inner: f32::NAN, outer: 30.0 }, ..given });
     assert_eq!(lost.intensity, Vec3::ZERO);
+}
+
+#[test]
+fn lights_with_a_surface_have_a_size() {
+    let mut s = Stage::new();
+    let mut shape = |kind| s.light(Light { kind, ..Light::default() }).shape;
+    assert_eq!(shape(LightKind::Sphere { radius: 0.5 }), LightShape::Sphere { radius: 0.5 });
+    let half_size = Vec2::new(0.5, 0.25);
+    assert_eq!(shape(LightKind::Rectangle { width: 1.0, height: 0.5 }), LightShape::Rectangle { half_size });
+    assert_eq!(shape(LightKind::Tube { length: 2.0, radius: 0.1 }), LightShape::Tube { half_length: 1.0, radius: 0.1 });
+    assert_eq!(shape(LightKind::Sun { angle: 90.0 }), LightShape::Sun { half_angle: std::f32::consts::FRAC_PI_4 });
+    for radius in [0.0, -1.0, f32::NAN] {
+        assert_eq!(shape(LightKind::Disc { radius }), LightShape::Disc { radius: 1e-6 }, "{radius}");
+    }
+    assert_eq!(shape(LightKind::Disc { radius: f32::INFINITY }), LightShape::Disc { radius: 1e6 });
 }
 
 #[test]

@@ -11,7 +11,7 @@ use lightwell::world::{GameWorld, GlobalTransform, Name, Transform};
 use std::path::Path;
 
 /// What can be added by name: an entity as scene files write it.
-pub const TEMPLATES: [(&str, &str); 12] = [
+pub const TEMPLATES: [(&str, &str); 17] = [
     ("Empty", "()"),
     ("Box", "(mesh:Box())"),
     ("Sphere", "(mesh:Sphere())"),
@@ -22,6 +22,11 @@ pub const TEMPLATES: [(&str, &str); 12] = [
     ("Point light", "(light:(kind:Point,intensity:10.0))"),
     ("Spot light", "(light:(kind:Spot(inner:20.0,outer:30.0),intensity:20.0))"),
     ("Directional light", "(light:(kind:Directional,intensity:3.0))"),
+    ("Sun", "(light:(kind:Sun(angle:0.53),intensity:3.0))"),
+    ("Sphere light", "(light:(kind:Sphere(radius:0.1),intensity:10.0))"),
+    ("Disc light", "(light:(kind:Disc(radius:0.3),intensity:10.0))"),
+    ("Rectangle light", "(light:(kind:Rectangle(width:1.0,height:0.6),intensity:10.0))"),
+    ("Tube light", "(light:(kind:Tube(length:1.2,radius:0.02),intensity:10.0))"),
     ("Camera", "(camera:())"),
     ("Light volume", "(clpv:())"),
 ];

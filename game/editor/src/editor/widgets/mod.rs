@@ -16,11 +16,16 @@ use numbers::{boolean, integer, number, numbers};
 use std::collections::{BTreeMap, HashMap};
 
 /// Starting values of what zeros would make invalid, or dull.
-const STARTERS: [(&str, &str); 9] = [
+const STARTERS: [(&str, &str); 14] = [
     ("Override.light", "(kind:Point,intensity:10.0)"),
     ("Override.mesh", "Box()"),
     ("Override.material", "()"),
     ("LightKind.Spot", "Spot(inner:20.0,outer:30.0)"),
+    ("LightKind.Sun", "Sun(angle:0.53)"),
+    ("LightKind.Sphere", "Sphere(radius:0.1)"),
+    ("LightKind.Disc", "Disc(radius:0.3)"),
+    ("LightKind.Rectangle", "Rectangle(width:1.0,height:0.6)"),
+    ("LightKind.Tube", "Tube(length:1.2,radius:0.02)"),
     ("Spin", "Spin(axis:(0.0,1.0,0.0),degrees_per_second:90.0)"),
     ("Orbit", "Orbit(radius:1.0,period:4.0)"),
     ("Keys", "Keys(target:Translation,keys:[(0.0,(0.0,0.0,0.0)),(1.0,(0.0,1.0,0.0))])"),
