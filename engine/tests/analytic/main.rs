@@ -1,0 +1,24 @@
+//! Light that can be computed by hand: form factors, closed rooms, a light in empty space.
+
+mod alpha_mask;
+mod blend;
+mod direct_light;
+mod double_sided_shells;
+mod formulas;
+mod gather;
+mod half_precision;
+mod instant_radiosity;
+mod light_culling;
+mod light_volumes;
+mod lpv_transport;
+mod orthographic;
+mod path_tracer;
+mod probes;
+mod radiosity;
+mod samplers;
+mod sky;
+mod sky_light;
+#[path = "../support/mod.rs"]
+mod support;
+mod sweep_rooms;
+mod sweep_transport;

@@ -1,0 +1,158 @@
+//! Rooms that the sweep must keep apart: light stays where walls hold it, however near to each other they stand.
+
+use crate::support::{Stage, gpu};
+use glam::{Affine3A, Quat, Vec3};
+use lightwell::assets::{Material, Shape};
+use lightwell::gpu::{Gpu, ImageF32};
+use lightwell::render::{GiMethod, Layer};
+use lightwell::scene::LightShape;
+use lightwell::world::{Bounces, Clpv, GatherRays, Quality};
+
+fn settings(quality: Quality, bounces: Bounces) -> Clpv {
+    Clpv { quality, bounces, gather_rays: GatherRays::Count(0), ..Default::default() }
+}
+
+fn mean(image: &ImageF32) -> f32 {
+    image.rgba.iter().map(|p| p[0]).sum::<f32>() / image.rgba.len() as f32
+}
+
+fn indirect(gpu: &Gpu, stage: &Stage) -> ImageF32 {
+    stage.render(gpu, GiMethod::CLPV, Layer::Indirect)
+}
+
+/// A house of thin sheets, seen from `eye`: a room of 6 × 3 × 4 m, and above it an attic under two slopes, which meet the
+/// ceiling at sharp angles. A lamp burns in the attic.
+fn house(eye: Vec3, target: Vec3, clpv: Clpv) -> Stage {
+    let mut stage = Stage::new(eye, target, 48);
+    let mut sheet = |width: f32, depth: f32, rotation: Quat, at: Vec3| {
+        let material = Material { double_sided: true, ..Material::diffuse("plaster", Vec3::splat(0.7)) };
+        let plane = Shape::Plane { size: [width, depth], subdivisions: [1, 1] };
+        stage.add_material(plane, material, Affine3A::from_rotation_translation(rotation, at));
+    };
+    let upright = |turn: f32| Quat::from_rotation_y(turn) * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    sheet(6.0, 4.0, Quat::IDENTITY, Vec3::new(0.0, -1.5, 0.0));
+    sheet(6.0, 4.0, Quat::IDENTITY, Vec3::new(0.0, 1.5, 0.0));
+    for side in [-1.0, 1.0] {
+        sheet(6.2, 5.0, upright(0.0), Vec3::new(0.0, 0.9, 2.0 * side));
+        sheet(4.0, 3.0, upright(std::f32::consts::FRAC_PI_2), Vec3::new(3.0 * side, 0.0, 0.0));
+        // From the eaves at ±3 m up to the ridge, and a little over both.
+        let slope = 1.5_f32.atan2(3.0);
+        let roof = Vec3::new(1.5 * side, 2.25, 0.0);
+        sheet(2.0 * 1.5 / slope.cos() + 0.02, 4.0, Quat::from_rotation_z(-side * slope), roof);
+    }
+    stage.light(LightShape::Point, Vec3::splat(50.0), Vec3::new(0.3, 2.2, -0.2), Vec3::NEG_Y);
+    stage.clpv(Vec3::ZERO, clpv);
+    stage
+}
+
+/// The walls go through from the room to the attic: a patch that lay on both sides of the ceiling would mix their light.
+#[test]
+fn an_attic_of_sharp_angles_keeps_its_light() {
+    let gpu = gpu();
+    for (quality, most) in [(Quality::Low, 0.002), (Quality::Medium, 0.001)] {
+        let settings = settings(quality, Bounces::Converged);
+        let attic = house(Vec3::new(0.5, 1.8, 0.0), Vec3::new(-2.0, 1.7, 0.3), settings.clone());
+        let room = house(Vec3::new(2.0, 0.0, 0.0), Vec3::new(-2.0, 0.6, 0.3), settings);
+        let (attic, room) = (mean(&indirect(&gpu, &attic)), mean(&indirect(&gpu, &room)));
+        println!("{quality:?}: {room} of {attic}");
+        assert!(attic > 1.0 && room < most * attic, "{quality:?}: {room} in the room, {attic} in the attic");
+    }
+}
+
+/// Two closed rooms with a lamp each, seen from within the second.
+fn neighbours(first: f32, second: f32) -> Stage {
+    let mut stage = Stage::new(Vec3::new(3.6, 0.6, 1.5), Vec3::new(1.0, -0.4, -1.2), 48);
+    stage.add_room(Vec3::new(-4.2, -2.0, -2.0), Vec3::new(4.0, 4.0, 4.0), Vec3::splat(0.8));
+    stage.add_room(Vec3::new(0.2, -2.0, -2.0), Vec3::new(4.0, 4.0, 4.0), Vec3::splat(0.5));
+    stage.light(LightShape::Point, Vec3::splat(first), Vec3::new(-2.0, 0.4, 0.3), Vec3::NEG_Y);
+    stage.light(LightShape::Point, Vec3::splat(second), Vec3::new(2.2, 0.6, -0.2), Vec3::NEG_Y);
+    stage.clpv(Vec3::ZERO, settings(Quality::Low, Bounces::Count(6)));
+    stage
+}
+
+#[test]
+fn a_bright_room_changes_nothing_next_door() {
+    let gpu = gpu();
+    let alone = indirect(&gpu, &neighbours(0.0, 2.0));
+    let beside = indirect(&gpu, &neighbours(2000.0, 2.0));
+    let difference = (mean(&beside) / mean(&alone) - 1.0).abs();
+    println!("difference {difference}");
+    assert!(difference < 1e-3, "{} alone, {} beside a bright room", mean(&alone), mean(&beside));
+}
+
+#[test]
+fn all_bounces_of_two_lamps_are_the_sum_of_each() {
+    let gpu = gpu();
+    let [first, second, both] = [(2.0, 0.0), (0.0, 3.0), (2.0, 3.0)].map(|(first, second)| {
+        let mut stage = neighbours(0.0, first);
+        stage.light(LightShape::Point, Vec3::splat(second), Vec3::new(3.4, -0.9, 1.2), Vec3::NEG_Y);
+        indirect(&gpu, &stage)
+    });
+    let apart = |i: usize| (first.rgba[i][0] + second.rgba[i][0] - both.rgba[i][0]).abs();
+    let most = (0..both.rgba.len()).map(apart).fold(0.0, f32::max);
+    assert!(most < 1e-4 * mean(&both), "{most} of {}", mean(&both));
+}
+
+#[test]
+fn no_sky_shines_through_the_backs_of_walls() {
+    let gpu = gpu();
+    for degrees in [0.0_f32, 17.0, 45.0] {
+        let mut stage = neighbours(0.0, 0.0);
+        stage.scene.sky = Vec3::ONE;
+        let turn = Affine3A::from_rotation_y(degrees.to_radians());
+        for primitive in &mut stage.scene.primitives {
+            primitive.world_from_object = turn * primitive.world_from_object;
+            primitive.bounds = primitive.mesh.bounds.transformed(&primitive.world_from_object);
+        }
+        stage.view.camera.world_from_view = turn * stage.view.camera.world_from_view;
+        let leaked = mean(&indirect(&gpu, &stage)) / 0.5;
+        println!("{degrees}°: {leaked}");
+        assert!(leaked < 0.01, "turned by {degrees}°: {leaked} of the sky's radiance");
+    }
+}
+
+/// A closed room of which everything but a partition goes through from one half to the other, turned about two axes. The
+/// partition is so thick [m], stands askew, and ends so far before a wall [m]; a lamp burns behind it.
+fn parted(thickness: f32, gap: f32, angle: f32, is_lit_half: bool, rays: GatherRays) -> Stage {
+    let turn = Affine3A::from_quat(Quat::from_euler(glam::EulerRot::YXZ, 0.4, 0.3, 0.0));
+    let at = |point: Vec3| turn.transform_point3(point);
+    let side = if is_lit_half { -1.0 } else { 1.0 };
+    let mut stage = Stage::new(at(Vec3::new(1.7 * side, 0.6, 0.9)), at(Vec3::new(0.0, -0.8, -0.9)), 48);
+    let mut add = |size: [f32; 3], place: Affine3A| {
+        stage.add(Shape::Box { size }, Vec3::splat(0.8), turn * place);
+    };
+    for side in [-1.0, 1.0] {
+        add([4.2, 0.1, 3.2], Affine3A::from_translation(Vec3::Y * 1.05 * side));
+        add([0.1, 2.0, 3.2], Affine3A::from_translation(Vec3::X * 2.05 * side));
+        add([4.0, 2.0, 0.1], Affine3A::from_translation(Vec3::Z * 1.55 * side));
+    }
+    // Through all that it stands at, but for its free end.
+    let partition = Affine3A::from_rotation_y(angle) * Affine3A::from_translation(Vec3::new(0.02, 0.0, -0.5 * gap));
+    let length = if gap > 0.0 { 3.0 - gap } else { 3.16 / angle.cos() };
+    add([thickness, 2.08, length], partition);
+    stage.light(LightShape::Point, Vec3::splat(5.0), at(Vec3::new(-1.2, 0.4, 0.3)), Vec3::NEG_Y);
+    let clpv = Clpv { gather_rays: rays, ..settings(Quality::Medium, Bounces::Converged) };
+    stage.clpv(Vec3::ZERO, clpv);
+    stage
+}
+
+fn passed(gpu: &Gpu, thickness: f32, gap: f32, angle: f32, rays: GatherRays) -> f32 {
+    let of = |is_lit_half| mean(&indirect(gpu, &parted(thickness, gap, angle, is_lit_half, rays)));
+    let (dark, lit) = (of(false), of(true));
+    println!("{thickness} m thick, {gap} m open, turned by {angle}, {rays:?}: {} of {lit}", dark / lit);
+    assert!(lit > 0.1, "{lit} in the lit half");
+    dark / lit
+}
+
+/// Floor, ceiling and walls go through, and have patches on both sides of the partition.
+#[test]
+fn no_light_passes_a_partition_however_thin_and_askew() {
+    let gpu = gpu();
+    for (thickness, angle) in [(0.01, 0.0), (0.01, 0.35), (0.1, 0.2)] {
+        let of_rays = passed(&gpu, thickness, 0.0, angle, GatherRays::Count(16));
+        assert!(of_rays < 1e-4, "{thickness} m thick, turned by {angle}: {of_rays}");
+        // Volumes have cells that lie on both sides.
+        let of_volumes = passed(&gpu, thickness, 0.0, angle, GatherRays::Count(0));
+        assert!(of_volumes < 0.02, "{thickness} m thick, turned by {angle}, volumes alone: {of_volumes}");
+    }
+}

@@ -1,0 +1,19 @@
+//! Statements that hold for every scene: the same bits with and without reuse, work that grows with what changed, no light
+//! without a source.
+
+mod average;
+mod batches;
+mod cached_frames;
+mod host;
+mod keyed_fields;
+mod mirrors;
+mod mlaa;
+mod moving;
+mod moving_rays;
+mod overlays;
+mod posed_meshes;
+mod shaders;
+#[path = "../support/mod.rs"]
+mod support;
+mod temporal;
+mod warnings;

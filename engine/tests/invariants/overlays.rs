@@ -1,0 +1,184 @@
+//! What is drawn over the image: it shows, it hides behind surfaces, and it never touches the radiance.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::{Stage, gpu};
+use glam::{Affine3A, Quat, Vec3};
+use lightwell::assets::Shape;
+use lightwell::gpu::{Gpu, read_texture};
+use lightwell::graph::{FrameReport, PassState};
+use lightwell::render::debug::{DebugSettings, DebugView};
+use lightwell::render::reference::TraceSettings;
+use lightwell::render::{Beside, GiMethod, ReferenceSettings, RenderSettings, Renderer, Shown};
+use lightwell::scene::LightShape;
+use lightwell::world::{Clpv, Transport};
+use std::collections::BTreeSet;
+
+const EDGE: u32 = 64;
+
+/// A room with a ball and a lamp, seen from its middle.
+fn stage(transport: Transport) -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 1.8), Vec3::ZERO, EDGE);
+    stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.6, 0.5, 0.4));
+    let ball = Shape::Sphere { radius: 0.5, segments: 16, rings: 8 };
+    stage.add(ball, Vec3::splat(0.8), Affine3A::from_translation(Vec3::new(0.0, -0.5, -0.5)));
+    stage.light(LightShape::Point, Vec3::splat(4.0), Vec3::new(0.4, 1.0, 0.0), Vec3::NEG_Y).range = Some(2.6);
+    stage.clpv(Vec3::ZERO, Clpv { cells: [8; 3], cascades: 2, transport, ..Default::default() });
+    stage
+}
+
+struct Drawn {
+    bytes: Vec<u8>,
+    radiance: Vec<[f32; 4]>,
+    report: FrameReport,
+}
+
+impl Drawn {
+    fn pixel(&self, x: u32, y: u32) -> [u8; 3] {
+        let at = 4 * (x + y * EDGE) as usize;
+        [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
+    }
+
+    fn ran(&self, name: &str) -> bool {
+        self.report.pass(name).is_some_and(|pass| pass.state == PassState::Ran)
+    }
+}
+
+fn draw(gpu: &Gpu, renderer: &mut Renderer, stage: &Stage, settings: RenderSettings) -> Drawn {
+    let (image, report) = stage.render_with(gpu, renderer, &settings);
+    let bytes = read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap();
+    Drawn { bytes, radiance: image.rgba, report }
+}
+
+fn differing(a: &Drawn, b: &Drawn) -> usize {
+    a.bytes.chunks(4).zip(b.bytes.chunks(4)).filter(|(a, b)| a != b).count()
+}
+
+fn settings(gi: GiMethod, debug: DebugSettings) -> RenderSettings {
+    RenderSettings { gi, debug, ..Default::default() }
+}
+
+fn views(views: &[DebugView]) -> DebugSettings {
+    DebugSettings { views: views.iter().copied().collect(), bvh_level: 3, ..Default::default() }
+}
+
+#[test]
+fn an_outline_surrounds_what_is_selected() {
+    let gpu = gpu();
+    let stage = stage(Transport::Sweep);
+    let mut renderer = Renderer::new(&gpu);
+    let ball = stage.scene.primitives.last().unwrap().id.0 as u32;
+    let select = |ids: &[u32]| DebugSettings { outlined: ids.to_vec(), ..Default::default() };
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[])));
+    assert!(!plain.ran("outline") && !plain.ran("selection"));
+    let nobody = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[ball + 1000])));
+    assert_eq!(differing(&plain, &nobody), 0, "nobody that is seen is selected");
+    let outlined = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[3, ball])));
+    assert!(outlined.ran("outline"));
+    assert_eq!(plain.radiance, outlined.radiance);
+    let orange = |drawn: &Drawn, x, y| {
+        let [r, g, b] = drawn.pixel(x, y);
+        r > 230 && g > 120 && b < 80
+    };
+    let marked: Vec<[u32; 2]> =
+        (0..EDGE).flat_map(|y| (0..EDGE).map(move |x| [x, y])).filter(|&[x, y]| orange(&outlined, x, y)).collect();
+    // The ball is seen as a disc of about 14 pixels: two pixels around it are some 90.
+    assert!((40..200).contains(&marked.len()), "{}", marked.len());
+    let object = read_texture(&gpu, renderer.target("gbuffer object").unwrap(), 0, 0).unwrap();
+    for [x, y] in marked {
+        let at = 8 * (x + y * EDGE) as usize;
+        let id = u32::from_le_bytes(object[at..at + 4].try_into().unwrap());
+        assert_ne!(id, ball, "the outline covers nothing of the ball itself");
+    }
+    let again = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[])));
+    assert_eq!(differing(&plain, &again), 0, "nothing is left of it");
+}
+
+#[test]
+fn every_view_shows_and_leaves_the_radiance_alone() {
+    let gpu = gpu();
+    let methods = [
+        (GiMethod::CLPV, Transport::Sweep),
+        (GiMethod::CLPV, Transport::Diffusion),
+        (GiMethod::VPL, Transport::Sweep),
+        (GiMethod::SLC, Transport::Sweep),
+    ];
+    let mut shown = BTreeSet::new();
+    for (gi, transport) in methods {
+        let mut stage = stage(transport);
+        let mut second = stage.view.camera.clone();
+        second.world_from_view = Affine3A::from_translation(Vec3::new(0.5, 0.5, 0.5));
+        stage.scene.cameras = vec![stage.view.camera.clone(), second];
+        let mut renderer = Renderer::new(&gpu);
+        let plain = draw(&gpu, &mut renderer, &stage, settings(gi, DebugSettings::default()));
+        for view in DebugView::ALL {
+            let drawn = draw(&gpu, &mut renderer, &stage, settings(gi, views(&[view])));
+            assert_eq!(plain.radiance, drawn.radiance, "{view}");
+            let pass = drawn.report.pass(&format!("debug {view}"));
+            let skipped = pass.is_some_and(|pass| matches!(pass.state, PassState::Skipped(_)));
+            let by_light = matches!(view, DebugView::Light | DebugView::Blockers | DebugView::Voxels);
+            let makes_none = (by_light && gi != GiMethod::CLPV)
+                || view == DebugView::VirtualLights && !matches!(gi, GiMethod::VPL | GiMethod::SLC);
+            assert_eq!(skipped, makes_none, "{view} with {gi:?}");
+            let count = differing(&plain, &drawn);
+            println!("{view} with {gi:?} and {transport:?}: {count} pixels");
+            assert_eq!(count > 10, !makes_none, "{view} with {gi:?} changes {count} pixels");
+            if !makes_none {
+                shown.insert(view);
+            }
+        }
+    }
+    assert_eq!(shown.len(), DebugView::ALL.len());
+}
+
+#[test]
+fn lines_are_dim_behind_surfaces() {
+    let gpu = gpu();
+    // The sphere of a light's range, half before a wall and half behind it.
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, EDGE);
+    let turn = Affine3A::from_quat(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2));
+    stage.add(Shape::Plane { size: [9.0, 9.0], subdivisions: [1, 1] }, Vec3::ZERO, turn);
+    let light = |stage: &mut Stage, z: f32| {
+        stage.scene.lights.clear();
+        stage.light(LightShape::Point, Vec3::ONE, Vec3::new(0.0, 0.0, z), Vec3::NEG_Y).range = Some(0.8);
+        let drawn = draw(&gpu, &mut Renderer::new(&gpu), stage, settings(GiMethod::NONE, views(&[DebugView::Lights])));
+        drawn.bytes.chunks(4).map(|p| u32::from(p[2])).max().unwrap()
+    };
+    let (before, behind) = (light(&mut stage, 1.2), light(&mut stage, -1.2));
+    assert!(before > 200 && (10..140).contains(&behind), "{before} before, {behind} behind");
+}
+
+#[test]
+fn the_reference_is_traced_beside_what_is_drawn() {
+    let gpu = gpu();
+    let mut stage = stage(Transport::Sweep);
+    stage.scene.clpv = None;
+    let mut renderer = Renderer::new(&gpu);
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, DebugSettings::default()));
+    let beside = |shown| {
+        let trace = TraceSettings { bounces: None, seed: 1 };
+        let reference = ReferenceSettings { trace, samples: 64, samples_a_frame: 16 };
+        RenderSettings { gi: GiMethod::NONE, beside: Some(Beside { reference, shown }), ..Default::default() }
+    };
+    for frame in 1..=5 {
+        let half = draw(&gpu, &mut renderer, &stage, beside(Shown::Wipe(0.5)));
+        assert_eq!(renderer.tracer().unwrap().samples(), (16 * frame).min(64));
+        assert_eq!(plain.radiance, half.radiance);
+        for y in 0..EDGE {
+            for x in 0..EDGE / 2 {
+                assert_eq!(plain.pixel(x, y), half.pixel(x, y), "left of the wipe is what was drawn");
+            }
+        }
+    }
+    let alone = draw(&gpu, &mut renderer, &stage, beside(Shown::Wipe(0.0)));
+    let sum = |drawn: &Drawn| drawn.bytes.iter().map(|b| u64::from(*b)).sum::<u64>();
+    assert!(sum(&alone) > sum(&plain) + 100_000, "all bounces are brighter than direct light");
+    let difference = draw(&gpu, &mut renderer, &stage, beside(Shown::Difference(0.05)));
+    let mut blue = 0;
+    for (x, y) in (0..EDGE).flat_map(|y| (0..EDGE).map(move |x| (x, y))) {
+        let [r, _, b] = difference.pixel(x, y);
+        blue += u32::from(b > r);
+    }
+    // All indirect light is missing.
+    assert!(blue > EDGE * EDGE * 9 / 10, "{blue}");
+}
