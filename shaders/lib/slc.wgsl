@@ -1,7 +1,7 @@
 #define_import_path lightwell::slc
 
 // Stochastic light culling (Tokuyoshi and Harada 2016, 2017): virtual lights, how brightly they shine, and how far
-// they reach. The same functions on the host: engine/src/render/slc/lobe.rs.
+// they reach. The same functions on the host: engine/src/render/indirect/light_culling/lobe.rs.
 
 #import lightwell::brdf::{PI, distribution_ggx, visibility_smith, fresnel_schlick}
 #import lightwell::view::View
@@ -54,7 +54,6 @@ struct Culling {
     view: View,
     lights: u32,           // of a subset
     interleave: u32,       // subsets along an edge
-    slices: u32,           // of depth in a tile
     words: u32,            // of a mask: 32 lights each
     tiles: vec2u,          // of 16 × 16 pixels in the image of a subset
     seed: u32,
@@ -67,6 +66,9 @@ struct Culling {
     sky_turn: f32,         // of the sky's map [rad]
 }
 
+// Slices of depth in a tile; `SLICES` of engine/src/render/indirect/light_culling/mod.rs.
+const SLICES: u32 = 2u;
+
 // Words of a mask with its summaries: for every 32 words another, whose bits tell which of them are not zero.
 fn mask_stride(words: u32) -> u32 {
     return words + (words + 31u) / 32u;
@@ -74,7 +76,6 @@ fn mask_stride(words: u32) -> u32 {
 
 const ELLIPSOID: u32 = 0u;
 const CENTRED_SPHERE: u32 = 1u;
-const ENCLOSING_SPHERE: u32 = 2u;
 
 const DIFFUSE_LOBE: u32 = 0u;
 const SPECULAR_LOBE: u32 = 1u;
@@ -188,21 +189,14 @@ fn light_range(light: VirtualLight, delta: f32, xi: f32, bounds: u32) -> LightRa
     let a_squared = light.alpha * light.alpha;
     let long = r * (1.0 + a_squared) / (2.0 * light.alpha);
     let center = light.position + mirror * (r * (1.0 - a_squared) / (2.0 * light.alpha));
-    switch bounds {
-        case CENTRED_SPHERE: {
-            range.specular_center = light.position;
-            range.specular_radius = with_margin(r / light.alpha, light.position);
-        }
-        case ENCLOSING_SPHERE: {
-            range.specular_center = center;
-            range.specular_radius = with_margin(long, center);
-        }
-        default: {
-            range.specular_center = center;
-            range.specular_radius = with_margin(r, center);
-            range.axis = mirror;
-            range.squeeze = r / long;
-        }
+    if bounds == CENTRED_SPHERE {
+        range.specular_center = light.position;
+        range.specular_radius = with_margin(r / light.alpha, light.position);
+    } else {
+        range.specular_center = center;
+        range.specular_radius = with_margin(r, center);
+        range.axis = mirror;
+        range.squeeze = r / long;
     }
     return range;
 }

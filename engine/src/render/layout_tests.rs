@@ -113,12 +113,9 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, MapPlaceUniform::min_size().get(), "indirect/instant_radiosity/place.wgsl", "Place");
     check(&gpu, size_of::<VirtualLight>() as u64, "indirect/instant_radiosity/shade.wgsl", "VirtualLight");
     check(&gpu, PlaceUniform::min_size().get(), "indirect/light_culling/lights.wgsl", "Place");
-    for shader in [
-        "indirect/light_culling/cull.wgsl",
-        "indirect/light_culling/shade.wgsl",
-        "indirect/light_culling/splat.wgsl",
-        "indirect/light_culling/filter.wgsl",
-    ] {
+    for shader in
+        ["indirect/light_culling/cull.wgsl", "indirect/light_culling/shade.wgsl", "indirect/light_culling/filter.wgsl"]
+    {
         check(&gpu, CullingUniform::min_size().get(), shader, "Culling");
     }
     check(&gpu, DeltaUniform::min_size().get(), "indirect/light_culling/delta.wgsl", "Delta");

@@ -78,17 +78,17 @@ pub enum ParticleSequence {
     Random,
 }
 
-/// How particles find what they hit.
+/// How particles find what they hit. Files may also say `Bounds`, which once tested boxes in place of objects: it is
+/// `Hierarchy`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ParticleCasts {
     /// Through the hierarchy over all triangles.
     #[default]
+    #[serde(alias = "Bounds")]
     Hierarchy,
     /// Every object in its own space, as in the report: squares and boxes by formula, all others triangle by
     /// triangle. O(B·N/(1−ρ)); to compare.
     BruteForce,
-    /// The same with the box around every object in place of the object (a suggestion of the report).
-    Bounds,
 }
 
 /// Instant radiosity: indirect light from many virtual point lights (Keller 1997; Franchi and Ferrante).

@@ -20,22 +20,18 @@ pub enum LightBounds {
     #[default]
     Ellipsoid,
     /// Spheres centred on the light, whose radius is the largest reach of the lobe (2016).
+    #[serde(alias = "EnclosingSphere")]
     CentredSphere,
-    /// As [`LightBounds::Ellipsoid`], with the sphere around the spheroid.
-    EnclosingSphere,
 }
 
-/// How the lights of a pixel are found. Tiles and clusters give the same image to the bit.
+/// How the lights of a pixel are found. Files may also say `Clustered` or `Splatting`, which once were other ways to the
+/// same image: both are `Tiled`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightCulling {
     /// Tiles of 16 × 16 pixels, each with two depth slices (HalfZ).
     #[default]
+    #[serde(alias = "Clustered", alias = "Splatting")]
     Tiled,
-    /// Tiles with 32 depth slices.
-    Clustered,
-    /// Each light is drawn over the pixels that its range covers. Needs an adapter that blends 32-bit floats, and casts
-    /// no shadow rays. Adds in the blending unit, so that the last bits may differ from those of tiles.
-    Splatting,
     /// All lights at every pixel, without chance: the sum that the others are an estimate of. Slow.
     None,
 }

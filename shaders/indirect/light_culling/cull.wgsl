@@ -1,14 +1,13 @@
 // Tiled culling: which lights of a subset may reach which depth slices of a tile. A workgroup does one tile of
-// 16 × 16 pixels in the image of one subset: those pixels of the whole image that are the subset's. Two slices are
-// HalfZ (Harada 2012), the halves of the tile's depth range; 32 are clustered shading (Olsson et al. 2012). Either is
-// tightened to the depths that occur.
+// 16 × 16 pixels in the image of one subset: those pixels of the whole image that are the subset's. The two
+// slices are the halves of the tile's depth range (HalfZ, Harada 2012), tightened to the depths that occur.
 //
 // A slice is the part of the tile's pyramid between two depths. It is tested by its box in the space in which the
 // light's spheroid is a sphere (Tokuyoshi and Harada 2017, eqs. 16 and 17): squeezed along the spheroid's axis, then
 // turned so that the box lies along the tile's own axis, where it is tight.
 
 #import lightwell::gbuffer::world_position
-#import lightwell::slc::{LightRange, Culling, mask_stride, squeezed}
+#import lightwell::slc::{LightRange, Culling, SLICES, mask_stride, squeezed}
 #import lightwell::view::{toward_eye, view_depth}
 
 @group(0) @binding(1) var<uniform> culling: Culling;
@@ -19,11 +18,6 @@
 // The slice of every pixel.
 @group(0) @binding(5) var<storage, read_write> slices: array<u32>;
 
-#ifdef SLICES
-const SLICES: u32 = #{SLICES}u; // as `culling` has it
-#else
-const SLICES: u32 = 2u;
-#endif
 const GROUP_WORDS: u32 = 8u; // of the lights that a workgroup tests at once
 
 var<workgroup> nearest: atomic<u32>;
@@ -33,22 +27,15 @@ var<workgroup> shallowest: atomic<u32>;
 // Depths as integers, which are ordered as the floats are.
 var<workgroup> slice_near: array<atomic<u32>, SLICES>;
 var<workgroup> slice_far: array<atomic<u32>, SLICES>;
-var<workgroup> found: array<atomic<u32>, 512>;
+var<workgroup> found: array<atomic<u32>, 2u * SLICES * GROUP_WORDS>;
 // Which words of 32 of a mask are not zero.
-var<workgroup> summaries: array<atomic<u32>, 64>;
+var<workgroup> summaries: array<atomic<u32>, 2u * SLICES>;
 // Corners of the tile's pyramid between its depths, and the extents of the slices between them in 0..1.
 var<workgroup> near_corners: array<vec3f, 4>;
 var<workgroup> far_corners: array<vec3f, 4>;
 
 fn slice_at(w: f32, near: f32, far: f32) -> u32 {
-    if !(far > near) {
-        return 0u;
-    }
-    if SLICES == 2u {
-        return select(0u, 1u, w > 0.5 * (near + far));
-    }
-    let t = log(w / near) / log(far / near);
-    return min(u32(max(t, 0.0) * f32(SLICES)), SLICES - 1u);
+    return select(0u, 1u, far > near && w > 0.5 * (near + far));
 }
 
 // A corner of the tile at a stored depth.
@@ -155,8 +142,9 @@ fn main(
         atomicStore(&slice_near[thread], 0x7f7fffffu);
         atomicStore(&slice_far[thread], 0u);
     }
-    atomicStore(&found[thread], 0u);
-    atomicStore(&found[thread + 256u], 0u);
+    if thread < 2u * SLICES * GROUP_WORDS {
+        atomicStore(&found[thread], 0u);
+    }
     workgroupBarrier();
 
     var z = 0.0;
@@ -206,12 +194,12 @@ fn main(
             }
         }
         workgroupBarrier();
-        for (var i = thread; i < 2u * SLICES * GROUP_WORDS; i += 256u) {
-            let word = chunk + i % GROUP_WORDS;
-            let bits = atomicLoad(&found[i]);
-            masks[first_word + (i / GROUP_WORDS) * stride + word] = bits;
-            atomicOr(&summaries[i / GROUP_WORDS], select(0u, 1u, bits != 0u) << (word & 31u));
-            atomicStore(&found[i], 0u);
+        if thread < 2u * SLICES * GROUP_WORDS {
+            let word = chunk + thread % GROUP_WORDS;
+            let bits = atomicLoad(&found[thread]);
+            masks[first_word + (thread / GROUP_WORDS) * stride + word] = bits;
+            atomicOr(&summaries[thread / GROUP_WORDS], select(0u, 1u, bits != 0u) << (word & 31u));
+            atomicStore(&found[thread], 0u);
         }
         workgroupBarrier();
         let end = chunk + GROUP_WORDS;

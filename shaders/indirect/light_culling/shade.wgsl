@@ -1,8 +1,8 @@
 // Light of the accepted virtual lights at the pixels of one subset. Lights come in the order of their numbers, so that
-// tiles, clusters and all bounds give the same bits.
+// all bounds give the same bits.
 //   SKY_MAP   the sky differs by direction; others as in lib/slc_shading.wgsl
 
-#import lightwell::slc::{DIFFUSE_LOBE, SPECULAR_LOBE, mask_stride}
+#import lightwell::slc::{DIFFUSE_LOBE, SLICES, SPECULAR_LOBE, mask_stride}
 #ifdef RAYS
 #import lightwell::brdf::PI
 #import lightwell::rays::{Ray, SHADOW, NONE, trace}
@@ -122,7 +122,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
 #else
     let tile = (subset * culling.tiles.y + group.y) * culling.tiles.x + group.x;
     let stride = mask_stride(culling.words);
-    let mask = 2u * (tile * culling.slices + slices[at.y * culling.view.size.x + at.x]) * stride;
+    let mask = 2u * (tile * SLICES + slices[at.y * culling.view.size.x + at.x]) * stride;
     shade(&pixel, first, DIFFUSE_LOBE, mask, thread);
     shade(&pixel, first, SPECULAR_LOBE, mask + stride, thread);
 #endif

@@ -6,9 +6,9 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling,
-    LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling, Transform,
-    Transport,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightBounds,
+    LightCulling, LightKind, LightVisibility, ParticleCasts, Precision, Projection, Quality, SceneSettings,
+    StochasticLightCulling, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -269,7 +269,7 @@ fn clpv() -> impl Strategy<Value = Clpv> {
 fn slc() -> impl Strategy<Value = StochasticLightCulling> {
     let delta = prop_oneof![(1e-6f32..1.0).prop_map(Delta::Relative), (1e-6f32..1.0).prop_map(Delta::Absolute)];
     let bounds = prop_oneof![Just(LightBounds::Ellipsoid), Just(LightBounds::CentredSphere)];
-    let culling = prop_oneof![Just(LightCulling::Tiled), Just(LightCulling::Clustered), Just(LightCulling::None)];
+    let culling = prop_oneof![Just(LightCulling::Tiled), Just(LightCulling::None)];
     let visibility = prop_oneof![Just(LightVisibility::None), Just(LightVisibility::ShadowRays)];
     (delta, bounds, culling, visibility, 8u32..=4096, 0u32..5, 0u32..=64).prop_map(
         |(delta, bounds, culling, visibility, rsm_size, power, filter_radius)| StochasticLightCulling {
@@ -385,4 +385,17 @@ proptest! {
         let saved = scene_text(&world, path).unwrap();
         prop_assert_eq!(saved, text);
     }
+}
+
+/// Values that files of earlier versions may hold.
+#[test]
+fn variants_that_are_gone_load_as_those_that_stand_for_them() {
+    let text = r#"Scene(entities: [(name: "A", slc: (culling: Splatting, bounds: EnclosingSphere), vpl: (casts: Bounds)),
+        (name: "B", slc: (culling: Clustered))])"#;
+    let world = Folder::new(&[("a.scene.ron", text)]).load("a.scene.ron").unwrap();
+    let [a, b] = ["A", "B"].map(|name| at(&world, name).unwrap());
+    let slc = world.ecs.get::<StochasticLightCulling>(a).unwrap();
+    assert_eq!((slc.culling, slc.bounds), (LightCulling::Tiled, LightBounds::CentredSphere));
+    assert_eq!(world.ecs.get::<StochasticLightCulling>(b).unwrap().culling, LightCulling::Tiled);
+    assert_eq!(world.ecs.get::<InstantRadiosity>(a).unwrap().casts, ParticleCasts::Hierarchy);
 }

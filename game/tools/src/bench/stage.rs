@@ -57,7 +57,7 @@ pub const STAGES: &[Stage] = &[
         passes: &["slc error bound", "slc ranges"],
     },
     Stage { name: "CUL", what: "cull lights to tiles or clusters", passes: &["slc cull"] },
-    Stage { name: "SHS", what: "shade by the lights of a tile", passes: &["slc shade", "slc splat", "slc gather"] },
+    Stage { name: "SHS", what: "shade by the lights of a tile", passes: &["slc shade"] },
     Stage { name: "FLT", what: "cross bilateral filter", passes: &["slc filter"] },
     Stage { name: "AVG", what: "average over frames", passes: &["average"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },

@@ -102,8 +102,7 @@ impl<'a> Caster<'a> {
     pub fn new(scene: &'a Scene, bvh: &'a SceneBvh, casts: ParticleCasts) -> Self {
         let objects = match casts {
             ParticleCasts::Hierarchy => None,
-            ParticleCasts::BruteForce => Some(objects(scene, false)),
-            ParticleCasts::Bounds => Some(objects(scene, true)),
+            ParticleCasts::BruteForce => Some(objects(scene)),
         };
         Self { scene, bvh, objects }
     }
@@ -221,26 +220,26 @@ impl<'a> Caster<'a> {
     }
 }
 
-fn objects(scene: &Scene, bounds_only: bool) -> Vec<Object> {
+fn objects(scene: &Scene) -> Vec<Object> {
     let mut first = 0;
     let mut objects = Vec::with_capacity(scene.primitives.len());
     for primitive in &scene.primitives {
         let count = primitive.mesh.triangle_count() as u32;
-        objects.push(object(primitive, first, count, bounds_only));
+        objects.push(object(primitive, first, count));
         first += count;
     }
     objects
 }
 
-fn object(primitive: &Primitive, first: u32, count: u32, bounds_only: bool) -> Object {
+fn object(primitive: &Primitive, first: u32, count: u32) -> Object {
     let bounds = primitive.mesh.bounds;
     let size = bounds.size();
     let singular = !(primitive.world_from_object.matrix3.determinant().abs() > 0.0);
     let flat = (0..3).find(|&axis| size[axis] == 0.0);
     let form = match flat {
         _ if singular || bounds.is_empty() => None,
-        Some(axis) if bounds_only || is_rectangle(primitive, axis) => Some((Form::Square, square(size, axis))),
-        None if bounds_only || is_box(primitive) => Some((Form::Box, Affine3A::from_scale(size))),
+        Some(axis) if is_rectangle(primitive, axis) => Some((Form::Square, square(size, axis))),
+        None if is_box(primitive) => Some((Form::Box, Affine3A::from_scale(size))),
         _ => None,
     };
     let (form, world_from_local) = match form {

@@ -1,7 +1,7 @@
 //! Which lights may reach which part of which tile.
 
-use super::{Method, Sources};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use super::{Method, SLICES, Sources};
+use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -42,9 +42,9 @@ pub(super) fn declare<'a>(
         let [ranges, masks, slices] = [sources.ranges, masks, slices].map(|handle| cx.buffer(handle).clone());
         let [x, y] = method.tiles;
         let counts = cx.counts();
-        counts.cells += u64::from(x) * u64::from(y) * u64::from(method.subsets()) * u64::from(method.slices);
+        counts.cells += u64::from(x) * u64::from(y) * u64::from(method.subsets()) * u64::from(SLICES);
         cx.dispatch(
-            &ComputeKey::new("indirect/light_culling/cull.wgsl", "main").def("SLICES", ShaderDef::Uint(method.slices)),
+            &ComputeKey::new("indirect/light_culling/cull.wgsl", "main"),
             &[
                 ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
                 ("depth", Binding::Texture(&depth)),

@@ -42,7 +42,6 @@ pub(crate) struct CullingUniform {
     view: ViewUniform,
     lights: u32,
     interleave: u32,
-    slices: u32,
     words: u32,
     tiles: UVec2,
     seed: u32,
@@ -83,7 +82,6 @@ impl Method {
             view: frame.view_values(),
             lights: self.lights,
             interleave: s.interleave,
-            slices: self.slices,
             words: self.words(),
             tiles: self.tiles.into(),
             seed: self.seed,
@@ -102,7 +100,7 @@ impl Method {
     pub(super) fn key(&self, frame: &Frame) -> impl Hash + use<> {
         let sky = (self.sky.to_array().map(f32::to_bits), self.sky_map(frame).map(|map| map.id));
         let settings = format!("{:?}", self.settings);
-        (frame.view_key(), settings, self.lights, self.slices, self.tiles, self.seed, self.root, sky)
+        (frame.view_key(), settings, self.lights, self.tiles, self.seed, self.root, sky)
     }
 
     /// The sky's map, where rays are cast and the sky differs by direction.
@@ -121,7 +119,6 @@ impl Method {
         let bounds = match self.settings.bounds {
             LightBounds::Ellipsoid => 0,
             LightBounds::CentredSphere => 1,
-            LightBounds::EnclosingSphere => 2,
         };
         ChancesUniform { lights: self.lights, seed: self.seed, bounds }
     }

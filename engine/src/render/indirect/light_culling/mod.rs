@@ -17,7 +17,6 @@ pub mod lobe;
 mod lobe_tests;
 mod method;
 mod shade;
-mod splat;
 
 #[cfg(test)]
 pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
@@ -38,6 +37,8 @@ pub const TESTED: &str = "slc diffuse";
 pub const ACCEPTED: &str = "slc specular";
 /// Edge of a tile \[pixels of a subset's image\].
 const TILE: u32 = 16;
+/// Slices of depth in a tile: the `SLICES` of `indirect/light_culling/cull.wgsl`.
+const SLICES: u32 = 2;
 
 /// The settings of a scene: its own or the default ones.
 pub(in crate::render) fn settings(scene: &crate::scene::Scene) -> StochasticLightCulling {
@@ -55,8 +56,6 @@ struct Method {
     settings: StochasticLightCulling,
     /// Virtual lights of a subset.
     lights: u32,
-    /// Slices of depth in a tile.
-    slices: u32,
     /// Tiles of a subset's image.
     tiles: [u32; 2],
     /// ξ of this frame.
@@ -97,7 +96,7 @@ impl Method {
     fn mask_words(&self) -> u64 {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]) * u64::from(self.subsets());
         let words = self.words();
-        tiles * u64::from(self.slices) * 2 * u64::from(words + words.div_ceil(32))
+        tiles * u64::from(SLICES) * 2 * u64::from(words + words.div_ceil(32))
     }
 }
 
@@ -125,7 +124,6 @@ fn declare<'a>(
     let method = Method {
         // Under a sky alone there is one light of no flux.
         lights: u32::try_from(lights).unwrap_or(u32::MAX).max(1),
-        slices: if settings.culling == LightCulling::Clustered { 32 } else { 2 },
         tiles: [width.div_ceil(covered), height.div_ceil(covered)],
         seed: settings.seed ^ frame.seed(),
         root: frame.rays.map_or(0, |rays| rays.root()),
@@ -133,16 +131,14 @@ fn declare<'a>(
         settings,
     };
     check_memory(gpu, &method, frame.view.size)?;
-    check_splatting(gpu, &method.settings)?;
     check_loops(gpu, &method)?;
     let sources = lights::declare(graph, frame, &maps, &method);
     let shaded = match method.settings.culling {
-        LightCulling::Splatting => splat::declare(graph, frame, gbuffer, &method, sources),
         LightCulling::None => {
             graph.skip("slc cull", "all lights are shaded at every pixel");
             shade::declare(graph, frame, gbuffer, &method, sources, None)
         }
-        LightCulling::Tiled | LightCulling::Clustered => {
+        LightCulling::Tiled => {
             let culled = cull::declare(graph, frame, gbuffer, &method, sources);
             shade::declare(graph, frame, gbuffer, &method, sources, Some(culled))
         }
@@ -158,7 +154,7 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
     let pixels = 4 * u64::from(size[0]) * u64::from(size[1]);
     let needs = [
         (lights::LIGHT_BYTES * count, format!("{count} virtual lights"), "a smaller `slc.rsm_size`"),
-        (masks, format!("the light masks of {count} virtual lights"), "a smaller `slc.rsm_size`, or `Tiled` culling"),
+        (masks, format!("the light masks of {count} virtual lights"), "a smaller `slc.rsm_size`"),
         (pixels, "the slices of so many pixels".to_owned(), "a smaller image"),
     ];
     match needs.into_iter().find(|(bytes, ..)| *bytes > limit) {
@@ -168,18 +164,6 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
             bytes.div_ceil(1 << 20),
             limit >> 20
         ))),
-    }
-}
-
-/// Whether lights can be drawn one by one, if that is wanted.
-fn check_splatting(gpu: &Gpu, settings: &StochasticLightCulling) -> Result<(), RenderError> {
-    let wrong = |what: &str| {
-        Err(RenderError::method(format!("stochastic light culling: `Splatting` {what}: use `Tiled` culling")))
-    };
-    match settings.culling {
-        LightCulling::Splatting if casts_rays(settings) => wrong("casts no shadow rays"),
-        LightCulling::Splatting if !splat::is_possible(gpu) => wrong("needs an adapter that blends 32-bit floats"),
-        _ => Ok(()),
     }
 }
 
