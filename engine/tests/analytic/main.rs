@@ -1,6 +1,7 @@
 //! Light that can be computed by hand: form factors, closed rooms, a light in empty space.
 
 mod alpha_mask;
+mod area_lights;
 mod blend;
 mod direct_light;
 mod double_sided_shells;

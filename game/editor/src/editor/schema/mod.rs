@@ -145,7 +145,10 @@ mod tests {
         assert_eq!(field("range"), &Shape::Option(Box::new(Shape::Float(true))));
         assert_eq!(field("color"), &Shape::Tuple(vec![Shape::Float(true); 3]));
         let Shape::Enum(_, kinds) = field("kind") else { panic!("no enum") };
-        assert_eq!(kinds.iter().map(|(n, _)| *n).collect::<Vec<_>>(), ["Directional", "Point", "Spot", "Sun", "Sphere", "Disc", "Rectangle", "Tube"]);
+        assert_eq!(
+            kinds.iter().map(|(n, _)| *n).collect::<Vec<_>>(),
+            ["Directional", "Point", "Spot", "Sun", "Sphere", "Disc", "Rectangle", "Tube"]
+        );
         assert_eq!(kinds[2].1.variant("Spot"), "Spot(inner:0.0,outer:0.0)");
         assert!(matches!(Shape::of::<Clpv>(), Shape::Struct(..)));
     }

@@ -1,7 +1,6 @@
 //! Lights with a surface: their irradiance against integrals, their shadows and highlights against the path tracer, in all methods.
 
-mod support;
-
+use crate::support::{Stage, error, gpu, rgb};
 use glam::{Affine3A, Vec2, Vec3};
 use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, ImageF32, read_texture_f32};
@@ -12,7 +11,6 @@ use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{LightShape, SceneLight, SceneView};
 use lightwell::world::{Clpv, Quality};
 use std::f32::consts::PI;
-use support::{Stage, error, gpu, rgb};
 
 const ALBEDO: f32 = 0.8;
 
