@@ -172,8 +172,13 @@ fn files_of_tests(root: &Path) -> Vec<String> {
             if name.ends_with(".rs") {
                 found.push(path);
             } else if let Ok(main) = std::fs::read_to_string(root.join(&path).join("main.rs")) {
-                let is_module = |name: &String| main.contains(&format!("\nmod {};", name.trim_end_matches(".rs")));
-                found.extend(names(&path).into_iter().filter(is_module).map(|name| format!("{path}/{name}")));
+                let inside = names(&path);
+                // The folder of a module's own modules goes with its file.
+                let is_module = |name: &&String| {
+                    let is_declared = main.contains(&format!("\nmod {};", name.trim_end_matches(".rs")));
+                    is_declared && (name.ends_with(".rs") || !inside.contains(&format!("{name}.rs")))
+                };
+                found.extend(inside.iter().filter(is_module).map(|name| format!("{path}/{name}")));
             }
         }
     }

@@ -479,7 +479,7 @@ fn shadows_of_lights_from_maps_follow_what_moves_out_of_sight() {
     // What moves again and again is drawn apart from what does not, whose keys then say nothing of it.
     let (there, back) = ([ThingMoves(1, 4)], [ThingMoves(1, 3)]);
     // Virtual lights of maps, and light culling: each with shadow rays.
-    for method in [7, 11] {
+    for method in [7, 9] {
         let first = [Method(method), LightKind(0, 2), ThingComesOrGoes(1), ThingMoves(1, 3), Shown(1)];
         check_edits(&[&first, &there, &back, &there, &back, &there]);
     }
