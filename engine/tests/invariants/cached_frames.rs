@@ -485,6 +485,15 @@ fn shadows_of_lights_from_maps_follow_what_moves_out_of_sight() {
     }
 }
 
+/// The same of soft shadows, which rays cast without any map.
+#[test]
+fn soft_shadows_follow_what_moves_out_of_sight() {
+    use Edit::*;
+    let (there, back) = ([ThingMoves(1, 4)], [ThingMoves(1, 3)]);
+    let first = [Method(0), LightKind(0, 4), ThingComesOrGoes(1), ThingMoves(1, 3), Shown(2)];
+    check_edits(&[&first, &there, &back, &there, &back, &there]);
+}
+
 /// Skies that differ by direction, of nearly the same mean, under each method.
 #[test]
 fn skies_by_direction_are_followed() {
