@@ -1,8 +1,9 @@
 //! Settings of instant radiosity, `--gi vpl`.
 
 use super::Bounces;
+use super::former_variants::Variants;
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// How many particles go on after each reflection. ρ is the scene's mean reflectance, N the number of particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -78,17 +79,23 @@ pub enum ParticleSequence {
     Random,
 }
 
-/// How particles find what they hit. Files may also say `Bounds`, which once tested boxes in place of objects: it is
-/// `Hierarchy`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// How particles find what they hit. Files may also say `Bounds`, of an earlier version, which tested boxes in
+/// place of objects: it is `Hierarchy`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum ParticleCasts {
     /// Through the hierarchy over all triangles.
     #[default]
-    #[serde(alias = "Bounds")]
     Hierarchy,
     /// Every object in its own space, as in the report: squares and boxes by formula, all others triangle by
     /// triangle. O(B·N/(1−ρ)); to compare.
     BruteForce,
+}
+
+impl<'de> Deserialize<'de> for ParticleCasts {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = &[("Hierarchy", Self::Hierarchy), ("BruteForce", Self::BruteForce), ("Bounds", Self::Hierarchy)];
+        Variants { name: "ParticleCasts", names: &["Hierarchy", "BruteForce"], values }.read(deserializer)
+    }
 }
 
 /// Instant radiosity: indirect light from many virtual point lights (Keller 1997; Franchi and Ferrante).

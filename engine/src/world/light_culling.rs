@@ -1,7 +1,8 @@
 //! Settings of stochastic light culling.
 
+use super::former_variants::Variants;
 use bevy_ecs::prelude::Component;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The error bound δ of stochastic light culling: an irradiance. A light is dropped by chance where it would bring less.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,30 +14,48 @@ pub enum Delta {
     Absolute(f32),
 }
 
-/// What bounds the points that may accept a light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// Bounds of the points that may accept a light. Files may also say `EnclosingSphere`, of an earlier version: it is
+/// `CentredSphere`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum LightBounds {
     /// A spheroid around the GGX lobe, a sphere around the diffuse one that touches the light (2017). Fewest lights.
     #[default]
     Ellipsoid,
     /// Spheres centred on the light, whose radius is the largest reach of the lobe (2016).
-    #[serde(alias = "EnclosingSphere")]
     CentredSphere,
 }
 
-/// How the lights of a pixel are found. Files may also say `Clustered` or `Splatting`, which once were other ways to the
-/// same image: both are `Tiled`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+impl<'de> Deserialize<'de> for LightBounds {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = &[
+            ("Ellipsoid", Self::Ellipsoid),
+            ("CentredSphere", Self::CentredSphere),
+            ("EnclosingSphere", Self::CentredSphere),
+        ];
+        Variants { name: "LightBounds", names: &["Ellipsoid", "CentredSphere"], values }.read(deserializer)
+    }
+}
+
+/// How the lights of a pixel are found. Files may also say `Clustered` or `Splatting`, of an earlier version, which were
+/// other ways to the same image: both are `Tiled`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum LightCulling {
     /// Tiles of 16 × 16 pixels, each with two depth slices (HalfZ).
     #[default]
-    #[serde(alias = "Clustered", alias = "Splatting")]
     Tiled,
-    /// All lights at every pixel, without chance: the sum that the others are an estimate of. Slow.
+    /// All lights at every pixel, without chance: the sum of which tiles give an estimate. Slow.
     None,
 }
 
-/// What lies between a virtual light and a surface.
+impl<'de> Deserialize<'de> for LightCulling {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values =
+            &[("Tiled", Self::Tiled), ("None", Self::None), ("Clustered", Self::Tiled), ("Splatting", Self::Tiled)];
+        Variants { name: "LightCulling", names: &["Tiled", "None"], values }.read(deserializer)
+    }
+}
+
+/// Visibility between a virtual light and a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightVisibility {
     /// Nothing: light passes through walls, as in the papers. Fastest, and too bright.

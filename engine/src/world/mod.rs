@@ -14,6 +14,7 @@ mod entity_snapshot;
 mod environment;
 mod error;
 pub mod fields;
+mod former_variants;
 mod game_world;
 mod hierarchy;
 mod identity;

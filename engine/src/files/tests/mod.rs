@@ -4,6 +4,7 @@
 mod bad;
 mod clips;
 mod fields;
+mod former_variants;
 mod hostile;
 mod instances;
 mod models;

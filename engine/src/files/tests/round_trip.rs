@@ -6,9 +6,9 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightBounds,
-    LightCulling, LightKind, LightVisibility, ParticleCasts, Precision, Projection, Quality, SceneSettings,
-    StochasticLightCulling, Transform, Transport,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling,
+    LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling, Transform,
+    Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -385,17 +385,4 @@ proptest! {
         let saved = scene_text(&world, path).unwrap();
         prop_assert_eq!(saved, text);
     }
-}
-
-/// Values that files of earlier versions may hold.
-#[test]
-fn variants_that_are_gone_load_as_those_that_stand_for_them() {
-    let text = r#"Scene(entities: [(name: "A", slc: (culling: Splatting, bounds: EnclosingSphere), vpl: (casts: Bounds)),
-        (name: "B", slc: (culling: Clustered))])"#;
-    let world = Folder::new(&[("a.scene.ron", text)]).load("a.scene.ron").unwrap();
-    let [a, b] = ["A", "B"].map(|name| at(&world, name).unwrap());
-    let slc = world.ecs.get::<StochasticLightCulling>(a).unwrap();
-    assert_eq!((slc.culling, slc.bounds), (LightCulling::Tiled, LightBounds::CentredSphere));
-    assert_eq!(world.ecs.get::<StochasticLightCulling>(b).unwrap().culling, LightCulling::Tiled);
-    assert_eq!(world.ecs.get::<InstantRadiosity>(a).unwrap().casts, ParticleCasts::Hierarchy);
 }
