@@ -235,9 +235,11 @@ fn unshadowed(surface: Surface, to_eye: vec3f) -> Unshadowed {
     if whole.share <= 0.0 {
         return Unshadowed(vec3f(0.0), vec3f(0.0));
     }
-    let middle = normalize(transpose(to_local) * whole.direction);
-    let h = normalize(middle + to_eye);
-    let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, saturate(dot(h, to_eye)));
+    let middle = transpose(to_local) * whole.direction;
+    // Neither vector is normalized where it may vanish.
+    let half_sum = middle * inverseSqrt(max(dot(middle, middle), 1e-30)) + to_eye;
+    let cosine = saturate(dot(half_sum, to_eye) * inverseSqrt(max(dot(half_sum, half_sum), 1e-12)));
+    let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, cosine);
     let diffuse = (1.0 - max(f.r, max(f.g, f.b))) * surface.albedo * whole.share;
     let alpha = max(surface.roughness * surface.roughness, 1e-3);
     let n_dot_v = max(dot(surface.normal, to_eye), 1e-4);

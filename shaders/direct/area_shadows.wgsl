@@ -6,7 +6,7 @@
 //   SAMPLES  points of the light, and directions of a glossy surface's lobe, a pixel
 
 #import lightwell::area_lights::{meet_light, sample_incidence}
-#import lightwell::brdf::{distribution_ggx, visibility_smith}
+#import lightwell::brdf::{distribution_ggx, visibility_smith, visible_normal_density}
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::lights::{Incidence, Light}
 #import lightwell::sampling::{Sampler, next_pair, visible_ggx_normal}
@@ -41,20 +41,24 @@ const SAMPLES: u32 = 1u;
 const GLOSSY: f32 = 0.25;
 const MOST: f32 = 1e15;
 
-// The specular lobe without its Fresnel term, times n·l [1/sr].
-fn lobe(surface: Surface, to_eye: vec3f, direction: vec3f, alpha: f32) -> f32 {
-    let n_dot_l = dot(surface.normal, direction);
-    let n_dot_v = max(dot(surface.normal, to_eye), 1e-4);
-    let h = normalize(to_eye + direction);
-    return distribution_ggx(surface.normal, h, alpha) * visibility_smith(n_dot_l, n_dot_v, alpha) * n_dot_l;
+// The specular lobe without its Fresnel term, times n·l [1/sr], and the density with which its directions are sampled.
+struct Lobe {
+    value: f32,
+    density: f32,
 }
 
-// Density of directions by visible normals [1/sr] (Heitz 2018, eq. 17).
-fn lobe_density(surface: Surface, to_eye: vec3f, direction: vec3f, alpha: f32) -> f32 {
+fn lobe(surface: Surface, to_eye: vec3f, direction: vec3f, alpha: f32) -> Lobe {
+    let half_sum = to_eye + direction;
+    let length_squared = dot(half_sum, half_sum);
+    // Where the two are opposite, as a bent normal may show a surface from behind, no normal lies between them.
+    if length_squared < 1e-12 {
+        return Lobe(0.0, 0.0);
+    }
+    let h = half_sum * inverseSqrt(length_squared);
+    let n_dot_l = dot(surface.normal, direction);
     let n_dot_v = max(dot(surface.normal, to_eye), 1e-4);
-    let h = normalize(to_eye + direction);
-    let a2 = alpha * alpha;
-    return distribution_ggx(surface.normal, h, alpha) / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
+    let value = distribution_ggx(surface.normal, h, alpha) * visibility_smith(n_dot_l, n_dot_v, alpha) * n_dot_l;
+    return Lobe(value, visible_normal_density(surface.normal, h, n_dot_v, alpha));
 }
 
 fn power(irradiance: vec3f) -> f32 {
@@ -69,8 +73,8 @@ struct Unshadowed {
 
 fn from_light(surface: Surface, to_eye: vec3f, incidence: Incidence, alpha: f32, is_glossy: bool, unit: f32) -> Unshadowed {
     let e = power(incidence.irradiance) * unit;
-    let of_lobe = select(0.0, lobe_density(surface, to_eye, incidence.to_light, alpha), is_glossy);
-    let specular = e * lobe(surface, to_eye, incidence.to_light, alpha) / (1.0 + of_lobe * incidence.solid_angle);
+    let of_lobe = lobe(surface, to_eye, incidence.to_light, alpha);
+    let specular = e * of_lobe.value / (1.0 + select(0.0, of_lobe.density, is_glossy) * incidence.solid_angle);
     return Unshadowed(
         min(e * dot(surface.normal, incidence.to_light), MOST), min(specular, MOST),
     );

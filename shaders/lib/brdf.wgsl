@@ -22,6 +22,14 @@ fn visibility_smith(n_dot_l: f32, n_dot_v: f32, alpha: f32) -> f32 {
     return 0.5 / max(v + l, 1e-20);
 }
 
+// Density of directions that are reflected at visible normals [1/sr]: that of the normals over 4·v·h, G₁(v)·D/(4·n·v)
+// (Heitz 2018, eq. 17). h is a unit vector.
+fn visible_normal_density(n: vec3f, h: vec3f, n_dot_v: f32, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let d = distribution_ggx(n, h, alpha);
+    return d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
+}
+
 // Schlick's Fresnel term.
 fn fresnel_schlick(f0: vec3f, f90: f32, cosine: f32) -> vec3f {
     let m = saturate(1.0 - cosine);

@@ -5,7 +5,7 @@
 // have is left out: see lib/rays.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
 // sky is alike in all directions; (the other way around) AREA_LIGHTS, a light has a surface.
 
-#import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, distribution_ggx}
+#import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, visible_normal_density}
 #ifndef DIFFUSE
 #import lightwell::environment::lobe_reflectance
 #endif
@@ -69,12 +69,8 @@ fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f
     if share <= 0.0 {
         return diffuse;
     }
-    // Density of visible normals over 4·v·h: G₁(v)·D/(4·n·v) (Heitz 2018, eq. 17).
     let h = normalize(to_eye + direction);
-    let n_dot_v = dot(surface.normal, to_eye);
-    let a2 = surface.alpha * surface.alpha;
-    let d = distribution_ggx(surface.normal, h, surface.alpha);
-    let specular = d / (2.0 * (n_dot_v + sqrt(a2 + (1.0 - a2) * n_dot_v * n_dot_v)));
+    let specular = visible_normal_density(surface.normal, h, dot(surface.normal, to_eye), surface.alpha);
     return mix(diffuse, specular, share);
 #endif
 }
