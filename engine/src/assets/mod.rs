@@ -16,6 +16,8 @@ mod shape;
 mod shape_mesh;
 #[cfg(test)]
 mod shape_tests;
+mod sky_directions;
+mod sky_image;
 mod sky_map;
 mod sky_reflection;
 mod texture;
@@ -36,8 +38,8 @@ pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
+pub(crate) use sky_directions::{SkyDirections, SkySample};
 pub use sky_map::SkyMap;
-pub(crate) use sky_map::{SkyDirections, SkySample};
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 

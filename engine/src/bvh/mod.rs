@@ -9,13 +9,18 @@ mod mesh;
 mod presplit;
 mod ray;
 mod scene;
+mod scene_part;
+mod scene_triangle;
 #[cfg(test)]
 mod tests;
 
 pub use mesh::{MeshBvh, MeshHit};
 pub use ray::{Ray, intersect_triangle};
-pub use scene::{RayKind, SceneBvh, SceneHit, ScenePart, SceneTriangle, Updated};
-pub(crate) use scene::{is_nearer, vertex_indices, world_normal};
+pub(crate) use scene::is_nearer;
+pub use scene::{RayKind, SceneBvh, SceneHit, Updated};
+pub use scene_part::ScenePart;
+pub use scene_triangle::SceneTriangle;
+pub(crate) use scene_triangle::{vertex_indices, world_normal};
 
 use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};

@@ -4,18 +4,12 @@
 //! triangle is transformed once. Moved objects have the boxes above them fitted again, which leaves the static part as it
 //! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
 
-use super::presplit::presplit;
+use super::scene_part::{PartTriangles, ScenePart, Source};
+use super::scene_triangle::{SceneTriangle, world_corners};
 use super::{Bvh, Ray, intersect_triangle};
-use crate::assets::AssetId;
-use crate::scene::{Aabb, Primitive, Scene, SceneId};
-use glam::{Affine3A, Vec3};
+use crate::scene::{Primitive, Scene};
 use std::ops::Range;
 use std::time::{Duration, Instant};
-
-/// Most triangles of a leaf.
-const LEAF_SIZE: usize = 2;
-/// A refitted tree that costs so many times what it did when it was built is rebuilt.
-const WORN_OUT: f32 = 1.5;
 
 /// What a ray is for, which decides what it can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,17 +18,6 @@ pub enum RayKind {
     Camera,
     /// Light on its way: whatever casts shadows, from both sides.
     Light,
-}
-
-/// A triangle of a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneTriangle {
-    /// Corners in world space \[m\], counter-clockwise seen from outside (whether its object is mirrored or not).
-    pub corners: [Vec3; 3],
-    /// Index in [`Scene::primitives`].
-    pub primitive: u32,
-    /// Index in the primitive's mesh.
-    pub triangle: u32,
 }
 
 /// Where a ray meets a scene.
@@ -58,22 +41,6 @@ pub enum Updated {
     Refitted,
     /// A tree was built.
     Built,
-}
-
-/// The triangles of some primitives, with a hierarchy of their own.
-#[derive(Debug, Default)]
-pub struct ScenePart {
-    /// The hierarchy over indices in [`SceneBvh::triangles`].
-    pub bvh: Bvh,
-    /// Changes with the hierarchy, and with anything that rays meet in it.
-    pub(crate) version: u64,
-    /// The version in which it was built last: since then its triangles have the same order.
-    pub(crate) built: u64,
-    /// Indices in [`Scene::primitives`].
-    primitives: Vec<usize>,
-    /// Number of triangles in the hierarchy: those with a box.
-    placed: usize,
-    built_cost: f32,
 }
 
 /// All surfaces of a scene, ready for rays.
@@ -106,31 +73,6 @@ struct Flags {
 impl Flags {
     fn of(primitive: &Primitive) -> Self {
         Self { casts_shadow: primitive.casts_shadow, double_sided: primitive.material.double_sided }
-    }
-}
-
-/// Where the triangles of a primitive come from.
-#[derive(Clone, Debug, PartialEq)]
-struct Source {
-    id: SceneId,
-    mesh: AssetId,
-    topology: AssetId,
-    material: AssetId,
-    is_moving: bool,
-    world_from_object: Affine3A,
-    first: usize,
-    count: usize,
-    /// The version of its part in which it changed last.
-    changed: u64,
-}
-
-impl Source {
-    /// Whether the primitive can differ in nothing but place, pose and surface.
-    fn is_of(&self, primitive: &Primitive) -> bool {
-        self.id == primitive.id
-            && self.topology == primitive.mesh.topology()
-            && self.is_moving == primitive.moving
-            && self.count == primitive.mesh.triangle_count()
     }
 }
 
@@ -339,113 +281,4 @@ impl SceneBvh {
 /// met at the same distance the lower index wins, whatever the order of the trees.
 pub(crate) fn is_nearer(t: f32, triangle: u32, bound: f32, closest: Option<(f32, u32)>) -> bool {
     t < bound || closest.is_some_and(|best| t == best.0 && triangle < best.1)
-}
-
-/// All triangles of a scene, and where those of each primitive lie.
-#[derive(Clone, Copy)]
-struct PartTriangles<'a> {
-    all: &'a [SceneTriangle],
-    sources: &'a [Source],
-}
-
-impl PartTriangles<'_> {
-    fn bounds(&self, index: usize) -> Aabb {
-        let corners = self.all[index].corners;
-        if corners.iter().all(|corner| corner.is_finite()) { Aabb::from_points(corners) } else { Aabb::EMPTY }
-    }
-}
-
-impl ScenePart {
-    /// Indices of its triangles.
-    fn indices<'a>(&'a self, triangles: PartTriangles<'a>) -> impl Iterator<Item = usize> + 'a {
-        let sources = self.primitives.iter().map(move |&index| &triangles.sources[index]);
-        sources.flat_map(|source| source.first..source.first + source.count)
-    }
-
-    /// Builds the hierarchy. Static triangles may be in several leaves, see [`presplit`]; the boxes of dynamic ones are
-    /// fitted again to whole triangles in most frames, and so they are in one.
-    fn build(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
-        let indices: Vec<usize> = self.indices(triangles).collect();
-        let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
-        self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
-        if is_static {
-            let corners: Vec<[Vec3; 3]> = indices.iter().map(|&index| triangles.all[index].corners).collect();
-            let (pieces, triangle_of) = presplit(&corners, &boxes);
-            self.bvh = Bvh::new(&pieces, LEAF_SIZE);
-            self.bvh.order.iter_mut().for_each(|entry| *entry = triangle_of[*entry as usize]);
-        } else {
-            self.bvh = Bvh::new(&boxes, LEAF_SIZE);
-        }
-        self.bvh.order.iter_mut().for_each(|entry| *entry = indices[*entry as usize] as u32);
-        self.built_cost = self.bvh.cost();
-        Updated::Built
-    }
-
-    fn refit(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
-        // Boxes that were empty at the building are in no leaf.
-        let placed = self.indices(triangles).filter(|&index| !triangles.bounds(index).is_empty()).count();
-        if placed != self.placed {
-            return self.build(triangles, is_static);
-        }
-        self.bvh.refit_by(|index| triangles.bounds(index as usize));
-        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles, is_static) } else { Updated::Refitted }
-    }
-}
-
-impl SceneTriangle {
-    /// Normal, as long as twice the area \[m²\].
-    pub fn area_normal(&self) -> Vec3 {
-        let [a, b, c] = self.corners;
-        (b - a).cross(c - a)
-    }
-
-    /// Whether the ray meets the side from which the corners run counter-clockwise.
-    pub fn is_front(&self, ray: &Ray) -> bool {
-        self.area_normal().dot(ray.direction) < 0.0
-    }
-}
-
-/// Corners of a triangle of the primitive's mesh in world space. A mirroring transform turns the order around, so that
-/// outside stays outside.
-fn world_corners(primitive: &Primitive, triangle: u32) -> [Vec3; 3] {
-    let mut corners = std::array::from_fn(|corner| {
-        let vertex = &primitive.mesh.vertices[corner_index(primitive, triangle, corner)];
-        primitive.world_from_object.transform_point3(vertex.position.into())
-    });
-    if is_mirrored(&primitive.world_from_object) {
-        corners.swap(1, 2);
-    }
-    corners
-}
-
-/// Whether a transform turns the inside out.
-fn is_mirrored(transform: &Affine3A) -> bool {
-    transform.matrix3.determinant() < 0.0
-}
-
-fn corner_index(primitive: &Primitive, triangle: u32, corner: usize) -> usize {
-    primitive.mesh.indices[3 * triangle as usize + corner] as usize
-}
-
-/// Indices of a triangle's vertices in its mesh, in the order of [`SceneTriangle::corners`].
-pub(crate) fn vertex_indices(primitive: &Primitive, triangle: u32) -> [usize; 3] {
-    let mut indices = std::array::from_fn(|corner| corner_index(primitive, triangle, corner));
-    if is_mirrored(&primitive.world_from_object) {
-        indices.swap(1, 2);
-    }
-    indices
-}
-
-/// World normal of an object's normal, by the cofactor matrix, which singular transforms have too; the sign of the
-/// determinant is taken out, so that mirrored objects keep their outside. Zero stays zero.
-pub(crate) fn world_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
-    let m = transform.matrix3;
-    let (x, y, z) = (Vec3::from(m.x_axis), Vec3::from(m.y_axis), Vec3::from(m.z_axis));
-    let cofactor = y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z;
-    let largest = cofactor.abs().max_element();
-    if !(largest > 0.0 && largest.is_finite()) {
-        return Vec3::ZERO;
-    }
-    let unit = (cofactor / largest).normalize_or_zero();
-    if is_mirrored(transform) { -unit } else { unit }
 }

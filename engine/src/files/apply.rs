@@ -1,8 +1,9 @@
 //! What an instance changes of its prefab, written into the prefab's file.
 
 use super::custom_components::ComponentTypes;
+use super::describe::is_in_prefab;
 use super::document::{Document, folder_of};
-use super::edit::{fault_error, is_in_prefab};
+use super::edit_context::fault_error;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::load::canonical_entities;

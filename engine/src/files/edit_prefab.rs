@@ -2,7 +2,7 @@
 
 use super::custom_components::ComponentTypes;
 use super::document::{check_replaced, folder_of};
-use super::edit::fault_error;
+use super::edit_context::fault_error;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::paths::Rebase;

@@ -2,7 +2,7 @@
 
 use super::LoadOptions;
 use super::document::Document;
-use super::edit::{EditContext, canonical, with_loader};
+use super::edit_context::{EditContext, canonical, with_loader};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, SceneFile, TransformFile};
 use super::load::{Context, Loader, canonical_entities, environment_image};
@@ -163,7 +163,8 @@ pub fn spawn_prefab_onto(
     let name = world.unique_name(parent, stem.split('.').next().filter(|n| !n.is_empty()).unwrap_or("prefab"));
     let transform = Some(TransformFile::from(place));
     let mut file = EntityFile { name, transform, prefab: Some(prefab.to_owned()), ..Default::default() };
-    Validator::lone_entity(&file, Vec::new()).map_err(|fault| super::edit::fault_error(context.path, *fault))?;
+    Validator::lone_entity(&file, Vec::new())
+        .map_err(|fault| super::edit_context::fault_error(context.path, *fault))?;
     canonical(context, |canonical| canonical.entity(&mut file, &[]))?;
     with_loader(world, context, |loader, context| {
         loader.target = Some(entity);

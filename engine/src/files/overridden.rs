@@ -1,8 +1,8 @@
 //! Values that were changed for a run and are no part of the document, as the command line changes them: a save writes
 //! what the file said, unless they were edited since.
 
+use super::describe::{describe_entity, is_from_model};
 use super::document::ron_options;
-use super::edit::{describe_entity, is_from_model};
 use super::format::OverrideFile;
 use super::preserve::same;
 use super::tree::{Group, Item, Node};

@@ -2,8 +2,11 @@
 //! world, and all else goes on as it stands.
 
 use super::LoadOptions;
+use super::describe::{describe_entity, describe_scene};
 use super::document::{Document, ron_options};
-use super::edit::{EditContext, describe_entity, describe_scene, edit_entity, edit_scene, spawn_entity};
+use super::edit::{edit_entity, spawn_entity};
+use super::edit_context::EditContext;
+use super::edit_scene::edit_scene;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, OverrideFile, SceneFile};
 use super::load::canonical_entities;

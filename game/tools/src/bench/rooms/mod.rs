@@ -22,6 +22,7 @@ mod furniture;
 mod lights;
 mod measure;
 mod methods;
+mod pieces;
 mod random;
 mod report;
 mod room;
@@ -29,6 +30,7 @@ mod scene_text;
 mod solid;
 mod surfaces;
 mod viewpoint;
+mod wall;
 
 #[cfg(test)]
 mod tests;

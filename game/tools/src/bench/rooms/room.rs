@@ -1,8 +1,9 @@
 //! A random room: a scene as a function of seed and index.
 
 use super::building::{Building, CEILING, FLOOR, Openness, WALLS};
-use super::furniture::{Furnisher, SHEET};
+use super::furniture::Furnisher;
 use super::lights::Lighting;
+use super::pieces::SHEET;
 use super::random::Random;
 use super::solid::Item;
 use super::surfaces::{self, Surface};

@@ -6,7 +6,7 @@
 //! that of the surfaces which the lights shine at, whose borders are sharp.
 
 use super::directions::Directions;
-use super::{Bounce, BounceCount, Level, Light, Work, bounce_name, emit, irradiance, transport};
+use super::{Bounce, BounceCount, Level, Light, Work, bounce_name, bounce_sum, emit, irradiance, transport};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::linear_groups;
@@ -55,7 +55,7 @@ fn add(
         if step.bounce == 0 {
             cx.encoder().clear_buffer(&all, 0, None);
         }
-        let sum = transport::sum_uniform(cx.gpu, step);
+        let sum = bounce_sum::sum_uniform(cx.gpu, step);
         cx.dispatch(
             &ComputeKey::new("indirect/light_volumes/sweep/sum.wgsl", "at_surfels"),
             &[

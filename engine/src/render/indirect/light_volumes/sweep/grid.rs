@@ -2,7 +2,7 @@
 
 use super::coverage;
 use super::directions::Directions;
-use super::transport;
+use super::shell;
 use crate::render::RenderError;
 use crate::render::indirect::light_volumes::volume::{self, Volume};
 use crate::scene::{Aabb, SceneClpv, SceneView};
@@ -85,7 +85,7 @@ fn is_affordable(size: UVec3, quality: Quality) -> bool {
     n.element_product() <= u64::from(budget(quality))
         && n.max_element() <= u64::from(MAX_EDGE)
         && slice <= u64::from(largest_slice(quality))
-        && sets.iter().all(|set| transport::shell_bytes(size, set) <= BINDING)
+        && sets.iter().all(|set| shell::shell_bytes(size, set) <= BINDING)
 }
 
 /// Moves each finer cascade to whole cells of the next coarser one, at least one of them from its border; what has no
@@ -266,7 +266,7 @@ mod tests {
                     let n = finer.cells;
                     assert!((n.x * n.y).max(n.y * n.z).max(n.z * n.x) <= most.slice, "{finer:?}");
                     assert!(n.max_element() <= MAX_EDGE, "{finer:?}");
-                    let shell = transport::shell_bytes(n / 2, &Directions::of(quality));
+                    let shell = shell::shell_bytes(n / 2, &Directions::of(quality));
                     assert!(finer.cell == volume.cell || shell <= BINDING, "{finer:?}");
                 }
                 let covered = volume.bounds();

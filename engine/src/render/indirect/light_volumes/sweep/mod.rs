@@ -16,6 +16,7 @@
 //! large for rays has all bounces swept instead: `white` is then what a surfel has of light that is even everywhere, by which
 //! all other is calibrated, and where the grid is fine, all bounces but the last are swept in a coarser one (`further`).
 
+mod bounce_sum;
 mod coverage;
 mod directions;
 mod emit;
@@ -27,11 +28,13 @@ mod grid;
 mod interleave;
 mod irradiance;
 mod links;
+mod march;
 mod mirror;
 mod mirror_filter;
 mod opacity;
 mod probes;
 mod rsm_samples;
+mod shell;
 pub(in crate::render) mod sky;
 mod surfels;
 mod transport;
@@ -40,15 +43,16 @@ pub use grid::volumes;
 
 #[cfg(test)]
 pub(crate) use self::{
+    bounce_sum::SumUniform,
     emit::EmitUniform,
     gather::GatherUniform,
     gather_filter::ReachUniform,
     gather_upsample::UpsampleUniform,
     irradiance::LookupUniform,
+    march::{CollectUniform, MarchUniform},
     mirror::MirrorUniform,
     mirror_filter::MirrorFilterUniform,
     rsm_samples::DrawUniform,
-    transport::{CollectUniform, MarchUniform, SumUniform},
 };
 
 use super::volume::Volume;

@@ -1,6 +1,9 @@
 //! Import of small files written here, good and bad.
 #![allow(clippy::unwrap_used)]
 
+mod broken;
+mod images;
+
 use super::Gltf;
 use crate::assets::{AlphaMode, AssetError, AssetLibrary, Levels, Minification, Sampling, Wrap};
 use crate::world::{Camera, LightKind};
@@ -112,32 +115,6 @@ fn matrices_without_volume_are_taken() {
 }
 
 #[test]
-fn images_of_extensions_come_before_plain_ones() {
-    let ktx2 = include_bytes!("../../../tests/data/gradient_uastc.ktx2");
-    let webp = include_bytes!("../../../tests/data/gradient.webp");
-    for (name, kind, image) in [("KHR_texture_basisu", "ktx2", &ktx2[..]), ("EXT_texture_webp", "webp", &webp[..])] {
-        let mut bytes = square_bytes();
-        bytes.extend(image);
-        let views =
-            VIEWS.replace("12}]", &format!("12}},{{\"buffer\":0,\"byteOffset\":92,\"byteLength\":{}}}]", image.len()));
-        let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
-        let of = |plain: &str| {
-            let rest = format!(
-                r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"images":[{{"bufferView":3,"mimeType":"image/{kind}"}},
-                {{"uri":"missing.png"}}],"textures":[{{{plain}"extensions":{{"{name}":{{"source":0}}}}}}],
-                "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],"nodes":[{{"mesh":0}}]"#
-            );
-            load(&document(&bytes, &[&views, ACCESSORS, &mesh, &rest])).unwrap()
-        };
-        for model in [of(""), of("\"source\":1,")] {
-            let texture = model.nodes[0].primitives[0].1.base_color_texture.clone().unwrap();
-            assert_eq!((texture.width, texture.height, texture.srgb), (20, 12, true), "{name}");
-            assert_eq!((model.warnings.len(), texture.rgba.len()), (0, 960), "{name}: {:?}", model.warnings);
-        }
-    }
-}
-
-#[test]
 fn materials_lights_and_cameras() {
     let mut bytes = square_bytes();
     let picture = png(3, 2);
@@ -222,128 +199,6 @@ fn sparse_and_normalised_accessors() {
 }
 
 #[test]
-fn broken_data_is_refused_with_its_place() {
-    let bytes = square_bytes();
-    let doc =
-        |views: &str, accessors: &str, mesh: &str, nodes: &str| document(&bytes, &[views, accessors, mesh, nodes]);
-    let mut out_of_range = bytes.clone();
-    out_of_range[80] = 9;
-    refuse(&document(&out_of_range, &[VIEWS, ACCESSORS, MESH, NODES]), &["square", "accessor 2", "index 9"]);
-    let mut not_a_number = bytes.clone();
-    not_a_number[..4].copy_from_slice(&f32::NAN.to_le_bytes());
-    refuse(&document(&not_a_number, &[VIEWS, ACCESSORS, MESH, NODES]), &["square", "accessor 0", "NaN"]);
-    refuse(
-        &doc(&VIEWS.replace("\"byteLength\":48", "\"byteLength\":40"), ACCESSORS, MESH, NODES),
-        &["accessor 0", "do not fit"],
-    );
-    refuse(
-        &doc(&VIEWS.replace("\"byteLength\":12", "\"byteLength\":9999"), ACCESSORS, MESH, NODES),
-        &["buffer view 2", "beyond the end"],
-    );
-    let huge = ACCESSORS.replace("\"count\":6", "\"count\":18446744073709551615");
-    refuse(&doc(VIEWS, &huge, MESH, NODES), &["accessor 2"]);
-    refuse(&doc(VIEWS, &ACCESSORS.replace("\"count\":6", "\"count\":0"), MESH, NODES), &["accessor 2", "no elements"]);
-    refuse(&doc(VIEWS, &ACCESSORS.replace("5123", "5126"), MESH, NODES), &["accessor 2"]);
-    refuse(&doc(VIEWS, ACCESSORS, &MESH.replace(":0,", ":7,"), NODES), &["mesh 0", "accessor 7"]);
-    refuse(&doc(VIEWS, ACCESSORS, &MESH.replace("\"TEXCOORD_0\":1", "\"NORMAL\":1"), NODES), &["accessor 1", "Vec2"]);
-    let cycle = r#""nodes":[{"children":[1]},{"name":"b","children":[0]}]"#;
-    refuse(&doc(VIEWS, ACCESSORS, MESH, cycle), &["cycle"]);
-    refuse(&doc(VIEWS, ACCESSORS, MESH, r#""nodes":[{"children":[0]}]"#), &["cycle"]);
-    let two = r#""nodes":[{"children":[2]},{"children":[2]},{"name":"c"}]"#;
-    refuse(&doc(VIEWS, ACCESSORS, MESH, two), &["node 2 \"c\"", "one parent"]);
-    refuse(&doc(VIEWS, ACCESSORS, MESH, r#""nodes":[{"mesh":3}]"#), &["nodes[0].mesh", "not in the file"]);
-    refuse(&doc(VIEWS, ACCESSORS, MESH, r#""nodes":[{"scale":[1e39,1,1]}]"#), &["test.gltf"]);
-    let needs = r#""extensionsUsed":["EXT_x"],"extensionsRequired":["EXT_x"]"#;
-    refuse(&doc(VIEWS, ACCESSORS, MESH, needs), &["EXT_x", "not supported"]);
-    refuse(r#"{"asset":{"version":"1.0"}}"#, &["asset.version", "1.0"]);
-    refuse("{", &["JSON, line 1"]);
-    for uri in ["https://example.org/a.bin", "../a.bin", "/etc/hostname"] {
-        refuse(
-            &format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":4,"uri":"{uri}"}}]}}"#),
-            &["buffer 0", uri],
-        );
-    }
-    refuse(r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"gone.bin"}]}"#, &["buffer 0", "gone.bin"]);
-}
-
-/// Faults that the parser takes and stumbles over later.
-#[test]
-fn kinds_without_their_parameters_are_refused() {
-    let punctual = |lights: &str| {
-        format!(
-            r#""extensionsUsed":["KHR_lights_punctual"],"extensions":{{"KHR_lights_punctual":{{"lights":[{lights}]}}}}"#
-        )
-    };
-    let lit = r#","nodes":[{"extensions":{"KHR_lights_punctual":{"light":1}}}]"#;
-    let curve = |path: &str| {
-        format!(
-            r#""nodes":[{{}}],"animations":[{{"samplers":[{{"input":0,"output":0}}],
-            "channels":[{{"sampler":0,"target":{{"node":0,"path":"{path}"}}}}]}}]"#
-        )
-    };
-    for (rest, words) in [
-        (
-            r#""cameras":[{"type":"orthographic","perspective":{"yfov":1,"znear":0.1}}]"#.into(),
-            ["camera 0", "orthographic"],
-        ),
-        (
-            r#""cameras":[{"type":"perspective","orthographic":{"xmag":1,"ymag":1,"znear":0,"zfar":1}}]"#.into(),
-            ["camera 0", "perspective"],
-        ),
-        (r#""cameras":[{"type":"fisheye","perspective":{"yfov":1,"znear":0.1}}]"#.into(), ["cameras[0]", "not allow"]),
-        (
-            r#""cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":0,"znear":0,"zfar":1}}]"#.into(),
-            ["camera 0", "ymag 0"],
-        ),
-        (
-            r#""cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":2,"zfar":1}}]"#.into(),
-            ["camera 0", "zfar 1"],
-        ),
-        (punctual(r#"{"type":"spot"}"#), ["light 0", "spot"]),
-        (punctual(r#"{"type":"point"}"#) + lit, ["node 0", "light 1"]),
-        (curve("trenslation"), ["animation 0, channel 0", "none of translation"]),
-    ] {
-        refuse(&document(&square_bytes(), &[VIEWS, ACCESSORS, &rest]), &words);
-    }
-}
-
-#[test]
-fn every_truncation_of_a_binary_file_is_refused() {
-    let mut json = format!(
-        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":92}}],{VIEWS},{ACCESSORS},{MESH},{NODES}}}"#
-    );
-    while json.len() % 4 != 0 {
-        json.push(' ');
-    }
-    let bin = square_bytes();
-    let words = |list: &[u32]| list.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<u8>>();
-    let total = 12 + 8 + json.len() + 8 + bin.len();
-    let mut glb = words(&[0x4654_6C67, 2, total as u32, json.len() as u32, 0x4E4F_534A]);
-    glb.extend(json.as_bytes());
-    glb.extend(words(&[bin.len() as u32, 0x004E_4942]));
-    glb.extend(&bin);
-    let path = Path::new("test.glb");
-    assert_eq!(Gltf::from_bytes(path, &glb).unwrap().triangle_count(), 2);
-    for length in 0..glb.len() {
-        assert!(Gltf::from_bytes(path, &glb[..length]).is_err(), "{length} bytes");
-        // The same with a header that fits.
-        if length >= 12 {
-            let mut cut = glb[..length].to_vec();
-            cut[8..12].copy_from_slice(&(length as u32).to_le_bytes());
-            assert!(Gltf::from_bytes(path, &cut).is_err(), "{length} bytes");
-        }
-    }
-    // No change of a byte may panic.
-    for at in 0..glb.len() {
-        let mut changed = glb.clone();
-        changed[at] ^= 0x55;
-        let _ = Gltf::from_bytes(path, &changed);
-        changed[at] = 255;
-        let _ = Gltf::from_bytes(path, &changed);
-    }
-}
-
-#[test]
 fn the_library_reloads_and_keeps_the_last_good() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("a.png");
@@ -371,60 +226,6 @@ fn the_library_reloads_and_keeps_the_last_good() {
     assert!(library.reload(folder.path().join("b 1.bin")).unwrap());
     assert!(!Arc::ptr_eq(&first, &library.gltf(&model).unwrap()));
     assert!(library.gltf(folder.path().join("none.gltf")).unwrap_err().to_string().contains("none.gltf"));
-}
-
-#[test]
-fn sixteen_bit_images_become_eight_and_bombs_are_refused() {
-    let mut out = std::io::Cursor::new(Vec::new());
-    let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(2, 1, image::Luma([0x8080u16]));
-    image::DynamicImage::ImageLuma16(deep).write_to(&mut out, image::ImageFormat::Png).unwrap();
-    let pixels =
-        crate::assets::image::decode(Path::new("x.png"), "image", out.get_ref(), &crate::assets::Meter::default())
-            .unwrap();
-    assert_eq!(pixels.rgba, [128, 128, 128, 255, 128, 128, 128, 255]);
-    let wide = png(16385, 1);
-    let message = crate::assets::image::decode(Path::new("x.png"), "image", &wide, &crate::assets::Meter::default())
-        .unwrap_err()
-        .to_string();
-    assert!(message.contains("x.png"), "{message}");
-}
-
-#[test]
-fn samplers_say_how_textures_are_minified() {
-    let mut bytes = square_bytes();
-    let picture = png(3, 2);
-    bytes.extend(&picture);
-    let views =
-        VIEWS.replace("12}]", &format!("12}},{{\"buffer\":0,\"byteOffset\":92,\"byteLength\":{}}}]", picture.len()));
-    let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
-    let of = |sampler: &str| {
-        let rest = format!(
-            r#""images":[{{"bufferView":3,"mimeType":"image/png"}}],"samplers":[{{{sampler}}}],
-            "textures":[{{"source":0,"sampler":0}},{{"source":0}}],"nodes":[{{"mesh":0}}],
-            "materials":[{{"emissiveTexture":{{"index":1}},"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}]"#
-        );
-        let model = load(&document(&bytes, &[&views, ACCESSORS, &mesh, &rest])).unwrap();
-        let material = model.nodes[0].primitives[0].1.clone();
-        let [base, plain] = [&material.base_color_texture, &material.emissive_texture].map(|t| t.clone().unwrap());
-        assert_eq!((plain.sampling, &plain.rgba), (Sampling::default(), &base.rgba), "one image, two samplers");
-        base.sampling
-    };
-    for (filter, nearest, levels) in [
-        (9728, true, Levels::Full),
-        (9729, false, Levels::Full),
-        (9984, true, Levels::Nearest),
-        (9985, false, Levels::Nearest),
-        (9986, true, Levels::Blended),
-        (9987, false, Levels::Blended),
-    ] {
-        let minification = Some(Minification { nearest, levels });
-        assert_eq!(of(&format!("\"minFilter\":{filter}")), Sampling { minification, ..Sampling::default() });
-    }
-    // What a file leaves open follows the other filter.
-    let open = |nearest| Sampling { nearest, ..Sampling::default() };
-    assert_eq!(of("\"magFilter\":9728"), open(true));
-    assert_eq!(open(true).minified(), Minification { nearest: true, levels: Levels::Nearest });
-    assert_eq!(open(false).minified(), Minification { nearest: false, levels: Levels::Blended });
 }
 
 #[test]

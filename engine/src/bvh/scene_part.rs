@@ -1,0 +1,106 @@
+//! One of the two hierarchies of a scene: over the static or the moving primitives.
+
+use super::Bvh;
+use super::presplit::presplit;
+use super::scene::Updated;
+use super::scene_triangle::SceneTriangle;
+use crate::assets::AssetId;
+use crate::scene::{Aabb, Primitive, SceneId};
+use glam::{Affine3A, Vec3};
+
+/// Most triangles of a leaf.
+const LEAF_SIZE: usize = 2;
+/// A refitted tree that costs so many times what it did when it was built is rebuilt.
+const WORN_OUT: f32 = 1.5;
+
+/// The triangles of some primitives, with a hierarchy of their own.
+#[derive(Debug, Default)]
+pub struct ScenePart {
+    /// The hierarchy over indices in [`SceneBvh::triangles`].
+    pub bvh: Bvh,
+    /// Changes with the hierarchy, and with anything that rays meet in it.
+    pub(crate) version: u64,
+    /// The version in which it was built last: since then its triangles have the same order.
+    pub(crate) built: u64,
+    /// Indices in [`Scene::primitives`].
+    pub(super) primitives: Vec<usize>,
+    /// Number of triangles in the hierarchy: those with a box.
+    placed: usize,
+    built_cost: f32,
+}
+
+/// Where the triangles of a primitive come from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Source {
+    pub(super) id: SceneId,
+    pub(super) mesh: AssetId,
+    pub(super) topology: AssetId,
+    pub(super) material: AssetId,
+    pub(super) is_moving: bool,
+    pub(super) world_from_object: Affine3A,
+    pub(super) first: usize,
+    pub(super) count: usize,
+    /// The version of its part in which it changed last.
+    pub(super) changed: u64,
+}
+
+impl Source {
+    /// Whether the primitive can differ in nothing but place, pose and surface.
+    pub(super) fn is_of(&self, primitive: &Primitive) -> bool {
+        self.id == primitive.id
+            && self.topology == primitive.mesh.topology()
+            && self.is_moving == primitive.moving
+            && self.count == primitive.mesh.triangle_count()
+    }
+}
+
+/// All triangles of a scene, and where those of each primitive lie.
+#[derive(Clone, Copy)]
+pub(super) struct PartTriangles<'a> {
+    pub(super) all: &'a [SceneTriangle],
+    pub(super) sources: &'a [Source],
+}
+
+impl PartTriangles<'_> {
+    fn bounds(&self, index: usize) -> Aabb {
+        let corners = self.all[index].corners;
+        if corners.iter().all(|corner| corner.is_finite()) { Aabb::from_points(corners) } else { Aabb::EMPTY }
+    }
+}
+
+impl ScenePart {
+    /// Indices of its triangles.
+    fn indices<'a>(&'a self, triangles: PartTriangles<'a>) -> impl Iterator<Item = usize> + 'a {
+        let sources = self.primitives.iter().map(move |&index| &triangles.sources[index]);
+        sources.flat_map(|source| source.first..source.first + source.count)
+    }
+
+    /// Builds the hierarchy. Static triangles may be in several leaves, see [`presplit`]; the boxes of dynamic ones are
+    /// fitted again to whole triangles in most frames, and so they are in one.
+    pub(super) fn build(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
+        let indices: Vec<usize> = self.indices(triangles).collect();
+        let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
+        self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
+        if is_static {
+            let corners: Vec<[Vec3; 3]> = indices.iter().map(|&index| triangles.all[index].corners).collect();
+            let (pieces, triangle_of) = presplit(&corners, &boxes);
+            self.bvh = Bvh::new(&pieces, LEAF_SIZE);
+            self.bvh.order.iter_mut().for_each(|entry| *entry = triangle_of[*entry as usize]);
+        } else {
+            self.bvh = Bvh::new(&boxes, LEAF_SIZE);
+        }
+        self.bvh.order.iter_mut().for_each(|entry| *entry = indices[*entry as usize] as u32);
+        self.built_cost = self.bvh.cost();
+        Updated::Built
+    }
+
+    pub(super) fn refit(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
+        // Boxes that were empty at the building are in no leaf.
+        let placed = self.indices(triangles).filter(|&index| !triangles.bounds(index).is_empty()).count();
+        if placed != self.placed {
+            return self.build(triangles, is_static);
+        }
+        self.bvh.refit_by(|index| triangles.bounds(index as usize));
+        if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles, is_static) } else { Updated::Refitted }
+    }
+}

@@ -1,0 +1,57 @@
+//! What entities and scenes of a loaded world are, as scene files would say it.
+
+use super::error::FileError;
+use super::format::{EntityFile, OverrideFile, SceneFile};
+use super::save::{Writer, scene_without_entities};
+use super::source::{Origin, SceneInfo, Source};
+use crate::world::GameWorld;
+use bevy_ecs::prelude::Entity;
+use std::path::Path;
+
+/// What the entity is without its animation, as a scene file would say it.
+///
+/// # Errors
+/// If it has something that has no form in a file, as a mesh of a glTF model.
+pub fn describe_entity(world: &GameWorld, entity: Entity, path: &Path) -> Result<OverrideFile, FileError> {
+    with_writer(world, path, |writer| writer.components(entity))
+}
+
+/// The entity with all below it, as a scene file would say it.
+///
+/// # Errors
+/// As [`describe_entity`].
+pub fn describe_subtree(world: &GameWorld, entity: Entity, path: &Path) -> Result<EntityFile, FileError> {
+    with_writer(world, path, |writer| writer.entity(entity))
+}
+
+/// The scene without its entities: description, method, settings, presets, materials.
+pub fn describe_scene(world: &GameWorld) -> SceneFile {
+    scene_without_entities(world)
+}
+
+/// Whether the entity was made from a node of a glTF model: changes of it are not written.
+pub fn is_from_model(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| matches!(source.origin, Origin::Model))
+}
+
+/// The prefab that the entity is an instance of, as the file names it.
+pub fn prefab_of(world: &GameWorld, entity: Entity) -> Option<&str> {
+    world.ecs.get::<Source>(entity)?.prefab.as_deref()
+}
+
+/// Whether the entity is an instance that makes several copies of its prefab.
+pub fn is_repeated(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| source.repeat.is_some())
+}
+
+/// Whether the entity belongs to an instance of a prefab further up.
+pub fn is_in_prefab(world: &GameWorld, entity: Entity) -> bool {
+    world.ecs.get::<Source>(entity).is_some_and(|source| matches!(source.origin, Origin::Prefab { .. }))
+}
+
+/// Lends the world to a writer.
+fn with_writer<T>(world: &GameWorld, path: &Path, read: impl FnOnce(&Writer) -> T) -> T {
+    let default_info = SceneInfo::default();
+    let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
+    read(&Writer { world, info, path, overridden: None })
+}
