@@ -1,7 +1,7 @@
 #define_import_path lightwell::inverse_distance
 
 // How near the surfaces are that a point sees, and to which side of its normal they lie. With the direction ω and the
-// distance t of what each ray meets: the means of 1/t (its inverse is the harmonic mean R), and of ω/t along the two
+// distance t of each hit: the means of 1/t (its inverse is the harmonic mean R), and of ω/t along the two
 // tangents of lightwell::sampling::basis [1/m]. And how near the light is that emissive surfaces send there: the mean of
 // 1/t over all light, of which only that from emissive surfaces counts. Kept in two floats, for the alpha of two images.
 

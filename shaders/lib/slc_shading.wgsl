@@ -1,6 +1,6 @@
 #define_import_path lightwell::slc_shading
 
-// What a virtual light brings to a pixel, for all ways of culling: Russian roulette with p(ω, l) against the light's ξ,
+// The contribution of a virtual light to a pixel, for all ways of culling: Russian roulette with p(ω, l) against the light's ξ,
 // and what is accepted divided by p.
 //   UNCULLED  all lights, none by chance
 //   RAYS      shadow rays to the lights

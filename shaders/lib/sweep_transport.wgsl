@@ -1,7 +1,7 @@
 #define_import_path lightwell::sweep_transport
 
-// What the two passes of the sweep share: directions, sources of a cell, and light on its way as it is stored.
-//   HALF  light on its way is kept in half precision; all that is summed up stays in single
+// What the two passes of the sweep share: directions, sources of a cell, and radiance in flight as it is stored.
+//   HALF  radiance in flight is stored in half precision; sums stay in single
 
 struct Ordinate {
     direction: vec3f,      // unit

@@ -1,6 +1,6 @@
 #define_import_path lightwell::visible_surface
 
-// A visible surface that rays start from, and what they bring, apart by what reflects it: diffuse light as if the surface
+// A visible surface that rays start from, and their contributions, apart by what reflects them: diffuse light as if the surface
 // were white, so that it can be filtered without its texture, and the light of the specular lobe.
 //   MIRRORS   roughness [%] up to which a pass of its own traces the specular lobe, see
 //             indirect/light_volumes/sweep/mirror.wgsl

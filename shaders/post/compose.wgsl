@@ -42,7 +42,7 @@ const LAYER: u32 = TOTAL;
 @group(0) @binding(10) var blended: texture_2d<f32>;
 @group(0) @binding(8) var radiance: texture_storage_2d<rgba32float, write>;
 
-// Sums of what lights may bring stay finite for whatever number of lights.
+// Sums over lights stay finite for any number of lights.
 const MAX_RADIANCE: f32 = 1e32;
 
 fn sky_at(pixel: vec2u) -> vec3f {

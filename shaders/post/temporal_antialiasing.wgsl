@@ -1,6 +1,6 @@
 // Temporal anti-aliasing: each pixel takes what was remembered where its point was in the frame before, with a little of this
 // frame, whose pixel grid is shifted (Karis 2014, "High-quality temporal supersampling"). While anything moves, what is
-// remembered is brought into the range of what is seen around the pixel: its mean and deviation (Salvi 2016, "An excursion in
+// remembered is clipped to the range of what is seen around the pixel: its mean and deviation (Salvi 2016, "An excursion in
 // temporal supersampling"). What rests is the plain mean of its frames.
 //
 // What moves is averaged as it is seen, compressed by x/(1 + luminance): the edge of what is bright is smooth then with few

@@ -126,7 +126,7 @@ impl AssetLibrary {
         textures.chain(models).chain(self.noted.iter().cloned()).collect()
     }
 
-    /// Loads everything anew that came from this file: textures, models, and models that refer to it as an image or
+    /// Reloads everything that came from this file: textures, models, and models that refer to it as an image or
     /// buffer. Returns whether there was anything. Whoever holds an old `Arc` keeps the old content.
     ///
     /// # Errors

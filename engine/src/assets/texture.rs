@@ -12,7 +12,7 @@ pub enum Wrap {
     Repeat,
     /// The texture repeats, mirrored every other time.
     Mirror,
-    /// The border texel goes on.
+    /// The border texel is repeated.
     Clamp,
 }
 

@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Most triangles of a leaf.
 const LEAF_SIZE: usize = 4;
 
-/// Where a ray meets a mesh.
+/// A hit of a ray on a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshHit {
     /// Distance in units of the ray's direction.
@@ -63,7 +63,7 @@ impl MeshBvh {
         &self.corners
     }
 
-    /// The nearest triangle that the ray meets before `t_max` and that `accept` lets count.
+    /// The nearest hit of the ray before `t_max` among the triangles that `accept` takes.
     pub fn closest_hit(&self, ray: &Ray, t_max: f32, mut accept: impl FnMut(&MeshHit) -> bool) -> Option<MeshHit> {
         let mut closest: Option<MeshHit> = None;
         self.bvh.traverse(ray, t_max, |triangle, bound| {

@@ -16,11 +16,11 @@ use std::time::{Duration, Instant};
 pub enum RayKind {
     /// What the camera sees: everything but the backs of single-sided surfaces, as when drawn by triangles.
     Camera,
-    /// Light on its way: whatever casts shadows, from both sides.
+    /// Transported radiance: whatever casts shadows, from both sides.
     Light,
 }
 
-/// Where a ray meets a scene.
+/// A hit of a ray in a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneHit {
     /// Distance in units of the ray's direction.
@@ -84,7 +84,7 @@ impl SceneBvh {
         bvh
     }
 
-    /// Brings everything up to date with the scene. If the same primitives have only moved, the trees are kept and
+    /// Updates everything from the scene. If the same primitives have only moved, the trees are kept and
     /// their boxes are fitted to them, unless that has made them too slow. A part in which nothing moved stays as it is.
     pub fn update(&mut self, scene: &Scene) -> Updated {
         let start = Instant::now();
@@ -182,7 +182,7 @@ impl SceneBvh {
         (part, PartTriangles { all: &self.triangles, sources: &self.sources })
     }
 
-    /// Brings one part up to date where the same primitives have moved or have other surfaces.
+    /// Updates one part where the same primitives have moved or have other surfaces.
     fn follow(&mut self, scene: &Scene, is_moving: bool) -> Updated {
         let version = self.next_version();
         let (mut moved, mut has_other_surfaces, mut has_other_flags) = (false, false, false);
@@ -223,7 +223,7 @@ impl SceneBvh {
         Updated::Nothing
     }
 
-    /// The nearest surface that the ray meets before `t_max`. Alpha is not looked at.
+    /// The nearest hit of the ray before `t_max`. Alpha is ignored.
     pub fn closest_hit(&self, ray: &Ray, t_max: f32, kind: RayKind) -> Option<SceneHit> {
         let mut closest: Option<SceneHit> = None;
         for bvh in self.trees() {

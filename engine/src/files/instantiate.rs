@@ -56,7 +56,7 @@ pub fn enter_described(
     enter(world, library, options, Document::in_memory(path), file, old).map(drop)
 }
 
-/// Reads a world's scene file anew, with all that it names, or the glTF file that was opened as one. Entities keep the identities of those that stood at the
+/// Reloads a world's scene file with all that it names, or the glTF file that was opened as one. Entities keep the identities of those that stood at the
 /// same paths before.
 ///
 /// # Errors

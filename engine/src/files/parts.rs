@@ -279,7 +279,7 @@ pub enum WrapFile {
     Repeat,
     /// Repeated, mirrored every other time.
     Mirror,
-    /// The border texel goes on.
+    /// The border texel is repeated.
     Clamp,
 }
 

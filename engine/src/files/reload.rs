@@ -1,5 +1,5 @@
 //! A scene's file that changes while its world runs: what differs between two versions of the file is changed in the
-//! world, and all else goes on as it stands.
+//! world, and leaves all else as it is.
 
 use super::LoadOptions;
 use super::describe::{describe_entity, describe_scene};

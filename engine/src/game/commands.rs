@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub(super) enum Request {
     /// Put an instance of a prefab on an entity.
     Prefab { entity: Entity, path: String, place: Transform },
-    /// Go to another scene; none: the present one anew.
+    /// Go to another scene; none: restart the present one.
     Scene(Option<PathBuf>),
     /// Write a saved game.
     Save(PathBuf),
@@ -39,13 +39,13 @@ pub trait GameCommands {
     /// resources stay, and [`OnSceneEnter`](super::OnSceneEnter) runs. Of several in one step the last one counts.
     fn change_scene(&mut self, path: impl Into<PathBuf>);
 
-    /// Begins the present scene anew.
+    /// Restarts the present scene.
     fn restart_scene(&mut self);
 
     /// Writes the game's state into a file, see [`SavedGame`](super::SavedGame).
     fn save_game(&mut self, path: impl Into<PathBuf>);
 
-    /// Goes on with a state that was saved.
+    /// Continues from a saved state.
     fn load_game(&mut self, path: impl Into<PathBuf>);
 
     /// Ends the game after this step.

@@ -186,7 +186,7 @@ impl Game {
         changed.map_err(|what| GameError::Failed(vec![what])).and(self.run(OnSceneEnter))
     }
 
-    /// Takes up what changed in the scene's file since it was read, while the game goes on: fields that the file changed
+    /// Applies changes of the scene's file since it was read, while the game runs: fields that the file changed
     /// get its values, entities that it added come, those that it dropped go. All else stays as the game has made it:
     /// other fields of the same component, resources, the state of systems. [`OnSceneEnter`] does not run.
     ///
@@ -207,7 +207,7 @@ impl Game {
         Ok(())
     }
 
-    /// Begins the scene anew with prefabs, models and images read again, for when those have changed. Resources and what
+    /// Restarts the scene with prefabs, models and images read again, for when those have changed. Resources and what
     /// is [`Persistent`] stay.
     ///
     /// # Errors
@@ -327,7 +327,7 @@ impl Game {
         SavedGame::of(&self.world)?.write(path)
     }
 
-    /// Goes on with a state that was saved. [`OnSceneEnter`] does not run: the state is from later.
+    /// Continues from a saved state. [`OnSceneEnter`] does not run: the state is from later.
     ///
     /// # Errors
     /// When the file cannot be read or does not fit this game; the present state stays then.

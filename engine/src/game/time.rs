@@ -89,7 +89,7 @@ impl Timer {
         (self.length - self.elapsed).max(0.0)
     }
 
-    /// Starts anew.
+    /// Restarts.
     pub fn restart(&mut self) {
         self.elapsed = 0.0;
     }

@@ -190,7 +190,7 @@ impl ShaderLibrary {
         self.state().take_sources(BTreeMap::from([(path.to_owned(), source.to_owned())]))
     }
 
-    /// Reads and compiles all shaders anew, changed or not; all that depends on them is made again.
+    /// Rereads and recompiles all shaders, changed or not; all that depends on them is rebuilt.
     pub fn reload_all(&self) -> Vec<ShaderEvent> {
         match watch::read_shaders(&self.dir) {
             Ok(found) => {

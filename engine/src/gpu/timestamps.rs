@@ -90,7 +90,7 @@ impl TimestampQueries {
         }
     }
 
-    /// Asks for the times of what was submitted. Nothing may be timed anew before [`TimestampQueries::take`] has given
+    /// Asks for the times of what was submitted. Nothing may be timed again before [`TimestampQueries::take`] has given
     /// them.
     pub fn request(&mut self) {
         self.arriving = self.set.as_ref().filter(|_| !self.names.is_empty()).map(|set| Mapping::begin(&set.staging));

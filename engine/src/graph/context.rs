@@ -176,7 +176,7 @@ impl<'c> PassContext<'c> {
         self.work = [self.work[0].saturating_add(units), all.saturating_add(units)];
     }
 
-    /// Submits what is recorded so far and goes on with a fresh encoder.
+    /// Submits what is recorded so far and continues with a fresh encoder.
     pub fn submit(&mut self) {
         self.compute = None;
         self.encoder.pop_debug_group();

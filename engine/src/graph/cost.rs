@@ -6,10 +6,10 @@ use std::collections::HashMap;
 /// take it for hung.
 const SUBMIT_MS: f64 = 50.0;
 
-/// How much more work than on a software driver a submit holds on hardware whose pace is not known yet.
+/// How much more work than on a software driver a submit holds on hardware whose speed is not known yet.
 const UNMEASURED: u64 = 16;
 
-/// How fast the pace that is counted on may grow from frame to frame: the next one may see something harder.
+/// How fast the assumed speed may grow from frame to frame: the next one may see something harder.
 const MOST_GROWTH: f64 = 4.0;
 
 /// What passes cost, by their names. Where results are cut into submits changes no bit of them.

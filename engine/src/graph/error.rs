@@ -79,7 +79,7 @@ pub enum GraphError {
         resource: String,
         /// Who overwrites it.
         writer: String,
-        /// The circle of dependencies.
+        /// The cycle of dependencies.
         path: String,
     },
     /// Two passes write the same version.
@@ -97,7 +97,7 @@ pub enum GraphError {
     /// Passes wait for each other.
     #[error("passes wait for each other: {path}; remove one of these dependencies or `order` calls")]
     Cycle {
-        /// The circle of dependencies, with the resources on the way.
+        /// The cycle of dependencies, with its resources.
         path: String,
     },
     /// The cache has changed between compilation and execution.

@@ -28,7 +28,7 @@ pub struct FramePacing {
 }
 
 impl FramePacing {
-    /// The pace of frames on that adapter. It begins interruptible where the driver is software, whose first frame is long.
+    /// The frame pacing of that adapter. It begins interruptible where the driver is software, whose first frame is long.
     pub fn new(adapter: &wgpu::AdapterInfo) -> Self {
         let pacing = Self { is_software: adapter.device_type == wgpu::DeviceType::Cpu, ..Self::default() };
         pacing.set_interruptible(true);
@@ -40,7 +40,7 @@ impl FramePacing {
         self.interruptible.store(interruptible && self.is_software, Ordering::Relaxed);
     }
 
-    /// Chooses the pace of the next frame by the longest pass of the last one on the device. The time of the whole frame
+    /// Chooses the pacing of the next frame by the longest pass of the last one on the device. The time of the whole frame
     /// would not do: it holds the compiling of pipelines, and the waits of the interruptible pacing itself. Where the device
     /// cannot tell times, the pacing stays.
     pub fn adapt(&self, report: &FrameReport) {

@@ -1,4 +1,4 @@
-//! The order of passes: dependencies, a stable topological sort, and what a circle means.
+//! The order of passes: dependencies, a stable topological sort, and what a cycle means.
 
 use std::collections::BTreeSet;
 
@@ -68,7 +68,7 @@ fn edges(graph: &Graph<'_>) -> Vec<Edge> {
     edges
 }
 
-/// A circle among the passes that the sort could not place. Each of them waits for another one of
+/// A cycle among the passes that the sort could not place. Each of them waits for another one of
 /// them, so going back from one for long enough goes round.
 fn find_circle(edges: &[Edge], stuck: &[bool]) -> Vec<Edge> {
     let mut path: Vec<Edge> = Vec::new();

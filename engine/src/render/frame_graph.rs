@@ -116,7 +116,7 @@ fn source_of_blended(
     }
 }
 
-/// The reference goes on, and is shown with what was drawn.
+/// Continues the reference, and shows it beside the drawn image.
 pub(super) fn declare_beside<'a>(
     graph: &mut Graph<'a>,
     settings: &RenderSettings,

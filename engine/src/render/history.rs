@@ -1,4 +1,4 @@
-//! The frames before: which of them this one goes on with, and how much they count. Where light or objects move, older
+//! Temporal history: which earlier frames this one continues, and how much they count. Where light or objects move, older
 //! frames count for little ([`MOST_WHILE_CHANGING`]), unless it is known how their light has changed.
 
 use super::motion::Motions;
@@ -63,7 +63,7 @@ pub(crate) struct History {
     row: u64,
     /// Whether the last frame showed no indirect light.
     is_idle: bool,
-    /// Written in turns: this frame's, and that of the frame before.
+    /// Written alternately: the image of this frame, and that of the frame before.
     targets: Option<[Target; 2]>,
     motions: Motions,
     /// Irradiance of the patches of surfels of a layout [W/m²].
@@ -74,7 +74,7 @@ pub(crate) struct History {
     mirrors: Option<InTurns<wgpu::TextureView>>,
 }
 
-/// Two of something that frames write in turns: what this one writes, and what the one before did.
+/// A pair that frames write alternately: the one of this frame, and that of the frame before.
 pub(crate) struct InTurns<T> {
     /// The frame that it is for.
     number: u32,
@@ -187,7 +187,7 @@ impl History {
         self.step
     }
 
-    /// Where its light and that of the frame before are kept, in turns.
+    /// Where its light and that of the frame before are stored, alternately.
     pub fn targets(&self) -> Option<&[Target; 2]> {
         self.targets.as_ref()
     }
@@ -317,7 +317,7 @@ impl Seen {
     }
 }
 
-/// Goes on with two images of earlier frames, or makes them.
+/// Takes the two images of earlier frames, or declares them.
 fn keep(images: &mut Option<InTurns<wgpu::TextureView>>, gpu: &Gpu, label: &str, size: [u32; 2], number: u32) {
     match images {
         Some(known) => known.go_on(number),

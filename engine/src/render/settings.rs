@@ -113,7 +113,7 @@ pub struct DisplaySettings {
     pub tone_map: ToneMap,
     /// Exposure on top of the scene's own, as a power of two.
     pub exposure: f32,
-    /// Brings the mean of the logarithm of the luminance to middle grey (0.18), as Reinhard et al. (2002) do.
+    /// Exposes the image so that the mean of the logarithm of its luminance is middle grey (0.18), as Reinhard et al. (2002) do.
     pub auto_exposure: bool,
 }
 
@@ -163,7 +163,7 @@ pub struct RenderSettings {
     /// How many images, this one among them, with other jitter each, the caller averages: what is filtered against noise
     /// is then filtered less. 1 for an image that stands for itself.
     pub images: u32,
-    /// Goes on tracing the reference with every frame, and shows it beside what is drawn. Never touches the radiance
+    /// Continues tracing the reference with every frame, and shows it beside the drawn image. Never touches the radiance
     /// image.
     pub beside: Option<Beside>,
     /// What is drawn over the display image.

@@ -153,7 +153,7 @@ impl Fineness {
 }
 
 impl SurfelCloud {
-    /// Brings the surfels up to date with the scene: as many as cells of a size \[m\] need, eight a face, fewer if
+    /// Updates the surfels from the scene: as many as cells of a size \[m\] need, eight a face, fewer if
     /// there would be more than [`MAX_SURFELS`]. Costs nothing if nothing changed; an object that only moved or bent keeps its
     /// surfels, and where it is known to be moving no other one is looked at. What lies within a solid that does not move
     /// either has none.

@@ -46,7 +46,7 @@ impl Posed {
 
 type Places<'w, 's> = Query<'w, 's, (Option<&'static Transform>, Option<&'static ChildOf>, &'static GlobalTransform)>;
 
-/// Brings all posed meshes up to date.
+/// Updates all posed meshes.
 pub(super) fn deform(
     mut posed: Query<(Entity, &mut Posed, &mut MeshRenderer)>,
     places: Places,

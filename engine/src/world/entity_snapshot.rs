@@ -1,4 +1,4 @@
-//! Copies of entities out of sight, from which an editor brings them back as they were: components of every type that
+//! Hidden copies of entities, from which an editor restores them: components of every type that
 //! is `Clone`, those of the game too, under the same identities.
 
 use super::identity::{Identities, Identity, RootOrder};

@@ -32,7 +32,7 @@ struct Behaviours;
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Frame;
 
-/// Entities, their components, the clock and the systems that bring them from one frame to the next.
+/// Entities, their components, the clock and the systems that advance them from one frame to the next.
 pub struct GameWorld {
     /// Entities, components and resources. Removal events expire with every second [`GameWorld::update`]; do not call
     /// `clear_trackers`, update does.

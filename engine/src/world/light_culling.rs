@@ -4,7 +4,7 @@ use super::former_variants::Variants;
 use bevy_ecs::prelude::Component;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// The error bound δ of stochastic light culling: an irradiance. A light is dropped by chance where it would bring less.
+/// The error bound δ of stochastic light culling: an irradiance. A light is dropped by chance where it would contribute less.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Delta {
     /// Over the mean irradiance of the surfaces that the lights see, ΣΦ/ΣA: the same share of the light, and the same

@@ -57,7 +57,7 @@ fn orthonormal(m: Mat3A) -> Option<Mat3A> {
     Some(Mat3A::from_cols(x, z.cross(x), z))
 }
 
-/// Brings [`GlobalTransform`] and [`Orientation`] up to date below everything that moved or changed its parent.
+/// Updates [`GlobalTransform`] and [`Orientation`] below everything that moved or changed its parent.
 #[allow(clippy::too_many_arguments)]
 pub(super) fn propagate(
     moved: Query<Entity, Moved>,

@@ -24,7 +24,7 @@ pub struct Drawn {
     pub rendering: RenderState,
     /// The probes of the last frame.
     probed: Vec<Entity>,
-    /// Light on its way to probes.
+    /// Light at probes that is still being read back.
     pending: VecDeque<(Vec<Entity>, PendingProbes)>,
 }
 

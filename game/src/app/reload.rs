@@ -26,7 +26,7 @@ impl Reloader {
     }
 
     /// Takes up what changed since the last time; none if nothing did. A change of the scene's file alone goes into the
-    /// scene as it stands; if prefabs, models or images changed, it begins anew.
+    /// scene as it stands; if prefabs, models or images changed, it restarts.
     pub fn poll(&mut self, game: &mut Game) -> Option<Result<()>> {
         if game.world.ecs.resource::<CurrentScene>().path != self.scene {
             (self.watcher, self.scene) = watch(game, self.actions.as_deref());

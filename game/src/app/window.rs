@@ -257,7 +257,7 @@ impl Open {
         true
     }
 
-    /// Shows and logs what went wrong; the game goes on as far as it can.
+    /// Shows and logs an error; the game continues as far as it can.
     fn tell(&mut self, result: Result<()>) {
         let Err(error) = result else { return };
         let text = format!("{error:#}");

@@ -44,7 +44,7 @@ struct Near {
 @group(0) @binding(8) var specular_out: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(9) var diffuse: texture_2d<f32>;
 @group(0) @binding(10) var specular: texture_2d<f32>;
-// What the virtual lights bring, and that with the near light.
+// The contribution of the virtual lights, and that with the near light.
 @group(0) @binding(11) var summed: texture_2d<f32>;
 @group(0) @binding(12) var indirect: texture_storage_2d<rgba32float, write>;
 
@@ -82,7 +82,7 @@ fn brightness(light: vec3f) -> f32 {
     return light.r + light.g + light.b;
 }
 
-// What a surface reflects of one light, chosen in proportion to what each would bring (weighted reservoir, Chao 1982).
+// What a surface reflects of one light, chosen in proportion to what each would contribute (weighted reservoir, Chao 1982).
 fn of_lamp(surface: Surface, to_eye: vec3f, distance: f32, random: f32, on_light: vec2f) -> LightSample {
     var total = 0.0;
     var chosen: Incidence;

@@ -104,7 +104,7 @@ impl<'a> Edit<'a> {
         self.style.pretty(&self.printed(after, keys), indent_at(old.text, old.node.span.start), used)
     }
 
-    /// A value as it is written anew.
+    /// The new text of a value.
     pub fn printed(&self, node: &Node, keys: Keys) -> Node {
         let mut node = (self.print)(keys.holder, keys.own, node);
         self.style.numbers(&mut node);

@@ -1,4 +1,4 @@
-//! Questions to the space around: what a ray meets, how far a ball or a box can move.
+//! Spatial queries: ray casts, and how far a ball or a box can move.
 //!
 //! Every drawn mesh counts, by its triangles and from both sides, unless its entity is a [`NonSolid`]. Two levels: a
 //! hierarchy over the objects' boxes, fitted again when one moves, and one over the triangles of each mesh, built when
@@ -18,10 +18,10 @@ use glam::{Affine3A, Mat3A, Quat, Vec3};
 use std::sync::Arc;
 use sweep::{Touch, cast_box, cast_sphere, closest_point};
 
-/// Where a ray meets something.
+/// A hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// What it meets.
+    /// The entity that is hit.
     pub entity: Entity,
     /// Where \[m\].
     pub point: Vec3,
@@ -69,7 +69,7 @@ pub struct SpatialQuery {
 const SKIN: f32 = 1e-3;
 
 impl SpatialQuery {
-    /// The nearest thing that a ray meets within a distance \[m\], of those that count.
+    /// The nearest hit of a ray within a distance \[m\], of what counts.
     pub fn cast_ray(&self, origin: Vec3, direction: Vec3, reach: f32, counts: impl Fn(Entity) -> bool) -> Option<Hit> {
         self.cast(origin, direction, reach, |instance| !instance.is_ghost && counts(instance.entity))
     }
@@ -195,7 +195,7 @@ impl SpatialQuery {
                 at += left;
                 break;
             };
-            // Stops just before the touch, so that rounding does not bring it behind the surface.
+            // Stops just before the touch, so that rounding does not put it behind the surface.
             at += left * (contact.fraction - SKIN / length).max(0.0);
             left *= 1.0 - contact.fraction;
             left -= contact.normal * left.dot(contact.normal).min(0.0);

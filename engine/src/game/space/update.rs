@@ -14,7 +14,7 @@ pub struct NonSolid;
 type Row = (Entity, &'static Identity, &'static GlobalTransform, &'static MeshRenderer, Has<NonSolid>);
 type IsChanged = (With<MeshRenderer>, Or<(Changed<GlobalTransform>, Changed<MeshRenderer>, Added<NonSolid>)>);
 
-/// Brings the space up to date, if anything in it changed.
+/// Updates the space, if anything in it changed.
 pub fn update(
     mut space: ResMut<SpatialQuery>,
     all: Query<Row>,

@@ -82,7 +82,7 @@ fn directions(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
     let (Some(clpv), Some(volume)) = (&frame.scene.clpv, volumes.last()) else { return Vec::new() };
     let directions = match clpv.settings.transport {
         Transport::Sweep => sweep::directions(sweep::quality(frame, &clpv.settings)),
-        // Light goes on to the six neighbours.
+        // Light is passed to the six neighbours.
         Transport::Diffusion => [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]).collect(),
     };
     let bounds = volume.bounds();

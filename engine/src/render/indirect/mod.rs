@@ -110,7 +110,7 @@ pub trait IndirectMethod: Any + Send {
         Ok(None)
     }
 
-    /// Brings what it keeps of the scene up to date. Costs nothing if nothing changed.
+    /// Updates what it keeps of the scene. Costs nothing if nothing changed.
     ///
     /// # Errors
     /// A scene or settings that the device cannot hold.

@@ -29,7 +29,7 @@ pub(super) struct Place {
     pub(super) box_index: u32,
     /// Its first triangle.
     pub(super) triangle: u32,
-    /// First box of the part that a ray goes on to; 0 if there is none.
+    /// First box of the part that a ray visits next; 0 if there is none.
     pub(super) next: u32,
     /// Edge of the whole scene \[m\], where the part is but some of it.
     pub(super) scene_size: f32,

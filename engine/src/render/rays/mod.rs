@@ -133,7 +133,7 @@ impl RayScene {
         }
     }
 
-    /// Brings the device up to date with the scene. Costs nothing if nothing changed, and follows dynamic objects alone if
+    /// Updates the device from the scene. Costs nothing if nothing changed, and follows dynamic objects alone if
     /// nothing else changed.
     ///
     /// # Errors

@@ -113,7 +113,7 @@ impl Blocks {
         all
     }
 
-    /// Brings blocks up to date with members that changed.
+    /// Updates blocks with members that changed.
     pub fn sum_up(&mut self, batches: &[Batch], members: &[Member], which: impl Fn(&Batch) -> bool) {
         for block in self.blocks.iter_mut().filter(|block| which(&batches[block.batches.start])) {
             block.sum_up(batches[block.batches.clone()].iter().flat_map(|batch| batch.of(members)));

@@ -127,7 +127,7 @@ impl GpuSurfels {
         }
     }
 
-    /// Brings the surfels up to date with the scene, as dense as the finest cells need them. Costs nothing if nothing
+    /// Updates the surfels from the scene, as dense as the finest cells need them. Costs nothing if nothing
     /// changed; an object that only moved costs its transform, and one that only bent its own surfels.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene, finest_cell: f32) {
         self.cloud.update(scene, finest_cell);

@@ -52,7 +52,7 @@ pub(super) struct Mover {
 }
 
 impl GpuScene {
-    /// Brings the device up to date with the scene. Costs nothing if no primitive changed, and what is moving alone if
+    /// Updates the device from the scene. Costs nothing if no primitive changed, and what is moving alone if
     /// nothing else changed.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) {
         self.sky.update(gpu, scene);
@@ -90,7 +90,7 @@ impl GpuScene {
         moving
     }
 
-    /// Brings the moving primitives up to date. False if that takes more than new places and new poses.
+    /// Updates the moving primitives. False if that takes more than new places and new poses.
     fn follow(&mut self, gpu: &Gpu, scene: &Scene) -> bool {
         let mut changed: Option<[usize; 2]> = None;
         for (index, mover) in self.movers.iter().enumerate() {

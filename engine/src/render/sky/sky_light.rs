@@ -1,4 +1,4 @@
-//! Light of the sky where the method of indirect light brings none.
+//! Light of the sky where the method of indirect light contributes none.
 //!
 //! The sky's light is swept once through a coarse grid around the scene, past what blocks it, so that rooms stay dark
 //! that the sky does not see. Surfaces reflect it once.

@@ -128,12 +128,12 @@ impl Log {
         self.has_changed = true;
     }
 
-    /// A part of an entity is looked at anew: what was said of it holds no more.
+    /// A part of an entity is checked again: its former warnings no longer hold.
     fn begin(&mut self, entity: Entity, part: Part) {
         self.keep(|(e, p, _)| (*e, *p) != (entity, part));
     }
 
-    /// Parts of which only the first counts are looked at anew.
+    /// Parts of which only the first counts are checked again.
     fn begin_all(&mut self, part: Part) {
         self.keep(|(_, p, _)| *p != part);
     }
@@ -152,7 +152,7 @@ impl Log {
         self.has_changed |= self.held.len() != before;
     }
 
-    /// Brings the scene's warnings up to date, in an order that does not depend on that of changes.
+    /// Updates the scene's warnings, in an order that does not depend on that of changes.
     fn write(&mut self, scene: &mut Scene) {
         if std::mem::take(&mut self.has_changed) || scene.warnings.len() != self.held.len() {
             scene.warnings = self.held.iter().map(|(.., text)| text.clone()).collect();
@@ -185,7 +185,7 @@ impl Extractor {
         Self { log: Log::default(), revisions: Counter::default(), identity: fresh_identity(), source: None }
     }
 
-    /// Brings the scene up to date with the world.
+    /// Updates the scene from the world.
     pub fn extract(&mut self, game_world: &mut GameWorld, scene: &mut Scene) {
         let world = &mut game_world.ecs;
         let source = match self.source.take() {

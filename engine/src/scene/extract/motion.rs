@@ -2,7 +2,7 @@
 //!
 //! What does not move is drawn into maps of its own, which are kept. To call a primitive static that was moving costs a
 //! new drawing of those maps; so it is done only when they have to be redrawn anyway, and for what is animated never:
-//! it would move again. Whatever else goes on after a rest has to rest twice as long the next time.
+//! it would move again. Anything else that moves again after a rest must rest twice as long the next time.
 
 use crate::scene::{Primitive, SceneId};
 use crate::world::{Posed, RestPose};

@@ -32,7 +32,7 @@ const NEAR: f32 = 0.5;
 const LEAST_REACH: f32 = 1.0;
 /// Rays of a surfel.
 const RAYS: u8 = 8;
-/// Objects that come or go at once from which on all surfels are looked at anew, and not those alone that see them.
+/// From so many objects that come or go at once on, all surfels are recomputed, and not only those that see them.
 const MANY: usize = 16;
 
 /// The surfels of objects that do not move, without those that no light can reach. Where what does not move changes, the
@@ -215,7 +215,7 @@ impl Known {
         self.spread == *spread && self.around.len() == all.len()
     }
 
-    /// Whether these are the surfels, and what was looked at anew is as before.
+    /// Whether these are the surfels, and what was recomputed is as before.
     fn holds(&self, all: &Arc<Vec<Surfel>>, looked: Option<&[Around]>) -> bool {
         Arc::ptr_eq(&self.all, all) && looked.is_none_or(|looked| looked == self.around)
     }

@@ -64,7 +64,7 @@ enum Form {
 }
 
 impl Still {
-    /// Brings everything up to date with the scene. Boxes of what has come, gone or changed, where it was and where it is:
+    /// Updates everything from the scene. Boxes of what has come, gone or changed, where it was and where it is:
     /// a ray that meets none of them meets what it met before.
     pub fn update(&mut self, scene: &Scene) -> Vec<Aabb> {
         let stands = |p: &&Primitive| p.casts_shadow && !p.moving && p.world_from_object.is_finite();
@@ -96,7 +96,7 @@ impl Still {
         changed
     }
 
-    /// The nearest surface that a ray meets. Where a back and a front coincide but for rounding it is the back, as below a
+    /// The nearest hit of a ray. Where a back and a front coincide but for rounding it is the back, as below a
     /// block on a floor: nothing depends on the order of objects, how they are turned, or how the hierarchy came about.
     pub fn closest(&self, ray: &Ray) -> Option<Met> {
         let (mut nearest, mut nearest_back) = (f32::INFINITY, f32::INFINITY);
@@ -112,7 +112,7 @@ impl Still {
         (nearest < f32::INFINITY).then(|| Met { t: nearest, is_back: nearest_back <= beyond(nearest) })
     }
 
-    /// What a segment meets first; none if each of the two points sees the other.
+    /// The first hit of a segment; none if each of the two points sees the other.
     pub fn obstacle(&self, from: Vec3, to: Vec3) -> Option<Obstacle> {
         let ray = Ray::new(from, to - from);
         let mut first = None;

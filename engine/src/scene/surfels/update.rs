@@ -71,7 +71,7 @@ impl Updated {
 }
 
 impl SurfelCloud {
-    /// Brings places and poses up to date if nothing else changed, and then only dynamic objects are looked at. False if it
+    /// Updates places and poses if nothing else changed, and then only dynamic objects are looked at. False if it
     /// takes more: another mesh or size, objects that come to stand at the same place, or apart.
     pub(super) fn follow(&mut self, scene: &Scene, cell: f32) -> bool {
         let known = &self.followed;

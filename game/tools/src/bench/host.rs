@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Objects that move, in turns.
+/// Numbers of dynamic objects, one run each.
 const MOVING: [u32; 4] = [0, 1, 10, 100];
 /// Frames before those that are measured: pipelines compile, and what moves is known to.
 const WARM_UP: u32 = 4;

@@ -72,7 +72,7 @@ pub struct Plan {
 /// One measurement of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Task {
-    /// Times of all variants in turns.
+    /// Times of all variants, round robin.
     Time {
         /// Image size [pixels].
         size: [u32; 2],

@@ -6,7 +6,7 @@ pub struct Stage {
     pub name: &'static str,
     /// What it does.
     pub what: &'static str,
-    /// A pass belongs here if its name is one of these, or goes on with a space or a comma.
+    /// A pass belongs here if its name is one of these, or continues one with a space or a comma.
     passes: &'static [&'static str],
 }
 

@@ -54,7 +54,7 @@ pub fn rounds(variant: &Variant, frames: u32) -> u32 {
     if variant.is_traced() { frames.min((16 / variant.spp.max(1)).max(1)) } else { frames }
 }
 
-/// Times some of the variants in turns; keys are filled in by the caller. `progress` is told of each frame's variant.
+/// Times some of the variants round robin; keys are filled in by the caller. `progress` is told of each frame's variant.
 ///
 /// # Errors
 /// If a frame cannot be drawn.

@@ -153,7 +153,7 @@ pub enum Grows {
     Directions,
     /// Pixels, 128² to 2048²
     Pixels,
-    /// Many lamps against few, and many meshes against one
+    /// Many lights against few, and many meshes against one
     Pairs,
 }
 

@@ -79,7 +79,7 @@ pub fn non_finite(image: &Image, what: &str, pictures: &Pictures) -> Result<Opti
 pub enum GoldenVerdict {
     /// Near enough.
     Same,
-    /// Written anew.
+    /// Rewritten.
     Blessed,
     /// Not as it should be, in words.
     Wrong(String),

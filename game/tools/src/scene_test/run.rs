@@ -243,7 +243,7 @@ impl Stage<'_> {
         Ok((expected, format!("{} traced samples a pixel", estimate.samples)))
     }
 
-    /// Draws the time anew; the same bits must come out.
+    /// Draws the time again; the bits must be the same.
     fn check_equal(&mut self, time: f64, first: &Image) -> Result<()> {
         self.session.set_seconds(time);
         let settings = self.session.render_settings(false);

@@ -124,7 +124,7 @@ impl Endured {
         check(self.returns, "the first frame is another one at the end".to_owned());
         let [early, late] = self.entities;
         check(early == late, format!("{early} entities became {late}"));
-        // Targets differ a little from frame to frame, as lamps come into view and leave it.
+        // Targets differ a little from frame to frame, as lights come into view and leave it.
         let [early, late] = self.targets;
         check(late <= early + early / 4, format!("{early} bytes of targets became {late}"));
         let [early, late] = self.memory.unwrap_or_default();

@@ -27,7 +27,7 @@ pub enum Invariant {
     WholeCells,
     /// A room moved by a part of a cell looks nearly the same. Counted: nrmse.
     PartOfCell,
-    /// The light of all lamps is the sum of what they give alone. Counted: nrmse.
+    /// The image of all lights is the sum of their images alone. Counted: nrmse.
     Superposition,
     /// The order of entities in the file does not matter. Counted: nrmse.
     Order,
@@ -35,11 +35,11 @@ pub enum Invariant {
     Repeat,
     /// Caching never changes a bit. Counted: values that differ.
     Cache,
-    /// Lamps switched off leave nothing behind. Counted: the brightest value.
+    /// Lights that are switched off leave nothing behind. Counted: the brightest value.
     SwitchedOff,
-    /// Lamps switched off and on again give the same bits. Counted: values that differ.
+    /// Lights that are switched off and on again give the same bits. Counted: values that differ.
     Undo,
-    /// A lamp moved by a little changes the image by a little. Counted: the mean change, of the mean, for a shift by
+    /// A light moved by a little changes the image by a little. Counted: the mean change, of the mean, for a shift by
     /// one hundredth of the room.
     Moved,
     /// The image holds about as much light as the path tracer's. Counted: the relative difference of the means.

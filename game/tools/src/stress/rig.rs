@@ -106,7 +106,7 @@ impl Drop for Rig {
     }
 }
 
-/// Multiplies all lamps of a running scene; gives what they were.
+/// Multiplies the intensity of all lights of a running scene; gives what they were.
 pub fn dim(session: &mut Session, factor: f32) -> Vec<f32> {
     let world = &mut session.parts().world.ecs;
     let mut lights = world.query::<&mut Light>();
@@ -116,7 +116,7 @@ pub fn dim(session: &mut Session, factor: f32) -> Vec<f32> {
     before
 }
 
-/// Gives all lamps of a running scene the intensities that [`dim`] found.
+/// Gives all lights of a running scene the intensities that [`dim`] found.
 pub fn relight(session: &mut Session, intensities: &[f32]) {
     let world = &mut session.parts().world.ecs;
     let mut lights = world.query::<&mut Light>();

@@ -1,4 +1,4 @@
-//! The room that is stressed: a box with a block and a ball in it under three lamps, as the text of a scene.
+//! The room that is stressed: a box with a block and a ball in it under three lights, as the text of a scene.
 
 use lightwell_runtime::cli::{Gi, LookArgs, Only, TraceArgs};
 use std::fmt::Write;
@@ -12,7 +12,7 @@ pub enum Method {
     Diffusion,
     /// Light propagation volumes, swept.
     Sweep,
-    /// The same with light on its way in half precision.
+    /// The same with radiance in flight in half precision.
     HalfSweep,
     /// The same as scenes use it: of medium quality, with rays that gather the light.
     Gather,
@@ -105,7 +105,7 @@ impl Grid {
     pub const ALL: [Self; 3] = [Self::Auto, Self::Fixed, Self::Camera];
 }
 
-/// Which lamps are lit.
+/// Which lights are on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lamps {
     /// A spot light, a point light, and a sun.
@@ -138,9 +138,9 @@ pub struct Setup {
     pub quarter_turn: bool,
     /// Reflected in the plane x = position.x.
     pub mirrored: bool,
-    /// Lamps that are lit.
+    /// Lights that are on.
     pub lamps: Lamps,
-    /// Entities and lamps listed in the reverse order.
+    /// Entities and lights listed in the reverse order.
     pub reversed: bool,
     /// Shift of the point light [units].
     pub moved: f32,
@@ -160,7 +160,7 @@ fn vector(v: [f32; 3]) -> String {
 }
 
 impl Setup {
-    /// Factor from the intensity of lamps that spread their light to keep the irradiance: E = I/d².
+    /// Factor on the intensity of lights that spread, to keep the irradiance: E = I/d².
     fn spread(&self) -> f32 {
         self.intensity * self.scale * self.scale
     }
@@ -202,7 +202,7 @@ impl Setup {
 
     fn lamps(&self) -> Vec<Entity> {
         let lamp = |name, place, turn, kind: &str, intensity: f32, lit: bool| {
-            // Not zero: a dark lamp has no light map, and the diffusion takes its blockers from those.
+            // Not zero: a dark light has no light map, and the diffusion takes its blockers from those.
             let intensity = if lit { intensity } else { 1e-20 * intensity };
             let parts = format!("light: (kind: {kind}, intensity: {intensity:e}, rsm_size: 64, shadow_size: 256)");
             Entity { name, place, turn, parts }

@@ -1,4 +1,4 @@
-// Irradiance of the cells: the sum over all directions of what the march brought to them, in a fixed order.
+// Irradiance of the cells: the sum over all directions of what arrived there, in a fixed order.
 //
 // What reaches the downwind face of a cell, less what the cell itself sends out, and before the seal, is the irradiance of
 // a surface that closes that face. It is summed up for +x −x +y −y +z −z, and for the normals of the surfaces that look

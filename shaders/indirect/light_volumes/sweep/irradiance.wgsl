@@ -36,7 +36,7 @@ struct Lookup {
 @group(0) @binding(10) var<storage, read_write> partial: array<vec4f>;
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
 
-// The most that light is raised by where the sweep brings too little: what hardly any light finds stays dark.
+// The largest factor on light where the sweep finds too little: what hardly any light finds stays dark.
 const MOST_GAIN: f32 = 2.0;
 
 // What the light of a surfel is multiplied by. Where all surfaces send out radiance 1, irradiance is π whatever the scene

@@ -41,7 +41,7 @@ struct March {
 @group(0) @binding(2) var<storage, read> ordinates: array<Ordinate>;
 @group(0) @binding(3) var<storage, read> opacity: array<vec4f>;
 @group(0) @binding(4) var<storage, read> emission: array<vec4f>;
-// L_out of the slice before and of this one [W/(m² sr)], in turns: workgroup, direction, v, u.
+// L_out of the slice before and of this one [W/(m² sr)], alternately: workgroup, direction, v, u.
 @group(0) @binding(5) var<storage, read_write> fronts: array<Stored>;
 // What arrives at the downwind face of each cell [W/(m² sr)]: workgroup, direction, cell.
 @group(0) @binding(6) var<storage, read_write> arrivals: array<Stored>;
@@ -208,7 +208,7 @@ fn faces_before(chunk: Chunk, past: i32, u: i32, v: i32, um: i32, vm: i32) -> Fa
     return faces;
 }
 
-// One column goes on by one slice. `before` and `after` are where the fronts of the workgroup begin.
+// One column advances by one slice. `before` and `after` are where the fronts of the workgroup begin.
 fn advance(chunk: Chunk, step: i32, u: i32, v: i32, before: u32, after: u32) {
     let size = vec3i(volume.cells);
     let is_backward = chunk.sense == 1u;

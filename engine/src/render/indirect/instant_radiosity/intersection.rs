@@ -36,7 +36,7 @@ impl IntersectionCounts {
     }
 }
 
-/// Where a ray meets the scene: distance, triangle of the hierarchy's list, and barycentric coordinates of the second
+/// A hit of a ray in the scene: distance, triangle of the hierarchy's list, and barycentric coordinates of the second
 /// and third corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastHit {

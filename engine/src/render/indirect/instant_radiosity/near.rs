@@ -27,14 +27,14 @@ pub(crate) struct NearUniform {
     first_row: u32,
 }
 
-/// What the rays brought: what a white diffuse surface reflects, and what the specular lobe does.
+/// The contributions of the rays: what a white diffuse surface reflects, and what the specular lobe does.
 #[derive(Clone, Copy)]
 struct Contribution {
     diffuse: Handle<Texture>,
     specular: Handle<Texture>,
 }
 
-/// Declares the rays and the filter over what they bring; the result is `summed` with it. Where no ray is cast, the
+/// Declares the rays and the filter over their contributions; the result is `summed` with it. Where no ray is cast, the
 /// reason is in the report.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,

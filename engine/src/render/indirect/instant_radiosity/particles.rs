@@ -70,7 +70,7 @@ impl VirtualLights {
         }
     }
 
-    /// Brings the scene for rays up to date, and finds how many lights there can be. Costs nothing if nothing changed.
+    /// Updates the scene for rays, and finds how many lights there can be. Costs nothing if nothing changed.
     ///
     /// # Errors
     /// If the scene is larger than the device can bind.

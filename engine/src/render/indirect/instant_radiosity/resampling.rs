@@ -1,7 +1,7 @@
 //! Which of many candidates become the virtual lights of a view.
 //!
 //! To shoot a particle costs a few rays, to shade its lights a ray of every pixel. So more are shot than are shaded, and
-//! those are kept that bring light to what the camera sees (Segovia et al. 2006, "Bidirectional instant radiosity";
+//! those are kept that contribute to what the camera sees (Segovia et al. 2006, "Bidirectional instant radiosity";
 //! Georgiev and Slusallek 2010, "Simple and robust iterative importance sampling of virtual point lights"). Of M
 //! candidates N are picked (sampling importance resampling, Talbot et al. 2005), candidate i on average N·w_i/W times,
 //! W = Σw, and its light counts W/(N·w_i) for each time: the expectation is the sum over all M. The picks are even steps
@@ -36,7 +36,7 @@ pub(super) fn all(shot: &Shot, scene: &Scene, settings: &InstantRadiosity) -> Pa
     settle(shot, shot.candidates.clone(), scene, settings)
 }
 
-/// One of `settings.candidates` becomes a light: those which bring most to the view.
+/// One of `settings.candidates` becomes a light: those which contribute most to the view.
 pub(super) fn for_view(
     shot: &Shot,
     scene: &Scene,
@@ -75,7 +75,7 @@ fn along_a_curve(candidates: &[Candidate], scene: &Scene) -> Vec<Candidate> {
     ordered.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
-/// The ten bits of each coordinate in turns.
+/// The ten bits of each coordinate, interleaved (Morton order).
 fn morton(coordinates: [u32; 3]) -> u32 {
     (0..30).fold(0, |code, bit| code | (coordinates[bit % 3] >> (bit / 3) & 1) << bit)
 }

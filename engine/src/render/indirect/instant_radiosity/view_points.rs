@@ -1,4 +1,4 @@
-//! Points that the camera sees, and how much a virtual light brings to them.
+//! Points that the camera sees, and how much a virtual light contributes to them.
 
 use super::intersection::{Caster, IntersectionCounts};
 use super::random::hash_pair;
@@ -30,7 +30,7 @@ pub(super) struct ViewPoints<'a> {
     points: Vec<ViewPoint>,
 }
 
-/// What a light brings to the points, the mean of what they reflect [W/m²].
+/// The contribution of a light to the points: the mean of what they reflect [W/m²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Contribution {
     /// If nothing is between.
@@ -70,7 +70,7 @@ impl<'a> ViewPoints<'a> {
         !self.points.iter().any(|point| point.reflectance > 0.0)
     }
 
-    /// What a candidate brings. Rays go to points in proportion to what it would bring them, so that the share of those
+    /// The contribution of a candidate. Rays go to points in proportion to what it would contribute there, so that the share of those
     /// which arrive is the share of its light that does.
     pub(super) fn brought(&self, candidate: &Candidate, index: u32, casts: &mut IntersectionCounts) -> Contribution {
         let each: Vec<f32> = self.points.iter().map(|point| unshadowed(candidate, point)).collect();
@@ -104,7 +104,7 @@ impl<'a> ViewPoints<'a> {
 }
 
 /// ρ·Φ/π·cosθ·cosθ_i/max(d², A), where A is the area of surface that the light stands for: within it 1/d² is no measure
-/// of what it brings.
+/// of its contribution.
 fn unshadowed(candidate: &Candidate, point: &ViewPoint) -> f32 {
     let light = &candidate.light;
     let place = Vec3::from(light.place);

@@ -5,7 +5,7 @@
 //! rsm (a light) ─ virtual lights ─ error bound ─ ranges ─┐
 //! gbuffer ───────────────────────────────── cull tiles ──┴─ shade ─ filter
 //! ```
-//! A light with intensity I(ω) is accepted at a distance l with p = min(I/(δ·l²), 1) > ξ, and what it brings is divided
+//! A light with intensity I(ω) is accepted at a distance l with p = min(I/(δ·l²), 1) > ξ, and its contribution is divided
 //! by p: the mean over ξ is the sum over all lights. Since ξ is one number a light, the points that accept it lie within
 //! l² = I(ω)/(δ·ξ), for which there are tight bounds: a sphere for the diffuse lobe, a spheroid for the GGX lobe.
 

@@ -50,7 +50,7 @@ pub struct GrowthPoint {
     pub process_bytes: Option<u64>,
 }
 
-/// Two scenes, drawn in turns.
+/// Two scenes, drawn alternately.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
     /// Name.

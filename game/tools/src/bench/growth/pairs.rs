@@ -1,4 +1,4 @@
-//! Pairs of scenes that should cost about the same, drawn in turns.
+//! Pairs of scenes that should cost about the same, drawn alternately.
 
 use super::figures::Pair;
 use super::glb;
@@ -15,7 +15,7 @@ use lightwell_runtime::session::Session;
 const SIZE: [u32; 2] = [512, 288];
 /// The same in the short run.
 const QUICK_SIZE: [u32; 2] = [64, 36];
-/// Lamps of the two scenes.
+/// Lights of the two scenes.
 const LAMPS: [u32; 2] = [1_000, 10];
 /// Boxes that are drawn as many meshes and as one.
 const BOXES: usize = 1_200;
@@ -55,12 +55,12 @@ fn look() -> LookArgs {
     LookArgs { gi: Some(Gi::None), ..LookArgs::default() }
 }
 
-/// The scene that the lamps light.
+/// The scene that the lights illuminate.
 fn hall(course: &Course) -> &'static str {
     if course.quick { "glasshouse" } else { "courtyard" }
 }
 
-/// That scene with so many lamps through its space.
+/// That scene with so many lights spread through it.
 fn with_lamps(course: &Course, count: u32) -> Result<Session> {
     // The sky's light would take most of both frames.
     let look = LookArgs { sets: vec![("scene.sky".to_owned(), "(0, 0, 0)".to_owned())], ..look() };

@@ -66,7 +66,7 @@ mod tests {
         serde_json::from_str(include_str!("fixture.json")).unwrap()
     }
 
-    /// The golden text is written anew by a run with LIGHTWELL_BLESS set: look at it before it is committed.
+    /// A run with LIGHTWELL_BLESS set rewrites the golden text: look at it before it is committed.
     #[test]
     fn the_report_is_the_golden_one() {
         let text = text(&fixture());

@@ -181,7 +181,7 @@ pub struct Flicker {
     #[serde(with = "super::finite")]
     pub reference: f64,
     /// What of that is not steady: second differences over √3, beyond the reference's, over the mean. Noise that is
-    /// another one in each frame has as much of it as of change, a change that goes on evenly none.
+    /// another one in each frame has as much of it as of change, a steady change none.
     #[serde(default)]
     pub tremble: Option<f64>,
     /// The reference's own in the same measure.

@@ -11,7 +11,7 @@
 //!
 //! Each room is measured with each method against the path tracer. Its reference takes samples until its noise is a
 //! quarter of the least error that is taken with it, or to the limit of `--reference-spp`, which the report then says.
-//! Every finished room is written at once: the same command goes on where an interrupted one stopped, and with a greater
+//! Every finished room is written at once: the same command continues where an interrupted one stopped, and with a greater
 //! number of rooms it adds the further ones.
 
 mod building;

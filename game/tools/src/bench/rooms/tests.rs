@@ -29,7 +29,7 @@ fn rooms_are_the_same_on_every_machine() {
     let texts = |seed| (0..20).map(|index| Room::draw(seed, index).scene_text(seed)).collect::<String>();
     assert_eq!(texts(1), texts(1));
     assert_ne!(texts(1), texts(2));
-    // Whoever changes how rooms are made gives this anew: figures of other rooms are not comparable.
+    // A change of how rooms are made changes this value: figures of other rooms are not comparable.
     assert_eq!(format!("{:016x}", xxh3_64(texts(1).as_bytes())), "49a16a7589400950");
 }
 

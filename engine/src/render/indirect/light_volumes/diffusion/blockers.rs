@@ -1,4 +1,4 @@
-//! The geometry volume: what stops and reflects light on its way, from all that lights (and the camera) see.
+//! The geometry volume: blockers of transported radiance with their reflectance, from all that lights (and the camera) see.
 
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};

@@ -8,7 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
 
-/// What the rays brought, rgba32float: what a white diffuse surface reflects, and what the specular lobe does.
+/// The contributions of the rays, rgba32float: what a white diffuse surface reflects, and what the specular lobe does.
 #[derive(Clone, Copy)]
 pub(super) struct Gathered {
     pub diffuse: Handle<Texture>,

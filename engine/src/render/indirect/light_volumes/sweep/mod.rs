@@ -84,7 +84,7 @@ struct Level {
     /// What the names of its passes and resources have for it.
     name: String,
     volume: Volume,
-    /// Of the light on its way.
+    /// Precision of radiance in flight.
     precision: Precision,
     obstacles: Obstacles,
     emission: Handle<Buffer>,

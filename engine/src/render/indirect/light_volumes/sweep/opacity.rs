@@ -12,7 +12,7 @@ use wgpu::BufferUsages;
 /// Bytes of a cell: 44 numbers.
 const CELL_BYTES: u64 = 176;
 
-/// What stands in the way of light in a cascade.
+/// Obstacles of light in a cascade.
 #[derive(Clone, Copy)]
 pub(super) struct Obstacles {
     /// Opacity of the cells and their faces, see `indirect/light_volumes/sweep/opacity.wgsl`.

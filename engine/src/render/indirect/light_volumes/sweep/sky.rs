@@ -1,4 +1,4 @@
-//! Light of the sky alone: one sweep along few directions. Methods that bring no light of the sky take it from here, and
+//! Light of the sky alone: one sweep along few directions. Methods that contribute no light of the sky take it from here, and
 //! glossy surfaces learn from it how much of the sky they see.
 
 use super::directions::Directions;
