@@ -1,4 +1,4 @@
-//! What one load may take of the machine: a small file can ask for more than any machine has.
+//! Limits of one load: a small file can ask for more than any machine has.
 
 use super::AssetError;
 use std::path::Path;

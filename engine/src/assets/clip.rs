@@ -20,7 +20,7 @@ impl Clip {
     }
 }
 
-/// What a clip says of one node.
+/// The curves of one node in a clip.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NodeCurves {
     /// Translation \[m\].
@@ -33,7 +33,7 @@ pub struct NodeCurves {
     pub weights: Option<Curve>,
 }
 
-/// What lies between the keys of a curve.
+/// Interpolation between the keys of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
     /// The value of the last key that has passed.
@@ -53,7 +53,7 @@ pub struct Curve {
     pub values: Vec<f32>,
     /// Numbers of a value.
     pub width: usize,
-    /// What lies between keys.
+    /// Interpolation between keys.
     pub between: Between,
     /// Values are unit quaternions.
     pub is_rotation: bool,

@@ -9,12 +9,12 @@ use std::sync::{Arc, OnceLock};
 /// Vertices that one piece of work poses.
 const PIECE: usize = 8192;
 
-/// What a mesh needs to be posed, beside its own vertices.
+/// Data for posing a mesh, beside its own vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deform {
     /// Which joints each vertex follows.
     pub skin: Option<Influences>,
-    /// What is added at full weight.
+    /// Offsets at full weight.
     pub targets: Vec<MorphTarget>,
     /// Triangles share no vertices, and normals are those of the triangles: they follow the posed triangles.
     pub flat: bool,

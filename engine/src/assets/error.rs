@@ -1,4 +1,4 @@
-//! What can go wrong with assets.
+//! Errors of assets.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ pub enum AssetError {
         path: PathBuf,
         /// The part of the file, such as `mesh 3 "lamp", primitive 0`.
         place: String,
-        /// What is wrong, and what to do where that is known.
+        /// The fault, and help where there is any.
         problem: String,
     },
     /// More than the load as a whole may take, see [`LoadBudget`](super::LoadBudget).
@@ -30,9 +30,9 @@ pub enum AssetError {
         path: PathBuf,
         /// Name of the limit.
         limit: &'static str,
-        /// What the load would take with it.
+        /// The amount that the load would take with it.
         total: u64,
-        /// What it may take.
+        /// The limit.
         most: u64,
     },
     /// Parameters of a procedural shape that make no shape.
@@ -42,7 +42,7 @@ pub enum AssetError {
         shape: &'static str,
         /// The parameter.
         field: &'static str,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
 }

@@ -30,7 +30,7 @@ impl AssetLibrary {
         self.meter = Arc::new(Meter::new(budget));
     }
 
-    /// What the present load has taken.
+    /// The amounts that the present load has taken.
     pub(crate) fn meter(&self) -> &Meter {
         &self.meter
     }
@@ -85,7 +85,7 @@ impl AssetLibrary {
         Ok(model)
     }
 
-    /// What the models' files hold that is not kept as it is, each with its file.
+    /// Warnings of what models' files hold that is changed on import, each with its file.
     pub fn warnings(&self) -> impl Iterator<Item = String> + '_ {
         let mut models: Vec<&Arc<Gltf>> = self.models.values().collect();
         models.sort_unstable_by(|a, b| a.path.cmp(&b.path));

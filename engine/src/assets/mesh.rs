@@ -20,7 +20,7 @@ pub struct Vertex {
     pub uv: [f32; 2],
 }
 
-/// What only some meshes have of a vertex, as the GPU sees it: 16 bytes.
+/// Vertex attributes that only some meshes have, as the GPU sees them: 16 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct VertexExtra {
@@ -31,7 +31,7 @@ pub struct VertexExtra {
 }
 
 impl VertexExtra {
-    /// What a mesh without extras has everywhere.
+    /// The attributes of a mesh without extras.
     pub const NEUTRAL: Self = Self { uv: [0.0; 2], color: [u16::MAX; 4] };
 
     /// The colour as numbers of 0 to 1.

@@ -51,7 +51,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// What holds where the texture is drawn small.
+    /// Filter where the texture is minified.
     pub fn minified(&self) -> Minification {
         let levels = if self.nearest { Levels::Nearest } else { Levels::Blended };
         self.minification.unwrap_or(Minification { nearest: self.nearest, levels })

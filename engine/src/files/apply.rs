@@ -1,4 +1,4 @@
-//! What an instance changes of its prefab, written into the prefab's file.
+//! Overrides of an instance, applied to its prefab's file.
 
 use super::custom_components::ComponentTypes;
 use super::describe::is_in_prefab;

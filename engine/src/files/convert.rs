@@ -106,7 +106,7 @@ impl OverrideFile {
         self.components.extend(other.components.clone());
     }
 
-    /// What makes of `base` this one; nothing if they are the same.
+    /// The changes from `base` to this one; nothing if they are the same.
     pub fn changes_from(&self, base: &Self) -> Self {
         let mut changes = Self::default();
         macro_rules! compare {

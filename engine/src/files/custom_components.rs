@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 pub use lightwell_derive::SceneData;
 
-/// What scene files can hold and an inspector can show: implemented by `#[derive(SceneData)]`, for components of a
+/// Data that scene files can hold and an inspector can show: implemented by `#[derive(SceneData)]`, for components of a
 /// game, for resources that are saved with it, and for types of their fields.
 ///
 /// Documentation comments become the help of the inspector. A unit in brackets, `\[m\]` or `\[degrees\]`, and a range,
@@ -68,7 +68,7 @@ pub trait SceneData: Serialize + DeserializeOwned + 'static {
     fn describe(notes: &mut Vec<TypeNote>);
 }
 
-/// What a comment says of a type, a field or a variant.
+/// The documentation of a type, a field or a variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TypeNote {
     /// `Type`, `Type.field`, `Enum.Variant` or `Enum.Variant.field`.
@@ -133,7 +133,7 @@ pub(super) fn present_name(old: &str) -> Option<&'static str> {
 pub struct ComponentType {
     /// Name in files.
     pub name: &'static str,
-    /// What its comments say.
+    /// Its documentation.
     pub notes: Vec<TypeNote>,
     type_id: TypeId,
     type_name: &'static str,
@@ -348,7 +348,7 @@ impl Canonical<'_> {
         self.entities(&mut entity.children, &with(at, Step::Key("children".into())))
     }
 
-    /// What an instance changes.
+    /// The overrides of an instance.
     pub fn patch(&self, patch: &mut OverrideFile, at: &[Step]) -> Checked {
         self.components(&mut patch.components, at)?;
         self.entities(&mut patch.children, &with(at, Step::Key("children".into())))

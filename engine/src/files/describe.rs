@@ -1,4 +1,4 @@
-//! What entities and scenes of a loaded world are, as scene files would say it.
+//! Descriptions of entities and scenes of a loaded world in terms of scene files.
 
 use super::error::FileError;
 use super::format::{EntityFile, OverrideFile, SceneFile};
@@ -8,7 +8,7 @@ use crate::world::GameWorld;
 use bevy_ecs::prelude::Entity;
 use std::path::Path;
 
-/// What the entity is without its animation, as a scene file would say it.
+/// The description of the entity without its animation, as a scene file would have it.
 ///
 /// # Errors
 /// If it has something that has no form in a file, as a mesh of a glTF model.
@@ -16,7 +16,7 @@ pub fn describe_entity(world: &GameWorld, entity: Entity, path: &Path) -> Result
     with_writer(world, path, |writer| writer.components(entity))
 }
 
-/// The entity with all below it, as a scene file would say it.
+/// The description of the entity with its descendants, as a scene file would have it.
 ///
 /// # Errors
 /// As [`describe_entity`].

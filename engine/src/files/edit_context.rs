@@ -1,4 +1,4 @@
-//! What edits of a loaded world work with: assets, the scene file, and a loader that borrows the world.
+//! The context of edits of a loaded world: assets, the scene file, and a loader that borrows the world.
 
 use super::LoadOptions;
 use super::custom_components::Canonical;

@@ -1,4 +1,4 @@
-//! What can be wrong with a file, told with its place and a way out.
+//! Errors of files, with their place and help.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -73,9 +73,9 @@ pub struct FileError {
     pub place: Option<Place>,
     /// Kind.
     pub kind: FileErrorKind,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
-    /// What to do about it.
+    /// Help.
     pub help: Option<String>,
     /// The line of the file.
     excerpt: Option<Box<str>>,

@@ -1,4 +1,4 @@
-//! What scene and prefab files are made of, as `serde` reads and writes it.
+//! The format of scene and prefab files, as `serde` reads and writes it.
 //!
 //! Everything has a default that can have one, so that hand-written files say only what matters.
 
@@ -34,7 +34,7 @@ pub struct SceneFile {
     /// Version of the format, 1 if not said. A file of a later version than [`VERSION`] is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<u32>,
-    /// What the scene shows, for people.
+    /// Description of the scene, for people.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub description: String,
     /// Method of indirect light.
@@ -58,7 +58,7 @@ pub struct PrefabFile {
     /// Version of the format, 1 if not said. A file of a later version than [`VERSION`] is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<u32>,
-    /// What it is, for people.
+    /// Description, for people.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub description: String,
     /// Materials that entities of this file refer to by name.

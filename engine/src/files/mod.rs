@@ -118,7 +118,7 @@ pub struct LoadOptions {
     pub models: Option<PathBuf>,
     /// Folders that files are read from beside that of models and the scene's project, see [`project_root`] (`--trust`).
     pub trusted: Vec<PathBuf>,
-    /// What a load may take of the machine (`--budget`).
+    /// Limits of a load (`--budget`).
     pub budget: LoadBudget,
     /// Components of a game that scenes may hold.
     pub types: ComponentTypes,

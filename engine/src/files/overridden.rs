@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-/// What was changed for this run, see [`override_values`].
+/// The changes for this run, see [`override_values`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Overridden {
     /// As it was asked for, `--set PATH=VALUE`.
@@ -35,7 +35,7 @@ struct Change<T> {
 /// own value as long as the changed one stays.
 ///
 /// # Errors
-/// What the work returns.
+/// The result of the work.
 pub fn override_values<E>(
     world: &mut GameWorld,
     path: &Path,
@@ -66,13 +66,13 @@ fn described(world: &GameWorld, path: &Path) -> HashMap<SceneId, OverrideFile> {
 }
 
 impl Overridden {
-    /// What a file says of an entity that is as described.
+    /// The description of an entity in a file.
     pub(super) fn saved(&self, id: Option<SceneId>, now: OverrideFile) -> OverrideFile {
         let change = id.and_then(|id| self.entities.get(&id));
         change.and_then(|change| change.restored(&now)).unwrap_or(now)
     }
 
-    /// What a file says of the settings.
+    /// The settings as a file has them.
     pub(super) fn saved_settings(&self, now: SceneSettings) -> SceneSettings {
         self.settings.as_ref().and_then(|change| change.restored(&now)).unwrap_or(now)
     }

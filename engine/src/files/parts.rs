@@ -314,7 +314,7 @@ pub struct ModelDetails {
     /// The scene that does without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand_in: Option<String>,
-    /// What is done to the model as it is imported, instead of what `NAME.import.ron` beside it says.
+    /// Import settings of the model, in place of those in `NAME.import.ron` beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub import: Option<ImportSettings>,
 }

@@ -76,7 +76,7 @@ impl Rebase {
         entity.children.iter_mut().try_for_each(|child| self.entity(child))
     }
 
-    /// What an instance changes.
+    /// The overrides of an instance.
     pub fn patch(&self, patch: &mut OverrideFile) -> Result {
         self.surface(&mut patch.model, &mut patch.material)?;
         patch.children.iter_mut().try_for_each(|child| self.entity(child))

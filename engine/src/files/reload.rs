@@ -18,7 +18,7 @@ use crate::world::GameWorld;
 use bevy_ecs::prelude::Entity;
 use std::path::Path;
 
-/// What a scene file says, its components of a game as the game would write them.
+/// The contents of a scene file, with custom components as the game would write them.
 ///
 /// # Errors
 /// When there is no such file, or it is wrong in itself. Assets are not looked at.

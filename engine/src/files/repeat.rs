@@ -66,7 +66,7 @@ impl Repeat {
         }
     }
 
-    /// What makes no sense in it.
+    /// Its fault.
     pub(super) fn fault(&self) -> Option<RepeatFault> {
         let copies = self.count();
         if copies == 0 || copies > MAX_COPIES {

@@ -75,7 +75,7 @@ fn keep_access(_file: &File, _old: &Metadata) -> Result<()> {
     Ok(())
 }
 
-/// What is left of a failure is of no use; that it is there harms nobody.
+/// The rest of a failed write is of no use and harms nobody.
 pub(super) fn discard(path: &Path) {
     let _ = std::fs::remove_file(path);
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// What stands in a file of entities.
+/// The contents of a file of entities.
 pub(super) trait Root: Serialize + DeserializeOwned + Clone {
     fn entities(&mut self) -> &mut Vec<EntityFile>;
 }

@@ -36,7 +36,7 @@ pub fn scene_text(world: &GameWorld, path: &Path) -> Result<String, FileError> {
     text_of(world, path, &saved_file(world, path)?)
 }
 
-/// What the scene file is to say.
+/// The contents of the scene file to write.
 pub(super) fn saved_file(world: &GameWorld, path: &Path) -> Result<SceneFile, FileError> {
     let default_info = SceneInfo::default();
     let info = world.ecs.get_resource::<SceneInfo>().unwrap_or(&default_info);
@@ -134,7 +134,7 @@ pub(super) struct Writer<'a> {
     pub world: &'a GameWorld,
     pub info: &'a SceneInfo,
     pub path: &'a Path,
-    /// What is not to be written as it is.
+    /// Values that are written otherwise than they are.
     pub overridden: Option<&'a Overridden>,
 }
 
@@ -207,7 +207,7 @@ impl<'a> Writer<'a> {
         )
     }
 
-    /// What differs below an instance from what its prefab says.
+    /// Differences of an instance from its prefab.
     fn overrides(
         &self,
         instance: &Source,

@@ -107,7 +107,7 @@ fn below(model: &mut ModelDetails, from: &Path) {
     }
 }
 
-/// What the scene's file says of the entity; what its prefab says starts at the prefab's folder.
+/// The scene file's text of the entity; paths of its prefab start at the prefab's folder.
 fn source(source: &mut Source, rebase: &Rebase) -> Result<(), NoWay> {
     source.overrides.values_mut().try_for_each(|patch| rebase.patch(patch))?;
     let OverrideFile { model, material, .. } = &mut source.components;

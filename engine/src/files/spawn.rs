@@ -9,7 +9,7 @@ use bevy_ecs::prelude::Entity;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
-/// What to take from a model.
+/// The parts that are taken from a model.
 pub(super) struct Take<'a> {
     pub lights: bool,
     pub cameras: bool,
@@ -26,7 +26,7 @@ pub(super) struct Model<'a> {
     names: Names,
     /// Entities of the nodes.
     entities: BTreeMap<usize, Entity>,
-    /// What a skin poses: the node, its mesh's entity and the mesh.
+    /// A skinned mesh: the node, its mesh's entity and the mesh.
     skinned: Vec<(usize, Entity, Arc<Mesh>)>,
 }
 
@@ -80,7 +80,7 @@ impl<'a> Model<'a> {
         entity
     }
 
-    /// What a node draws. Joints say where skinned meshes are, and not the node: they stand at the model's root.
+    /// The mesh of a node. Joints say where skinned meshes are, and not the node: they stand at the model's root.
     fn primitives(&mut self, index: usize, node: &GltfNode, entity: Entity) {
         let is_skinned = |mesh: &Mesh| node.skin.is_some() && mesh.deform.as_ref().is_some_and(|d| d.skin.is_some());
         for (i, (mesh, material)) in node.primitives.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What a program that was killed in the middle of a save leaves beside the file.
+//! Temporary files that a program leaves beside a scene if it is killed in the middle of a save.
 
 use super::document::folder_of;
 use std::path::Path;

@@ -12,7 +12,7 @@ use crate::world::{Camera, Environment, GameWorld, Light, MeshRenderer};
 use bevy_ecs::prelude::Entity;
 use serde::de::DeserializeOwned;
 
-/// What is wrong with a track.
+/// The fault of a track.
 pub(super) struct Wrong {
     /// Where in the track.
     pub at: Vec<Step>,

@@ -1,4 +1,4 @@
-//! What tracks of an animation ask for: clips of the entity's model, entities below it, morph targets.
+//! References of animation tracks: clips of the entity's model, its descendants, morph targets.
 
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};

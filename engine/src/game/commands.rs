@@ -1,4 +1,4 @@
-//! What systems ask of the game as a whole. It is done when the schedule is through.
+//! Requests of systems to the game as a whole. They are carried out after the schedule.
 
 use crate::world::Transform;
 use crate::world::clone_onto;
@@ -19,14 +19,14 @@ pub(super) enum Request {
     Load(PathBuf),
 }
 
-/// What was asked for since the last step.
+/// The requests since the last step.
 #[derive(Resource, Debug, Default)]
 pub(super) struct Requests {
     pub list: Vec<Request>,
     pub ends: bool,
 }
 
-/// What a game asks for through bevy's [`Commands`].
+/// Requests to the game through bevy's [`Commands`].
 pub trait GameCommands {
     /// Spawns an instance of a prefab; its path is relative to the scene's file. Components given to it here stay; the
     /// prefab's entities are below it from the next step on.

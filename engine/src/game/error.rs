@@ -1,4 +1,4 @@
-//! What can go wrong while a game runs.
+//! Errors of running games.
 
 use crate::files::{DuplicateType, FileError};
 use crate::world::WorldError;

@@ -22,7 +22,7 @@ pub fn note(message: String) {
     });
 }
 
-/// What was noted since the last time.
+/// The errors since the last call.
 pub fn take() -> Vec<String> {
     FAULTS.take()
 }
@@ -46,7 +46,7 @@ fn command_name(name: &str) -> String {
     parts.map(|part| part.rsplit("::").next().unwrap_or(part)).collect()
 }
 
-/// What to do about the usual mistakes.
+/// Help for the usual mistakes.
 fn help(text: &str) -> Option<&'static str> {
     if text.contains("Resource does not exist") {
         Some("give the game the resource, `.resource(…)`, or take `Option<Res<…>>`")

@@ -34,7 +34,7 @@ pub struct FixedUpdate;
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Update;
 
-/// What looks at the world after each step.
+/// A function that sees the world after each step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Look;
 
@@ -49,7 +49,7 @@ pub struct Game {
     pub world: GameWorld,
     library: AssetLibrary,
     options: LoadOptions,
-    /// What the scene's file said when it was read last.
+    /// The scene's file as it was read last.
     file: Option<SceneFile>,
     entering: Option<Entering>,
 }
@@ -98,7 +98,7 @@ impl Game {
         self.options.trusted = trusted;
     }
 
-    /// What a load may take of the machine.
+    /// Limits of a load.
     pub fn set_budget(&mut self, budget: LoadBudget) {
         self.options.budget = budget;
     }
@@ -246,7 +246,7 @@ impl Game {
         result
     }
 
-    /// What comes before a frame is drawn, so many seconds after the one before.
+    /// The update before a frame is drawn, so many seconds after the one before.
     ///
     /// # Errors
     /// As [`Game::step`].

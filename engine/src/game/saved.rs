@@ -58,7 +58,7 @@ fn read<R: SceneData>(text: &str) -> Result<R, String> {
 
 /// A saved game: its scene, the step that it was in, the resources that belong to it, and all entities as they stood.
 ///
-/// What a scene file can hold is saved: places, lights, shapes, materials, prefab instances with what has changed of
+/// Everything that a scene file can hold is saved: places, lights, shapes, materials, prefab instances with what has changed of
 /// them, and the registered components. Components of other types are not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "SavedGame")]

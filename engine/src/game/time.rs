@@ -84,7 +84,7 @@ impl Timer {
         !self.repeats && self.elapsed >= self.length
     }
 
-    /// What is left \[s\].
+    /// Remaining time \[s\].
     pub fn left(&self) -> f32 {
         (self.length - self.elapsed).max(0.0)
     }

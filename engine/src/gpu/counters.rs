@@ -1,10 +1,10 @@
-//! What the host asks of the device, counted: figures of a frame that do not depend on the machine.
+//! Counts of requests of the host to the device, which do not depend on the machine.
 
 use super::Gpu;
 use std::fmt;
 use std::sync::PoisonError;
 
-/// What the host asked of the device. Counts are of all that goes through [`Gpu`] and the render graph.
+/// Counts of requests of the host to the device. They are of all that goes through [`Gpu`] and the render graph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HostCounts {
     /// Compute dispatches.
@@ -40,7 +40,7 @@ impl HostCounts {
         ]
     }
 
-    /// What was counted since then.
+    /// The counts since then.
     pub fn since(&self, then: &Self) -> Self {
         Self {
             dispatches: self.dispatches - then.dispatches,
@@ -64,7 +64,7 @@ impl fmt::Display for HostCounts {
 
 /// Calls to the device that are counted.
 impl Gpu {
-    /// What was counted since the device was opened, on all threads.
+    /// The counts since the device was opened, on all threads.
     pub fn counts(&self) -> HostCounts {
         *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -5,7 +5,7 @@ use super::reflect::BindingInfo;
 use super::reuse::{BindKey, BoundResource};
 use super::{Gpu, ShaderDef};
 
-/// What a compute pipeline is made of.
+/// The key of a compute pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ComputeKey {
     /// File, relative to the shader folder.
@@ -29,7 +29,7 @@ impl ComputeKey {
     }
 }
 
-/// What a raster pipeline is made of.
+/// The key of a raster pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RasterKey {
     /// File, relative to the shader folder.
@@ -71,7 +71,7 @@ pub struct BindError {
     pub shader: String,
     /// Bind group.
     pub group: u32,
-    /// What is wrong and what the shader declares.
+    /// The fault, and what the shader declares.
     pub what: String,
 }
 
@@ -86,7 +86,7 @@ pub(super) enum Raw {
 pub struct Pipeline {
     pub(super) raw: Raw,
     pub(super) shader: &'static str,
-    /// What the entry points use.
+    /// The bindings that the entry points use.
     pub(super) bindings: Vec<BindingInfo>,
     /// Group and name of what the shader declares but these entry points do not use.
     pub(super) unused: Vec<(u32, String)>,

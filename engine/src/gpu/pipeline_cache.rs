@@ -18,7 +18,7 @@ pub struct PipelineCache {
 }
 
 struct Entry {
-    /// What was tried last.
+    /// The last attempt.
     compiled: Arc<CompiledShader>,
     last_good: Option<Arc<Pipeline>>,
     /// Why the device refused what was tried last.

@@ -1,4 +1,4 @@
-//! What the driver has made of shaders, kept on disk, so that the next start need not compile them again.
+//! The driver's pipeline cache on disk: shaders are not compiled again at the next start.
 
 use super::Gpu;
 use crate::files::replace_file;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// What a file begins with: its kind and version.
+/// The head of a file: its kind and version.
 const MAGIC: &[u8; 8] = b"lwpipe01";
 
 /// The driver's cache of pipelines with the file that it is kept in.

@@ -49,7 +49,7 @@ impl<K: Hash + Eq, V: Clone> Kept<K, V> {
 /// The content of a buffer that no shader writes.
 pub(super) type ConstantsKey = Vec<u8>;
 
-/// What a bind group is made of. It keeps its resources alive, so that none of their identities comes back as another.
+/// The key of a bind group. It keeps its resources alive, so that none of their identities comes back as another.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(super) struct BindKey {
     pub layout: wgpu::BindGroupLayout,

@@ -1,4 +1,4 @@
-//! What is wrong with a shader, and where.
+//! Errors of shaders, with their place.
 
 use wgpu::naga;
 

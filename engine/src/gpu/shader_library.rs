@@ -33,7 +33,7 @@ impl From<ShaderDef> for ShaderDefValue {
 /// Defines of one compilation.
 pub(super) type Defs = Vec<(&'static str, ShaderDef)>;
 
-/// What a [`ShaderLibrary::poll`] found.
+/// The result of [`ShaderLibrary::poll`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ShaderEvent {
     /// The shader was recompiled and is in use.
@@ -53,7 +53,7 @@ pub struct ShaderLibrary {
 struct State {
     sources: Sources,
     variants: HashMap<(String, Defs), Variant>,
-    /// What the device refused although the shader itself is valid, by pipeline.
+    /// Errors of the device on valid shaders, by pipeline.
     pipeline_errors: BTreeMap<(String, String), ShaderError>,
     revision: u64,
 }

@@ -5,7 +5,7 @@ use super::key::Recipe;
 use crate::gpu::Note;
 use std::collections::HashMap;
 
-/// What the passes bound, by what their keys say that it depends on.
+/// The bindings of passes, by the keys that must cover them.
 #[derive(Debug, Default)]
 pub(super) struct Audited {
     bound: HashMap<Recipe, Vec<Note>>,

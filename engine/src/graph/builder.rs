@@ -153,7 +153,7 @@ impl<'a> Graph<'a> {
         self.warnings.push(warning.into());
     }
 
-    /// What was warned of so far.
+    /// The warnings so far.
     pub fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }

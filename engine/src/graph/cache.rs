@@ -30,7 +30,7 @@ impl Target {
     }
 }
 
-/// What a retained resource keeps over frames.
+/// The state of a retained resource between frames.
 pub(super) struct Slot<P> {
     pub desc: ResourceDesc,
     pub memory: P,
@@ -47,7 +47,7 @@ struct Pooled<P> {
     last_used: u64,
 }
 
-/// What the cache holds.
+/// The contents of the cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CacheFigures {
     /// Memory of retained resources \[bytes\].
@@ -174,7 +174,7 @@ impl<P: Clone> TargetCache<P> {
         self.timer.timing = timing;
     }
 
-    /// What it holds.
+    /// Its contents.
     pub fn figures(&self) -> CacheFigures {
         CacheFigures {
             retained_bytes: self.slots.values().map(|slot| slot.desc.bytes()).sum(),

@@ -28,7 +28,7 @@ pub(super) enum WantedBy {
     Pass(usize),
 }
 
-/// What runs, and what it runs for.
+/// The passes that run, and for which results.
 pub(super) struct Decision {
     /// The version that the slot of a retained resource holds and that can be used.
     pub available: Vec<Option<usize>>,

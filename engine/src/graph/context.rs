@@ -1,4 +1,4 @@
-//! What a pass works with: the resources that it declared, an encoder and its counts.
+//! The context of a running pass: its declared resources, an encoder and its counts.
 
 use std::cell::{OnceCell, RefCell};
 
@@ -93,7 +93,7 @@ fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") })
 }
 
-/// What the work of a pass is given.
+/// The context that a running pass gets.
 pub struct PassContext<'c> {
     /// The device.
     pub gpu: &'c Gpu,
@@ -153,7 +153,7 @@ impl<'c> PassContext<'c> {
         self.gpu.render_pass(self.encoder, descriptor)
     }
 
-    /// What this pass did, for the report: add to it.
+    /// The counts of this pass for the report: add to them.
     pub fn counts(&mut self) -> &mut Counts {
         &mut self.counts
     }

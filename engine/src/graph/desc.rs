@@ -16,7 +16,7 @@ pub struct TextureDesc {
     pub mips: u32,
     /// Format of a texel.
     pub format: TextureFormat,
-    /// What passes do with it. The graph adds `COPY_DST`, so that a pass can clear it, and for
+    /// Its usages by passes. The graph adds `COPY_DST`, so that a pass can clear it, and for
     /// retained textures `COPY_SRC`, so that tools can read it back.
     pub usage: TextureUsages,
     /// The dimension of the default view; `None`: what wgpu derives from size and dimension.
@@ -97,7 +97,7 @@ impl TextureDesc {
 pub struct BufferDesc {
     /// Size \[bytes\], above 0.
     pub size: u64,
-    /// What passes do with it. The graph adds `COPY_DST`, and for retained buffers `COPY_SRC`.
+    /// Its usages by passes. The graph adds `COPY_DST`, and for retained buffers `COPY_SRC`.
     pub usage: BufferUsages,
 }
 
@@ -131,7 +131,7 @@ impl ResourceDesc {
         }
     }
 
-    /// What is wrong with it, or `None`.
+    /// Its fault, or `None`.
     pub(super) fn fault(&self) -> Option<&'static str> {
         match self {
             Self::Texture(desc) if desc.size.contains(&0) => Some("a side of its size is 0"),

@@ -1,4 +1,4 @@
-//! What can be wrong with a graph, and how a pass fails.
+//! Errors of graphs and of passes.
 
 use thiserror::Error;
 
@@ -32,7 +32,7 @@ pub enum GraphError {
     BadDesc {
         /// The resource.
         resource: String,
-        /// What is wrong with it.
+        /// The fault.
         fault: &'static str,
     },
     /// The frame is not wanted any more: [`FramePacing::stop`](super::FramePacing::stop).
@@ -51,7 +51,7 @@ pub enum GraphError {
     ReadBeforeWrite {
         /// The reader.
         pass: String,
-        /// What it reads.
+        /// The resource that it reads.
         resource: String,
     },
     /// An output of the graph that nobody has written.
@@ -75,7 +75,7 @@ pub enum GraphError {
     StaleRead {
         /// The reader.
         pass: String,
-        /// What it reads.
+        /// The resource that it reads.
         resource: String,
         /// Who overwrites it.
         writer: String,
@@ -87,7 +87,7 @@ pub enum GraphError {
         "passes `{first}` and `{second}` both write `{resource}` from the same version, so their order is undefined: let `{second}` write the handle that `{first}` returned"
     )]
     DoubleWrite {
-        /// What they write.
+        /// The resource that they write.
         resource: String,
         /// The pass declared first.
         first: String,
@@ -112,7 +112,7 @@ pub enum GraphError {
     Key {
         /// The pass.
         pass: String,
-        /// What it bound, and in which way that differs.
+        /// The binding, and its difference.
         input: String,
     },
     /// A pass failed. What it was writing is no longer in the cache.
@@ -126,9 +126,9 @@ pub enum GraphError {
     /// The device refused commands. Nothing that the frame wrote is in the cache.
     #[error("the device refused {place}: {message}")]
     Device {
-        /// What was refused.
+        /// The resource or pass that was refused.
         place: String,
-        /// What the device says.
+        /// The message of the device.
         message: String,
     },
 }
@@ -139,7 +139,7 @@ pub enum PassError {
     /// A shader does not compile.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-    /// What it binds does not fit the shader.
+    /// Its bindings do not fit the shader.
     #[error(transparent)]
     Bind(#[from] BindError),
     /// A graph that it runs itself failed.

@@ -73,7 +73,7 @@ impl<'a> Plan<'a> {
         Self { graph, stamp, steps, layout, reports }
     }
 
-    /// What will become of each pass, in the order of declaration; then the skipped ones.
+    /// The state of each pass in the order of declaration; then the skipped ones.
     pub fn passes(&self) -> &[PassReport] {
         &self.reports
     }

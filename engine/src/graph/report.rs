@@ -1,4 +1,4 @@
-//! What a frame did, for people and for tests.
+//! Reports of frames, for people and for tests.
 
 use std::fmt;
 use std::ops::AddAssign;
@@ -7,7 +7,7 @@ use super::cache::CacheFigures;
 use super::desc::ResourceDesc;
 use crate::gpu::HostCounts;
 
-/// What a pass did, in numbers that do not depend on the machine.
+/// Counts of a pass's work, which do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Draw calls.
@@ -79,12 +79,12 @@ impl fmt::Display for Counts {
     }
 }
 
-/// What became of a pass.
+/// Whether a pass ran.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PassState {
     /// It ran.
     Ran,
-    /// What it makes was still there.
+    /// Its results of an earlier frame are reused.
     Cached,
     /// Nobody wanted what it makes.
     Culled,
@@ -103,16 +103,16 @@ impl fmt::Display for PassState {
     }
 }
 
-/// What became of one pass.
+/// The report of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassReport {
     /// Its name.
     pub name: String,
-    /// What became of it.
+    /// Whether it ran.
     pub state: PassState,
     /// Why, in words.
     pub why: String,
-    /// What it did.
+    /// Counts of its work.
     pub counts: Counts,
     /// Time on the device \[ms\]; `None` if it did not run or the device cannot tell.
     pub gpu_ms: Option<f64>,
@@ -143,22 +143,22 @@ pub struct ResourceReport {
     pub imported: bool,
 }
 
-/// What a frame did.
+/// The report of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameReport {
     /// All passes in the order of declaration, then the skipped ones.
     pub passes: Vec<PassReport>,
-    /// What the scene asks for and the frame does not show: of which entity, why, and what to do.
+    /// Warnings: what the scene asks for and the frame does not show, with entity, reason and help.
     pub warnings: Vec<String>,
     /// All resources that had memory.
     pub resources: Vec<ResourceReport>,
     /// All memory that the cache holds \[bytes\].
     pub allocated_bytes: u64,
-    /// What else the cache holds.
+    /// Other contents of the cache.
     pub cache: CacheFigures,
     /// How often commands were submitted.
     pub submits: u64,
-    /// What the frame asked of the device, with the scene's update before it, and what other threads asked meanwhile.
+    /// Requests to the device by the frame, by the scene's update before it, and by other threads meanwhile.
     pub host: HostCounts,
     /// Time that the host took for the frame, with the scene's update and all waits \[ms\].
     pub host_ms: f64,
@@ -201,7 +201,7 @@ impl FrameReport {
     }
 }
 
-/// What to know of the frame, a table of the passes, then the memory.
+/// The warnings of the frame, a table of its passes, and its memory.
 impl fmt::Display for FrameReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.passes.iter().map(|pass| pass.name.chars().count()).max().unwrap_or(0).max(4);

@@ -15,7 +15,7 @@ pub enum ImageFileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The content is not a picture that can be read, or could not be encoded.
@@ -23,7 +23,7 @@ pub enum ImageFileError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// The file name ends in neither `.exr` nor a format that is known.

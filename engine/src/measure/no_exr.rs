@@ -1,4 +1,4 @@
-//! What stands for OpenEXR files where they were left out of the build.
+//! Replacements for OpenEXR functions in builds without them.
 
 use super::Image;
 

@@ -3,7 +3,7 @@
 use super::geometry::gbuffer::GBuffer;
 use crate::graph::{Graph, Handle, Texture};
 
-/// What a pass of one's own can read.
+/// The images that a custom pass can read.
 pub struct Picture<'a> {
     /// Linear radiance [W/(m² sr)], rgba32float, with what passes before this one made of it.
     pub radiance: Handle<Texture>,

@@ -25,7 +25,7 @@ const MOST_WHILE_FOLLOWED: f32 = 24.0;
 /// For so many frames after a change.
 const UNREST: u32 = 8;
 
-/// What a frame does with those before.
+/// How a frame uses those before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
     /// Frames since the first of them; other random numbers in each.
@@ -106,7 +106,7 @@ impl<T> InTurns<T> {
     }
 }
 
-/// What a frame was made of.
+/// The inputs of a frame.
 #[derive(Clone, Copy, PartialEq)]
 struct Seen {
     /// What must be the same for two frames to have anything to do with each other.
@@ -182,7 +182,7 @@ impl History {
         self.is_idle = true;
     }
 
-    /// What the frame that was begun does; none: it is not averaged.
+    /// The use of history by the frame that was begun; none: it is not averaged.
     pub fn step(&self) -> Option<Step> {
         self.step
     }
@@ -238,7 +238,7 @@ impl History {
         keep(&mut self.mirrors, gpu, "mirrored radiance of earlier frames", size, number);
     }
 
-    /// What mirrors show; none: the frame is not averaged, or has no mirrors.
+    /// History of mirror reflections; none: the frame is not averaged, or has no mirrors.
     pub fn mirrors(&self) -> Option<&InTurns<wgpu::TextureView>> {
         of_frame(&self.mirrors, self.step?.number)
     }

@@ -1,4 +1,4 @@
-//! What stands in for light that a frame has not.
+//! A black texture, bound where a frame lacks an input.
 
 use crate::gpu::Gpu;
 

@@ -1,4 +1,4 @@
-//! What the renderer sees: flat arrays in world space, ordered by persistent identity.
+//! The scene as the renderer sees it: flat arrays in world space, ordered by persistent identity.
 //!
 //! The scene knows no entities, and it knows no GPU. [`Extractor`] keeps it current from the world by change
 //! detection. Every change takes a new value of one counter, so that equal revisions mean equal content.
@@ -108,7 +108,7 @@ pub struct Scene {
     pub sky_map: Option<Arc<SkyMap>>,
     /// Whether the sky lights the scene where the method of indirect light has no light of it.
     pub sky_light: bool,
-    /// What entities ask for that makes no sense, with their names: what became of it.
+    /// Warnings of requests that make no sense, with the entity's name and the consequence.
     pub warnings: Vec<String>,
     /// Names of the entities that hold the settings of methods, for messages.
     pub settings_names: SettingsNames,

@@ -51,7 +51,7 @@ const INNER: u32 = 1 << 31;
 /// `lib/sweep.wgsl`.
 const CLOSED_SHIFT: u32 = 23;
 
-/// What these bits are for a surfel that lies in a crack or cavity.
+/// The value of these bits for a surfel that lies in a crack or cavity.
 const HIDDEN: u8 = 255;
 
 /// A piece of surface, as `Surfel` of `lib/sweep.wgsl`. Position and normal are in object space, lengths and areas

@@ -36,7 +36,7 @@ pub struct ClipTarget {
     pub node: usize,
 }
 
-/// What an animation makes of entities below its own.
+/// Effects of an animation on descendants of its entity.
 pub(super) enum Playing<'a> {
     /// A clip at a time: it says where nodes are, by their index in the model.
     Clip { clip: &'a Clip, time: f64 },
@@ -44,7 +44,7 @@ pub(super) enum Playing<'a> {
     Keys { track: &'a Track, time: Time },
 }
 
-/// What all entities play that have something to say of entities below them, in the order of their tracks.
+/// All animations that affect descendants of their entity, in the order of their tracks.
 pub(super) fn playing<'a>(
     clock: &Clock,
     players: impl Iterator<Item = (Entity, &'a Animation, Option<&'a Clips>)>,
@@ -78,7 +78,7 @@ pub(super) struct Called<'a> {
     pub names: Vec<&'a str>,
 }
 
-/// What a player says of an entity: later tracks instead of earlier ones.
+/// The pose that a player gives an entity: later tracks override earlier ones.
 pub(super) fn sample(playing: &[Playing], called: &Called, rest: &Transform, sample: &mut Sample) {
     for part in playing {
         match part {

@@ -40,7 +40,7 @@ fn one() -> f32 {
 /// The sky's image that was loaded, with the environment that asked for it.
 #[derive(Clone, Debug, Resource)]
 pub struct EnvironmentImage {
-    /// What was asked for.
+    /// The request.
     pub environment: Environment,
     /// The image.
     pub map: Arc<SkyMap>,

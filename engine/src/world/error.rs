@@ -1,4 +1,4 @@
-//! What can go wrong when the world is edited.
+//! Errors of edits of the world.
 
 use crate::scene::SceneId;
 use bevy_ecs::prelude::Entity;

@@ -26,7 +26,7 @@ pub enum ParticleBounce {
     Mirror,
 }
 
-/// What a virtual light does to a surface.
+/// How a virtual light lights a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum VirtualShading {
     /// f·Φ/π·cos·cos/max(d², d_min²)·V with the material's whole reflection f.
@@ -116,7 +116,7 @@ pub struct InstantRadiosity {
     pub bounce: ParticleBounce,
     /// How often light is reflected on its way; one: camera, surface, surface, light.
     pub bounces: Bounces,
-    /// What a virtual light does to a surface.
+    /// How a virtual light lights a surface.
     pub shading: VirtualShading,
     /// How lights are summed.
     pub accumulation: Accumulation,

@@ -1,4 +1,4 @@
-//! What an entity is without its animation.
+//! The rest pose of an entity: its values without animation.
 
 use super::fields::HeldFields;
 use super::{Camera, GameWorld, Light, LightKind, MeshRenderer, Projection, Transform};

@@ -11,7 +11,7 @@ use super::{Clock, Transform};
 use glam::{EulerRot, Mat3, Quat, Vec3};
 use std::f64::consts::TAU;
 
-/// What an animation says at a time. None: nothing, the entity's own value holds.
+/// The values of an animation at a time. None: the entity's own value holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Translation \[m\].
@@ -38,7 +38,7 @@ pub struct Sample {
     pub visible: Option<bool>,
     /// Whether the mesh casts shadows.
     pub casts_shadow: Option<bool>,
-    /// What changes of the material.
+    /// Changes of the material.
     pub material: MaterialSample,
     /// Weights of morph targets, by number; later ones hold.
     pub weights: Vec<(usize, f32)>,
@@ -46,7 +46,7 @@ pub struct Sample {
     pub fields: Vec<FieldSample>,
 }
 
-/// What an animation says of a material at a time.
+/// The values of an animation for a material at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MaterialSample {
     /// Base colour.

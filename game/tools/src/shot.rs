@@ -95,7 +95,7 @@ pub struct Shot {
     pub linear: bool,
 }
 
-/// What was drawn.
+/// The image that was drawn.
 pub enum Taken {
     /// It is there.
     Ready(Picture),

@@ -16,7 +16,7 @@ pub(super) struct Buffers<'a> {
     pub data: Vec<Cow<'a, [u8]>>,
     /// Buffer views that were compressed, by index.
     pub decoded: HashMap<usize, Vec<u8>>,
-    /// What accessors hold whose primitive was compressed, tightly packed, by index.
+    /// Decoded contents of accessors of compressed primitives, tightly packed, by index.
     pub replaced: HashMap<usize, Vec<u8>>,
 }
 

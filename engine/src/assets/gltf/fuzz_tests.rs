@@ -9,7 +9,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What is done to a file.
+/// A mutation of a file.
 #[derive(Clone, Debug)]
 enum Change {
     Flip(usize, u8),

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a material asks of the meshes that it is on.
+/// Requirements of a material on its meshes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct UvSource {
     /// The file's sets that become sets 0 and 1 of the mesh.

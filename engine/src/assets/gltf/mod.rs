@@ -120,7 +120,7 @@ pub struct GltfNode {
     pub children: Vec<usize>,
     /// Place relative to the parent.
     pub local: Transform,
-    /// What is drawn there. Nodes with the same mesh share it.
+    /// Its primitives. Nodes with the same mesh share them.
     pub primitives: Vec<GltfPrimitive>,
     /// Index of the skin that poses the primitives; their place is then that of the joints alone.
     pub skin: Option<usize>,
@@ -150,7 +150,7 @@ pub struct Gltf {
     pub clips: Arc<Vec<Clip>>,
     /// Buffers and images beside the file that it was made from.
     pub files: Vec<PathBuf>,
-    /// What could not be taken over as it is. They were logged too.
+    /// Warnings of what was changed on import. They were logged too.
     pub warnings: Vec<String>,
 }
 

@@ -80,7 +80,7 @@ pub(super) fn check(
 }
 
 impl Reader<'_> {
-    /// What the primitive's vertices need to be posed; none if it is rigid.
+    /// Data for posing the primitive's vertices; none if it is rigid.
     pub(super) fn deform(&self, job: &Job, count: usize) -> Result<Option<Deform>, AssetError> {
         let skin = self.influences(job, count)?;
         let targets = self.targets(job, count)?;

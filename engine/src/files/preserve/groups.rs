@@ -126,7 +126,7 @@ fn present_key<'i>(item: &'i Item, keys: Keys) -> Option<&'i str> {
     Some(present_name(key).filter(|_| keys.own == OWN).unwrap_or(key))
 }
 
-/// What a field of the text means.
+/// The meaning of a field of the text.
 fn field_of<'g>(group: &'g Group, item: &Item, keys: Keys) -> Option<&'g Node> {
     let present = || group.get(&present_key(item, keys).map(str::to_owned));
     group.get(&item.key).or_else(present)

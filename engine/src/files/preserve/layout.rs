@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// An item with what belongs to it, and the gap before.
 pub struct Chunk<'t> {
-    /// What is the group's, before the item's own comments.
+    /// The part of the group, before the item's own comments.
     pub gap: &'t str,
     /// The item's own comments before it, with the blanks up to it.
     pub lead: &'t str,
@@ -27,7 +27,7 @@ pub struct Chunk<'t> {
 /// The inside of a group.
 pub struct Layout<'t> {
     pub chunks: Vec<Chunk<'t>>,
-    /// What stands before the closing bracket.
+    /// The text before the closing bracket.
     pub tail: &'t str,
 }
 

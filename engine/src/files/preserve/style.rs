@@ -6,9 +6,9 @@ use std::ops::Range;
 
 /// How a file is written.
 pub struct Style {
-    /// What ends its lines.
+    /// Its line ends.
     pub newline: &'static str,
-    /// What lines are indented by, once.
+    /// One step of indentation.
     pub unit: String,
     /// Characters of the longest line that is its author's own.
     pub width: usize,

@@ -1,4 +1,4 @@
-//! What values a file may hold: ranges, finite numbers, unique names.
+//! Validation of files: ranges, finite numbers, unique names.
 
 mod components;
 
@@ -11,16 +11,16 @@ use crate::world::{Environment, SceneSettings};
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 
-/// What is wrong with a value, and which.
+/// A fault of a value, with its place.
 #[derive(Debug)]
 pub struct Fault {
     /// Path of the value in the file.
     pub path: Vec<Step>,
     /// Kind.
     pub kind: Kind,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
-    /// What to do about it.
+    /// Help.
     pub help: Option<String>,
 }
 

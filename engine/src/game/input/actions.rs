@@ -17,12 +17,12 @@ pub struct Actions {
     /// Buttons of each action; any of them does.
     #[serde(deserialize_with = "unique")]
     pub buttons: BTreeMap<String, Vec<Button>>,
-    /// What moves each axis; they add up.
+    /// The bindings of each axis; they add up.
     #[serde(deserialize_with = "unique")]
     pub axes: BTreeMap<String, Vec<AxisBinding>>,
 }
 
-/// What moves an axis.
+/// A binding of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum AxisBinding {

@@ -53,7 +53,7 @@ pub enum InputEvent {
 /// Positions of a stick that are taken for its middle.
 const DEAD_ZONE: f32 = 0.15;
 
-/// What the player does, in the present step.
+/// The input of the player in the present step.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Input {
     actions: Actions,

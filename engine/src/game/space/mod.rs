@@ -34,7 +34,7 @@ pub struct Hit {
 /// Where a ball or a box touches something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// What it touches.
+    /// The entity that is touched.
     pub entity: Entity,
     /// Share of the motion up to the touch, 0..1.
     pub fraction: f32,
@@ -114,7 +114,7 @@ impl SpatialQuery {
         self.sweep(center, half, motion, counts, |corners| cast_sphere(center, radius, motion, corners))
     }
 
-    /// What a box of these half edges, turned about its centre, touches first on its way, of what counts.
+    /// The first contact of a moving box of these half edges, turned about its centre, with what counts.
     pub fn cast_box(
         &self,
         center: Vec3,

@@ -7,7 +7,7 @@ use crate::scene::Aabb;
 use crate::world::{GlobalTransform, Identity, MeshRenderer};
 use bevy_ecs::prelude::*;
 
-/// What can be seen and not touched: rays and moving bodies of a game pass through it.
+/// Marks an entity that is visible but not solid: rays and moving bodies of a game pass through it.
 #[derive(Component, SceneData, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NonSolid;
 

@@ -19,7 +19,7 @@ struct PassSpec {
 
 #[derive(Clone, Debug)]
 struct FrameSpec {
-    /// What each pass computes with.
+    /// Parameter of each pass.
     own: Vec<u64>,
     /// Whether each pass is in the graph.
     present: Vec<bool>,

@@ -12,12 +12,12 @@ use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, PassState, Ta
 pub type Memory = Rc<Cell<u64>>;
 pub type Cache = TargetCache<Memory>;
 
-/// What a pass makes of its inputs for one of its resources.
+/// The value that a pass computes from its inputs for one of its resources.
 pub fn made(pass: &str, own: u64, inputs: &[u64], resource: &str) -> u64 {
     hash(&(pass, own, inputs, resource))
 }
 
-/// What passes compute with besides their inputs, and what is in the imports.
+/// Parameters of passes, and contents of imports.
 pub struct World<'w> {
     pub own: &'w dyn Fn(&str) -> u64,
     pub import: &'w dyn Fn(&str) -> u64,
@@ -31,7 +31,7 @@ impl Default for World<'_> {
     }
 }
 
-/// What is in the memory of each resource at the end; `None` if a pass failed.
+/// The contents of each resource at the end; `None` if a pass failed.
 pub fn run(plan: Plan<'_>, cache: &mut Cache, world: &World<'_>) -> Option<BTreeMap<String, u64>> {
     assert_eq!(plan.stamp, cache.stamp());
     let mut garbage = 1 << 60;

@@ -22,7 +22,7 @@ pub(crate) struct CellsUniform {
     pad_b: u32,
 }
 
-/// What a buffer holds: the constants of `debug/cells.wgsl`.
+/// The kind of values in a buffer: the constants of `debug/cells.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     LightHarmonics = 0,

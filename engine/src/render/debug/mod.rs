@@ -1,4 +1,4 @@
-//! What helps to see what is going on: drawn over the display image, never into the radiance.
+//! Debug views: drawn over the display image, never into the radiance.
 //!
 //! ```text
 //! gbuffer ─┬─ outline     silhouette of the selection

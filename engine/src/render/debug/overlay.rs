@@ -1,4 +1,4 @@
-//! What all overlays share: a raster pass that blends over the display image.
+//! The raster pass that all overlays share, which blends over the display image.
 
 use crate::gpu::{Binding, RasterKey};
 use crate::graph::{PassContext, PassError};
@@ -9,7 +9,7 @@ const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Format of an overlay's own depth.
 pub(super) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// What is drawn, and where.
+/// A draw of an overlay.
 pub(super) struct Draw<'a> {
     /// Shader file, with the entry points `vertex` and `fragment`.
     pub shader: &'static str,

@@ -141,7 +141,7 @@ fn surface_lines(light: &SceneLight, color: Vec3) -> Vec<Line> {
     }
 }
 
-/// What a camera sees: its pyramid or box up to `depth` \[m\], with a mark on the upper edge.
+/// The view volume of a camera: its pyramid or box up to `depth` \[m\], with a mark on the upper edge.
 pub(super) fn camera_lines(camera: &SceneCamera, aspect: f32, depth: f32) -> Vec<Line> {
     const COLOR: Vec3 = Vec3::new(0.55, 0.8, 1.0);
     let half = camera.half_height();

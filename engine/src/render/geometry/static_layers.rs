@@ -1,4 +1,4 @@
-//! What moves drawn over a kept image of what does not.
+//! The static layer cache: dynamic objects are drawn over a kept image of static ones.
 //!
 //! A view that rests, be it a light's or the camera's, needs what does not move only once: it is kept in targets of its
 //! own, and a frame copies those and draws dynamic objects on top. That takes the memory of the view's targets a second

@@ -9,7 +9,7 @@ use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::zero_texture::zero_texture;
 use crate::scene::Scene;
 
-/// What the pass and its image are called.
+/// Names of the pass and its image.
 #[derive(Clone, Copy)]
 pub(in crate::render) struct Names {
     pass: &'static str,

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::world::{CellSize, ClpvPlacement, VirtualPlacement, VirtualShading};
 use glam::Vec3;
 
-/// What the frame leaves out under a method.
+/// The light that a frame leaves out under a method.
 pub(in crate::render) fn of(frame: &Frame, method: GiMethod) -> Vec<String> {
     match method {
         GiMethod::CLPV => of_light_volumes(frame),

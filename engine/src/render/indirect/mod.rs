@@ -41,7 +41,7 @@ pub enum RayUse {
     Required,
 }
 
-/// What a frame is made of, before any of it is on the device.
+/// The inputs of a frame, before any of them is on the device.
 pub struct Subject<'a> {
     /// The scene's arrays.
     pub scene: &'a Scene,
@@ -53,7 +53,7 @@ pub struct Subject<'a> {
     pub has_rays: bool,
 }
 
-/// What a method makes of a frame.
+/// The result of a method for a frame.
 pub struct IndirectLight {
     /// Radiance that the visible surfaces reflect [W/(m² sr)], rgba32float.
     pub radiance: Handle<Texture>,

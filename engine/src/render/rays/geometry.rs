@@ -37,7 +37,7 @@ pub(super) struct GpuGeometry {
     pub(super) exact_boxes: bool,
 }
 
-/// What the geometry is made of.
+/// The key of the geometry.
 #[derive(Clone, Copy)]
 pub(super) struct Surfaces<'a> {
     pub(super) scene: &'a Scene,

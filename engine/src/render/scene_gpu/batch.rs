@@ -21,7 +21,7 @@ pub(super) struct Batch {
     pub instances: Range<u32>,
 }
 
-/// What is known of an instance. All of a scene lie in one array in the order of the instances.
+/// The data of an instance. All of a scene lie in one array in the order of the instances.
 pub(super) struct Member {
     pub id: SceneId,
     pub bounds: Aabb,
@@ -77,7 +77,7 @@ pub struct DrawFilter<'a> {
 }
 
 impl<'a> DrawFilter<'a> {
-    /// What a camera may see.
+    /// Instances that a camera may see.
     pub fn seen(frustum: &'a Frustum) -> Self {
         Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0, motion: Motion::Any }
     }
@@ -87,7 +87,7 @@ impl<'a> DrawFilter<'a> {
         Self { opaque_only: true, ..Self::seen(frustum) }
     }
 
-    /// What stops light.
+    /// Instances that cast shadows.
     pub fn casters(frustum: &'a Frustum) -> Self {
         Self { casters_only: true, ..Self::seen(frustum) }
     }

@@ -18,7 +18,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// What the rasterizer leaves out.
+    /// The face that the rasterizer culls.
     pub fn cull_mode(self) -> wgpu::Face {
         match self {
             Self::Back => wgpu::Face::Front,

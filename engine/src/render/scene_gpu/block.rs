@@ -55,7 +55,7 @@ impl Block {
         self.batches.len() < MOST && self.page == page && binds(first) == binds(batch)
     }
 
-    /// What holds for all of its members.
+    /// Properties that all of its members share.
     fn sum_up<'m>(&mut self, members: impl Iterator<Item = &'m Member>) {
         (self.bounds, self.all_cast, self.least_wall, self.any_empty) = (Aabb::EMPTY, true, f32::INFINITY, false);
         for member in members {

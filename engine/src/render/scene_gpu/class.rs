@@ -5,7 +5,7 @@ use crate::assets::{AlphaMode, Vertex, VertexExtra};
 use crate::gpu::ShaderDef;
 use crate::scene::Primitive;
 
-/// What decides the pipeline that a primitive is drawn with.
+/// The properties of a primitive that choose its pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MaterialClass {
     /// Back faces are drawn.
@@ -31,7 +31,7 @@ impl MaterialClass {
         }
     }
 
-    /// What the shader of a pass may leave out.
+    /// The shader definitions of the parts that a pass leaves out.
     pub fn defs(self) -> Vec<(&'static str, ShaderDef)> {
         if self.plain { vec![("PLAIN", ShaderDef::Flag(true))] } else { Vec::new() }
     }

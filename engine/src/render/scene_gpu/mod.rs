@@ -59,7 +59,7 @@ impl Instance {
     }
 }
 
-/// What a pass has bound so far.
+/// The bindings of a pass so far.
 #[derive(Default)]
 struct Bound {
     /// Materials by what their pipeline uses of them.
@@ -76,7 +76,7 @@ pub struct GpuScene {
     instances: wgpu::Buffer,
     batches: Vec<Batch>,
     blocks: Blocks,
-    /// What is known of each instance.
+    /// The data of each instance.
     members: Vec<Member>,
     /// Moving primitives in the order of their instances.
     movers: Vec<Mover>,
@@ -212,7 +212,7 @@ impl GpuScene {
         self.sky.view()
     }
 
-    /// What glossy surfaces reflect of a sky that differs by direction, once [`GpuScene::update_sky_reflections`] made it.
+    /// Reflections of a sky that differs by direction on glossy surfaces, once [`GpuScene::update_sky_reflections`] made it.
     pub(in crate::render) fn sky_reflections(&self) -> Option<&SkyReflections> {
         self.sky.reflections()
     }

@@ -12,7 +12,7 @@ pub(in crate::render) struct GpuSky {
     reflections: Option<SkyReflections>,
 }
 
-/// What glossy surfaces reflect of a map, as `indirect/sky_reflection.wgsl` reads it.
+/// Reflections of a map on glossy surfaces, as `indirect/sky_reflection.wgsl` reads it.
 pub(in crate::render) struct SkyReflections {
     /// A level for each roughness, below one another.
     pub levels: wgpu::TextureView,

@@ -79,7 +79,7 @@ impl GpuPatches {
         Binding::Buffer(&self.ranges)
     }
 
-    /// What a shader binds that looks patches up.
+    /// The bindings of shaders that look patches up.
     pub fn bindings(&self) -> [(&'static str, Binding<'_>); 3] {
         [
             ("patch_table", Binding::Buffer(&self.table)),
@@ -248,7 +248,7 @@ impl GpuSurfels {
         &self.patches
     }
 
-    /// What the pass that places them binds.
+    /// The bindings of the pass that places them.
     pub(in crate::render) fn bindings(&self) -> [(&'static str, Binding<'_>); 2] {
         [("cloud", Binding::Buffer(&self.surfels)), ("places", Binding::Buffer(&self.places))]
     }

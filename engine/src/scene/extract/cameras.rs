@@ -18,7 +18,7 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
-/// What is remembered of the world's cameras.
+/// The state of the world's cameras as of the last extraction.
 pub(super) struct Cameras {
     state: SystemState<Params>,
     elements: Elements<SceneCamera>,

@@ -15,7 +15,7 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
-/// What is remembered of the world's volumes. There are few, so that any change looks at all.
+/// The state of the world's volumes as of the last extraction. They are few: any change checks all.
 pub(super) struct Clpvs {
     state: SystemState<Params>,
 }

@@ -90,7 +90,7 @@ impl Counter {
     }
 }
 
-/// What warnings are about: a part of an entity.
+/// The subject of warnings: a part of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Primitive,
@@ -165,7 +165,7 @@ fn name_or_id(entity: Entity, name: Option<&Name>) -> String {
     name.map_or_else(|| entity.to_string(), |n| n.0.clone())
 }
 
-/// What the parts of an extraction share.
+/// Shared state of the parts of an extraction.
 struct Context<'a> {
     log: &'a mut Log,
     revisions: &'a mut Counter,

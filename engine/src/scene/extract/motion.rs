@@ -67,7 +67,7 @@ impl Motion {
     }
 }
 
-/// What tells that an entity is animated, and who its parent is.
+/// Whether an entity is animated, and its parent.
 pub(super) type Drivers = (Has<RestPose>, Has<Posed>, Option<&'static ChildOf>);
 
 /// Whether an animation moves or poses the entity, or one that it is attached to.

@@ -20,7 +20,7 @@ type Params = (
     Query<'static, 'static, Drivers>,
 );
 
-/// What is remembered of the world's primitives.
+/// The state of the world's primitives as of the last extraction.
 pub(super) struct Primitives {
     state: SystemState<Params>,
     elements: Elements<Primitive>,

@@ -14,7 +14,7 @@ type Params = (
     RemovedComponents<'static, 'static, InstantRadiosity>,
 );
 
-/// What is remembered of the world's settings. There are few, so that any change looks at all.
+/// The state of the world's settings as of the last extraction. They are few: any change checks all.
 pub(super) struct Vpls {
     state: SystemState<Params>,
 }

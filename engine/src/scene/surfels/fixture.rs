@@ -1,4 +1,4 @@
-//! What the tests of surfels have in common.
+//! Common parts of the tests of surfels.
 
 use crate::assets::{Material, Mesh};
 use crate::scene::{Primitive, SceneId};

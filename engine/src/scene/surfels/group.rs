@@ -93,7 +93,7 @@ impl<'a> Group<'a> {
         GroupKey { members, linear, fineness: fineness.bits(), is_bending: self.is_bending }
     }
 
-    /// What makes lengths of the mesh that the surfels are made for lengths in the world; see [`shape`].
+    /// Factor from lengths of the surfels' mesh to lengths in the world; see [`shape`].
     pub fn shape(&self) -> Mat3A {
         shape(&self.place) * self.stretch
     }

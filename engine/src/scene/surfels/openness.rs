@@ -48,7 +48,7 @@ pub(super) struct Exposed {
     groups: HashMap<[u32; 12], Known>,
 }
 
-/// What is known of a group.
+/// The known openness of a group.
 #[derive(Debug)]
 struct Known {
     spread: Spread,
@@ -77,7 +77,7 @@ impl Spread {
     }
 }
 
-/// What is around a surfel.
+/// The surroundings of a surfel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Around {
     /// Nothing but the inside of solids: no light ever comes here.
@@ -92,7 +92,7 @@ impl Exposed {
         BEFORE * self.cell
     }
 
-    /// What is left of `all` surfels of each group, for cells of a size \[m\].
+    /// Removes buried surfels from `all` surfels of each group, for cells of a size \[m\].
     pub fn update(
         &mut self,
         scene: &Scene,
@@ -163,7 +163,7 @@ impl Exposed {
         Subject { surfels, shape: group.shape(), occluders, is_changed }
     }
 
-    /// What is around a piece of a group's surfels, of which something may be known from before a change.
+    /// The surroundings of a part of a group's surfels; what was known before a change is reused.
     fn look(
         &self,
         surfels: &[Surfel],
@@ -254,7 +254,7 @@ fn rays(surfel: &Surfel, index: usize, place: &Affine3A, cell: f32) -> Option<[R
     Some(std::array::from_fn(|ray| Ray::new(start, direction(axes, ray as u8, index))))
 }
 
-/// What a ray found.
+/// The result of a ray.
 struct Look {
     /// \[m\].
     distance: f32,

@@ -75,9 +75,9 @@ pub struct PatchTable {
 pub(super) struct Subject<'a> {
     /// Its surfels; those of a static one are its own.
     pub surfels: &'a Arc<Vec<Surfel>>,
-    /// What makes lengths in object space those of the world, see [`super::group::shape`].
+    /// Factor from lengths in object space to those in the world, see [`super::group::shape`].
     pub shape: Mat3A,
-    /// What stands around it; none if it moves: it will be elsewhere.
+    /// Its surroundings; none if it moves: it will be elsewhere.
     pub occluders: Option<Occluders<'a>>,
     /// Whether what stands around it has changed.
     pub is_changed: bool,

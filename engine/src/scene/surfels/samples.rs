@@ -80,7 +80,7 @@ fn front([a, b, c]: &[Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// What the surfels of a primitive are made from.
+/// The source of the surfels of a primitive.
 struct Spread<'a> {
     primitive: &'a Primitive,
     mesh: &'a Mesh,
@@ -159,7 +159,7 @@ pub(crate) fn wall_extent(primitive: &Primitive, mesh: &Mesh, linear: &Mat3A) ->
     edges[1]
 }
 
-/// What lies behind a point of a surface.
+/// The material behind a point of a surface.
 struct Back<'a> {
     object: &'a MeshBvh,
     point: Vec3,

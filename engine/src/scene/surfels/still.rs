@@ -1,4 +1,4 @@
-//! What does not move and casts shadows, ready for rays: a hierarchy over objects, above that of each mesh.
+//! Static objects that cast shadows, ready for rays: a hierarchy over objects, above that of each mesh.
 
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, parallel};
 use crate::bvh::{Bvh, MeshBvh, Ray};

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 /// Comparisons of places up to which objects are followed one by one.
 const MANY: usize = 1 << 22;
 
-/// What the update of all surfels leaves for those of dynamic objects alone.
+/// Results of the update of all surfels that updates of dynamic objects reuse.
 #[derive(Debug, Default)]
 pub(super) struct Updated {
     state: Option<[u64; 4]>,

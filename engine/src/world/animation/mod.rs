@@ -78,14 +78,14 @@ pub enum Track {
         /// names from here, `hip/knee`. The entity itself if it is left out.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         node: String,
-        /// What the values are for; it takes the place of the entity's own value.
+        /// The animated value; keys replace the entity's own value.
         target: Target,
         /// Time \[s\], from 0, growing; and value: a number, (x, y, z), (x, y, z, w) or true, as the target wants it.
         keys: Vec<(f64, KeyValue)>,
-        /// What lies between keys.
+        /// Interpolation between keys.
         #[serde(default)]
         interpolation: Interpolation,
-        /// What comes after the last key. Before the first key its value holds.
+        /// Values after the last key. Before the first key its value holds.
         #[serde(default)]
         wrap: Wrap,
     },
@@ -100,7 +100,7 @@ pub enum Track {
         /// Time of the clip when the tracks are at zero \[s\].
         #[serde(default)]
         offset: f64,
-        /// What comes after the clip's last key.
+        /// Values after the clip's last key.
         #[serde(default)]
         wrap: Wrap,
     },
@@ -114,7 +114,7 @@ fn up() -> Vec3 {
     Vec3::Y
 }
 
-/// What lies between two keys.
+/// Interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
     /// The value of the last key that has passed.
@@ -127,7 +127,7 @@ pub enum Interpolation {
     Cubic,
 }
 
-/// What a key-framed track does after its last key.
+/// Behaviour of a key-framed track after its last key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wrap {
     /// Holds the last value.

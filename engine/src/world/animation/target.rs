@@ -1,9 +1,9 @@
-//! What key-framed tracks change: things that have a name of their own, and fields by path.
+//! Targets of key-framed tracks: named ones, and fields by path.
 
 use super::KeyValue;
 use serde::{Deserialize, Serialize};
 
-/// What a key-framed track changes.
+/// The target of a key-framed track.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Target {
     /// Translation \[m\], (x, y, z).
@@ -107,7 +107,7 @@ pub(in crate::world) enum Part {
     Scale,
 }
 
-/// What a target means.
+/// The meaning of a target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::world) enum Meaning<'a> {
     /// A target that is no path.
@@ -121,7 +121,7 @@ pub(in crate::world) enum Meaning<'a> {
 }
 
 impl Target {
-    /// What the target means: a path of something that has a target of its own means that.
+    /// The meaning of the target: a path of a field that has a named target means that one.
     pub(in crate::world) fn meaning(&self) -> Meaning<'_> {
         let Self::Field(path) = self else { return Meaning::Named(self.clone()) };
         if let Some((_, named)) = NAMED.iter().find(|(known, _)| known == path) {

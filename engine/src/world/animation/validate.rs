@@ -1,4 +1,4 @@
-//! What makes an animation meaningless.
+//! Validation of animations.
 
 use super::target::Meaning;
 use super::{Animation, KeyValue, Target, Track};
@@ -39,7 +39,7 @@ pub enum AnimationError {
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The required form.
         expected: &'static str,
     },
     /// A track of keys has none.
@@ -89,7 +89,7 @@ pub enum AnimationError {
         key: usize,
         /// The track's target.
         target: Target,
-        /// What it wants.
+        /// The type that it takes.
         expected: &'static str,
     },
 }

@@ -7,7 +7,7 @@ use super::{FieldSample, FieldTypes, Held, SCENE, ron_options, split, text, writ
 use bevy_ecs::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// What tracks say of fields in this frame: of the entities' own, and of the scene's; the last one holds.
+/// Values of animated fields in this frame, of entities and of the scene; the last track holds.
 #[derive(Resource, Default)]
 pub(in crate::world) struct Wanted {
     pub entities: Vec<(Entity, Vec<FieldSample>)>,

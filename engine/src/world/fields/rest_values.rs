@@ -1,4 +1,4 @@
-//! What fields are without the tracks that change them.
+//! The rest values of animated fields.
 
 use super::super::rest_pose::RestPose;
 use super::super::{GameWorld, SceneSettings};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct Held {
     /// The field's own value.
     pub own: String,
-    /// What the track has written. Where the field says something else, someone has given it a new value of its own.
+    /// The value that the track wrote. A field that holds another one was set by someone else.
     pub shown: String,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{ron_options, text};
 
-/// What a track says of a field at a time.
+/// The value of a track for a field at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldSample {
     /// Path of the field: component and fields, joined by dots.
@@ -37,7 +37,7 @@ fn joined(values: impl Iterator<Item = String>) -> String {
     values.collect::<Vec<_>>().join(",")
 }
 
-/// What a field that now reads `present` wants.
+/// The type of values that a field with the value `present` takes.
 pub fn expected(present: &str) -> String {
     let present = present.trim();
     match text::elements(present) {

@@ -9,7 +9,7 @@ use lightwell::render::Layer;
 use lightwell::render::reference::Estimate;
 use std::path::Path;
 
-/// What errors are taken of.
+/// The subject of an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// Time [s].

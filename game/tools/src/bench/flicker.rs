@@ -18,7 +18,7 @@ const EXPOSURE: f64 = 10.0;
 /// Frames after which nothing is left of those before that.
 const LEAD_IN: u32 = 20;
 
-/// What is measured.
+/// The subject of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
     /// Image size [pixels].

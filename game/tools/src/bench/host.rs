@@ -1,4 +1,4 @@
-//! What frames cost the host alone: they are recorded for a device that does nothing.
+//! Costs of frames on the host alone: they are recorded for a device that does nothing.
 
 use super::machine;
 use super::report::markdown;
@@ -33,10 +33,10 @@ struct Results {
     runs: Vec<HostRun>,
 }
 
-/// What one program gave.
+/// The results of one program.
 #[derive(Serialize, Deserialize)]
 struct HostRun {
-    /// What it is called in the report.
+    /// Its name in the report.
     label: String,
     header: Header,
     cases: Vec<Case>,
@@ -55,7 +55,7 @@ pub(super) struct Case {
     pub(super) frame_ms: f64,
     /// The shortest [ms].
     pub(super) least_ms: f64,
-    /// What a frame asks of the device: the median of each.
+    /// Requests of a frame to the device: the median of each.
     pub(super) counts: BTreeMap<String, u64>,
 }
 

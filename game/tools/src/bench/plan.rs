@@ -1,4 +1,4 @@
-//! What a run measures: scenes, variants, sizes and times, from the command line.
+//! The plan of a run: scenes, variants, sizes and times, from the command line.
 
 use super::results::Mode;
 use super::variant::{METHODS, Method, Runs, SweepPoint, Variant};
@@ -33,7 +33,7 @@ const REFERENCE_SAMPLES: u32 = 1024;
 /// Most cells along an axis.
 const MOST_CELLS: u32 = 128;
 
-/// What a run measures.
+/// The plan of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Scenes.
@@ -76,7 +76,7 @@ pub enum Task {
     Time {
         /// Image size [pixels].
         size: [u32; 2],
-        /// What is computed.
+        /// The part of a frame that is computed.
         mode: Mode,
     },
     /// Errors of all variants at one time.

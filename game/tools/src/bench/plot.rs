@@ -31,7 +31,7 @@ pub struct Dot {
 
 /// A curve of a sweep: (setting, value).
 pub struct Curve<'a> {
-    /// What the value is.
+    /// The meaning of the value.
     pub label: &'a str,
     /// Points.
     pub points: Vec<(f64, f64)>,

@@ -24,7 +24,7 @@ pub struct References {
     pub bless: bool,
 }
 
-/// What a reference is of, beside the scene as it stands.
+/// The settings of a reference beside its scene.
 pub struct Wanted<'a> {
     /// Name of the scene.
     pub scene: &'a str,

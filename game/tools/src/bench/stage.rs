@@ -4,7 +4,7 @@
 pub struct Stage {
     /// Short name, as in the thesis's table 7.3 where it has one.
     pub name: &'static str,
-    /// What it does.
+    /// Its work.
     pub what: &'static str,
     /// A pass belongs here if its name is one of these, or continues one with a space or a comma.
     passes: &'static [&'static str],

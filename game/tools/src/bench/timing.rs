@@ -15,12 +15,12 @@ use lightwell_runtime::session::Session;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// What is timed.
+/// The subject of a timing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
     /// Image size [pixels].
     pub size: [u32; 2],
-    /// What is computed.
+    /// The part of a frame that is computed.
     pub mode: Mode,
     /// Images that are averaged where errors are taken.
     pub aa: u32,
@@ -39,7 +39,7 @@ struct Sample {
     wall: f64,
 }
 
-/// What one variant gave so far.
+/// The results of one variant so far.
 #[derive(Default)]
 struct Samples {
     samples: Vec<Sample>,
@@ -181,7 +181,7 @@ fn summary(scene: &str, variant: &Variant, course: &Course, samples: &Samples) -
     Some(timing)
 }
 
-/// What does not depend on the machine.
+/// Counts that do not depend on the machine.
 fn count(report: &FrameReport, timing: &mut Timing) {
     for pass in report.passes.iter().filter(|pass| pass.state == PassState::Ran) {
         let stage = stage_of(&pass.name).unwrap_or_else(|| {

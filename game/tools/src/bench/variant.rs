@@ -1,4 +1,4 @@
-//! What is compared: methods of indirect light with their settings.
+//! Variants that a run compares: methods of indirect light with their settings.
 
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct Method {
     /// Its name.
     pub name: &'static str,
-    /// What it asks of the renderer.
+    /// The method of indirect light.
     pub gi: Gi,
-    /// What it changes in the scene, as `--set` writes it.
+    /// Its changes of the scene, as `--set` writes them.
     pub sets: &'static [(&'static str, &'static str)],
-    /// What it is, for the report.
+    /// Its description in the report.
     pub what: &'static str,
     /// When it runs without being asked for.
     pub runs: Runs,
@@ -92,9 +92,9 @@ pub struct Variant {
     pub bounces: Option<u32>,
     /// Where frames follow each other, each is averaged with those before; `None`: it is not.
     pub average: Option<Switch>,
-    /// What is changed in the scene.
+    /// Changes of the scene.
     pub sets: Vec<(String, String)>,
-    /// What the variant is, in words.
+    /// Description.
     pub what: String,
     /// The sweep that it is a point of.
     pub sweep: Option<SweepPoint>,
@@ -103,7 +103,7 @@ pub struct Variant {
 /// A point of a sweep of one setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepPoint {
-    /// What is swept: `steps` or `grid`.
+    /// The swept setting: `steps` or `grid`.
     pub axis: String,
     /// Its value: steps, or cells along the longest axis.
     pub value: f64,

@@ -18,7 +18,7 @@ const MOST: u64 = 48;
 /// Length of scenes that say none \[s\].
 const DEFAULT_DURATION: f64 = 2.0;
 
-/// What of a scene is written.
+/// The frames of a scene that are written.
 pub struct Animation<'a> {
     /// The scene, by file or name.
     pub scene: &'a str,

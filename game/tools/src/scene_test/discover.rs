@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use lightwell::files::suggestion;
 use std::path::{Path, PathBuf};
 
-/// What the name of a scene test's file ends in.
+/// The ending of a scene test's file name.
 const ENDING: &str = ".test.ron";
 
 /// A scene test that was found.

@@ -39,12 +39,12 @@ pub struct SceneTest {
     /// Frames with shifted pixel grids that are averaged for an image.
     #[serde(default = "one")]
     pub aa: u32,
-    /// What must hold. Besides that, no pixel may be NaN or infinite.
+    /// The checks. Besides them, no pixel may be NaN or infinite.
     #[serde(default)]
     pub expect: Expectations,
 }
 
-/// What must hold.
+/// The checks of a test at its times.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expectations {
@@ -52,7 +52,7 @@ pub struct Expectations {
     pub golden: Option<Golden>,
     /// Errors against references.
     pub errors: Vec<ErrorBound>,
-    /// What the passes of a frame do.
+    /// Expected work of the passes of a frame.
     pub frames: Vec<FrameExpectation>,
     /// A second run gives the same bits.
     pub deterministic: bool,
@@ -84,7 +84,7 @@ pub struct ErrorBound {
     /// What is compared: all light, or direct or indirect light alone.
     #[serde(default)]
     pub layer: LightLayer,
-    /// What it is compared with.
+    /// The reference.
     pub reference: Reference,
     /// Largest errors.
     pub max: ErrorBounds,
@@ -125,7 +125,7 @@ impl LightLayer {
     }
 }
 
-/// What an image is compared with.
+/// The reference of an image.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub enum Reference {
     /// A stored image, `.exr` (or `.png`), from the test's folder on or below `$LIGHTWELL_REFERENCE/`. It may be larger
@@ -195,7 +195,7 @@ impl ErrorBounds {
     }
 }
 
-/// What the passes of a frame must do. Names may hold `*` for any text.
+/// Expected work of the passes of a frame. Names may hold `*` for any text.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrameExpectation {

@@ -1,10 +1,10 @@
-//! What the passes of a frame did, against what they should have done.
+//! Checks of the work of passes in a frame.
 
 use super::document::FrameExpectation;
 use lightwell::files::suggestion;
 use lightwell::graph::{Counts, FrameReport, PassReport, PassState};
 
-/// What of the report is not as expected, each in words.
+/// Differences of the report from what is expected, in words.
 pub fn check(expected: &FrameExpectation, report: &FrameReport) -> Vec<String> {
     let mut faults = Vec::new();
     let wanted: [(&str, &[String], Held); 4] = [

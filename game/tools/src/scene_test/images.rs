@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Where the pictures of a failure go.
 pub struct Pictures {
     folder: PathBuf,
-    /// What their names begin with.
+    /// The prefix of their names.
     stem: String,
 }
 
@@ -74,7 +74,7 @@ pub fn non_finite(image: &Image, what: &str, pictures: &Pictures) -> Result<Opti
     Ok(Some(format!("{what}: NaN or infinity in {bad} pixels, first at column {x} of row {y}; {see}")))
 }
 
-/// What came of a look at a golden image.
+/// The result of the comparison with a golden image.
 #[derive(Debug)]
 pub enum GoldenVerdict {
     /// Near enough.
@@ -134,7 +134,7 @@ fn write_golden(actual: &Image, file: &Path) -> Result<GoldenVerdict> {
     Ok(GoldenVerdict::Blessed)
 }
 
-/// What an image is measured against.
+/// The reference of an image.
 pub struct Expected {
     /// Linear radiance.
     pub image: Image,

@@ -29,12 +29,12 @@ pub struct Options {
     pub output: PathBuf,
 }
 
-/// What came of a test.
+/// The report of a test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// All holds.
     Passed,
-    /// What does not hold, each in words.
+    /// The failed checks, in words.
     Failed(Vec<String>),
     /// Not all could be checked, and why; what could be, holds.
     Skipped(String),
@@ -43,7 +43,7 @@ pub enum Outcome {
 /// A test that was run.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// What came of it.
+    /// Its outcome.
     pub outcome: Outcome,
     /// Golden images that were written.
     pub blessed: Vec<PathBuf>,
@@ -71,7 +71,7 @@ pub fn run(case: &TestCase, options: &Options, device: &mut Option<Arc<Gpu>>) ->
     Report { outcome, blessed, elapsed: start.elapsed() }
 }
 
-/// What a test has come upon.
+/// The findings of a test.
 #[derive(Default)]
 struct Findings {
     faults: Vec<String>,

@@ -16,7 +16,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What stands for a frame in the lines of a run.
+/// The line that stands for a frame.
 const FRAME: &str = ".";
 
 /// One run, here, told in lines on the output stream.

@@ -6,7 +6,7 @@ use super::setup::{Grid, Method};
 use anyhow::Result;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What came of one.
+/// The outcome of one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// An image, finite everywhere, that shows light.
@@ -19,7 +19,7 @@ pub enum Outcome {
     Broken(String),
 }
 
-/// What must come of one, whatever the method.
+/// The required outcome of one, whatever the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stated {
     /// A finite image that shows light.

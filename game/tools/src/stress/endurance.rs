@@ -19,7 +19,7 @@ const SETTLED: u32 = 8;
 /// Growth of the process that the allocator may keep for itself [MiB].
 const SLACK: u64 = 64;
 
-/// What a run came to.
+/// The result of a run.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Endured {
     scene: String,
@@ -112,7 +112,7 @@ fn memory() -> Option<u64> {
 }
 
 impl Endured {
-    /// What does not hold, in words.
+    /// The violated bounds, in words.
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         let mut check = |holds: bool, what: String| {

@@ -1,4 +1,4 @@
-//! What must hold, how a deviation from it is counted, and how large it may be.
+//! The invariants: how a deviation is counted, and how large it may be.
 
 use super::setup::Method;
 

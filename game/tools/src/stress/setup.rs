@@ -75,7 +75,7 @@ impl Method {
         if self == Self::Gather { "quality: Medium" } else { "quality: Low" }
     }
 
-    /// What is drawn of it: the light that the method itself computes.
+    /// The layer that is drawn: the light that the method itself computes.
     pub fn look(self, grid: Grid, seed: u32) -> LookArgs {
         let (gi, only) = match self {
             Self::Direct => (Gi::None, Only::Direct),

@@ -1,4 +1,4 @@
-//! What is done to a model as it is imported: settings beside it, `NAME.import.ron`, or in the scene that uses it.
+//! Import settings of models: beside the model in `NAME.import.ron`, or in the scene that uses it.
 
 mod merge;
 mod normals;
@@ -31,7 +31,7 @@ pub struct ImportSettings {
     pub flip_winding: bool,
     /// Where normals come from.
     pub normals: Normals,
-    /// What becomes of the primitives.
+    /// How primitives are merged.
     pub parts: Parts,
 }
 
@@ -80,7 +80,7 @@ fn usual_crease() -> f32 {
     40.0
 }
 
-/// What becomes of the primitives.
+/// How primitives are merged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parts {
     /// They stay.
@@ -96,14 +96,14 @@ pub enum Parts {
     Merge,
 }
 
-/// What is wrong with import settings, or does not fit the model.
+/// A fault of import settings, or one that does not fit the model.
 #[derive(Debug)]
 pub struct ImportFault {
     /// The field.
     pub field: &'static str,
     /// The place in it, if it is a list.
     pub index: Option<usize>,
-    /// What is wrong and what to do.
+    /// The fault and help.
     pub message: String,
 }
 

@@ -147,7 +147,7 @@ impl VirtualLight {
         (center, with_margin((4.0_f32 / 27.0).powf(0.25) * r, position))
     }
 
-    /// What holds all points with p > ξ.
+    /// The range that holds all points with p > ξ.
     pub fn range(&self, delta: f32, xi: f32, bounds: LightBounds) -> LightRange {
         let (n, to_light) = (Vec3::from(self.normal), Vec3::from(self.to_light));
         let mut range = LightRange {

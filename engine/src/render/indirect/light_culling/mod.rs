@@ -50,7 +50,7 @@ pub(in crate::render) fn casts_rays(settings: &StochasticLightCulling) -> bool {
     settings.visibility == LightVisibility::ShadowRays
 }
 
-/// What all passes work with.
+/// Shared settings of all passes.
 #[derive(Clone)]
 struct Method {
     settings: StochasticLightCulling,
@@ -60,7 +60,7 @@ struct Method {
     tiles: [u32; 2],
     /// ξ of this frame.
     seed: u32,
-    /// What rays need to know of the hierarchy.
+    /// Root of the ray hierarchy.
     root: u32,
     /// Radiance of the sky, where rays are cast \[W/(m² sr)\]; of one that differs by direction the mean.
     sky: Vec3,
@@ -70,7 +70,7 @@ struct Method {
 #[derive(Clone, Copy)]
 struct Sources {
     ranges: Handle<Buffer>,
-    /// What shading reads of the lights.
+    /// The lights as shading reads them.
     texels: Handle<Texture>,
     bound: Handle<Buffer>,
 }

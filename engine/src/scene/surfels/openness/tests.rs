@@ -1,4 +1,4 @@
-//! What is buried and what is open, in small scenes.
+//! Buried and open surfels, in small scenes.
 
 use super::super::fixture;
 use crate::assets::{AlphaMode, Material, Shape};

@@ -16,7 +16,7 @@ const CHUNK: usize = 1024;
 /// The surfels of an object, patch after patch.
 #[derive(Debug)]
 pub(in crate::scene::surfels) struct Arranged {
-    /// What they were made of. It is kept, so that its address stands for it.
+    /// Their source. It is kept alive, so that its address identifies it.
     #[expect(dead_code)]
     source: Arc<Vec<Surfel>>,
     size: u32,

@@ -1,4 +1,4 @@
-//! What stands between the surfels of a static object.
+//! Occluders between the surfels of a static object.
 
 use super::cells::{BEFORE, Cell, cells_from_world};
 use crate::bvh::world_normal;
@@ -30,7 +30,7 @@ pub(super) struct Point {
     pub is_hidden: bool,
 }
 
-/// What two points meet first on the way to each other: both sides of a wall.
+/// The first hits of two points towards each other: both sides of a wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     /// Points \[m\] and unit normals in the world.
@@ -53,7 +53,7 @@ impl<'a> Occluders<'a> {
         Point { surface, before: from + share * lift, is_hidden }
     }
 
-    /// What stands between two points; none if they see each other.
+    /// The occluder between two points; none if they see each other.
     pub(super) fn between(&self, a: &Point, b: &Point) -> Option<Wall> {
         let side = |from: Vec3, to: Vec3| {
             let obstacle = self.still.obstacle(from, to)?;

@@ -23,7 +23,7 @@ pub(super) struct Split {
     pub parts: Vec<Part>,
 }
 
-/// What is on one side of a plane.
+/// One side of a plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Side {
     /// Index of another plane.

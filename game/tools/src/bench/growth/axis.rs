@@ -1,8 +1,8 @@
-//! What grows, and by which numbers.
+//! The axes of growth, and their numbers.
 
 use lightwell_runtime::cli::Gi;
 
-/// What grows.
+/// An axis of growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Boxes, each an entity.

@@ -1,4 +1,4 @@
-//! What was measured, as `results.json` holds it.
+//! Measurements of growth, as `results.json` holds them.
 
 use crate::bench::results::Spread;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Cost over the number of something.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
-    /// What grows.
+    /// The axis.
     pub axis: String,
     /// How it is drawn.
     pub series: String,
@@ -46,7 +46,7 @@ pub struct GrowthPoint {
     pub triangles: u64,
     /// Memory of the frame's targets and buffers [bytes].
     pub target_bytes: u64,
-    /// What the process takes more than before the curve began [bytes].
+    /// Growth of the process since the curve began [bytes].
     pub process_bytes: Option<u64>,
 }
 
@@ -55,7 +55,7 @@ pub struct GrowthPoint {
 pub struct Pair {
     /// Name.
     pub name: String,
-    /// What they are; the first is to cost at most `bound` times the second.
+    /// Their description; the first must cost at most `bound` times the second.
     pub of: [String; 2],
     /// The greatest ratio that is good.
     pub bound: f64,

@@ -38,7 +38,7 @@ pub struct Course<'a> {
 pub struct Frame {
     /// Time from start to end [ms].
     pub wall: f64,
-    /// What it did.
+    /// Counts of its work.
     pub report: FrameReport,
 }
 
@@ -142,7 +142,7 @@ fn move_wall(session: &mut Session, step: u32) -> Result<()> {
     Ok(())
 }
 
-/// What the process takes in memory now [bytes], where the system tells.
+/// Resident memory of the process [bytes], where the system tells.
 pub fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -1,4 +1,4 @@
-//! What the tables, plots and words have in common: each variant of a scene with its time and error.
+//! The facts that tables, plots and words share: each variant of a scene with its time and error.
 
 use crate::bench::pareto;
 use crate::bench::plot::Dot;
@@ -53,7 +53,7 @@ impl Fact<'_> {
         self.timing.wall.median
     }
 
-    /// What of that the device's passes take [ms].
+    /// The share of the device's passes [ms].
     pub fn device_time(&self) -> f64 {
         self.timing.total.median
     }

@@ -115,7 +115,7 @@ fn grid(
     table(&[&["variant"], scenes].concat(), &rows)
 }
 
-/// What the figures of a scene say.
+/// Conclusions from the figures of a scene.
 fn words(all: &[&Flicker]) -> Vec<String> {
     let Some(own) = all.first().map(|flicker| flicker.reference) else { return Vec::new() };
     let mut words =

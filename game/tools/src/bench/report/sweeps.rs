@@ -9,7 +9,7 @@ use anyhow::Result;
 use lightwell::measure::read_image;
 use std::path::Path;
 
-/// What is swept, in words, and the words for its axis.
+/// The swept setting in words, and the label of its axis.
 const AXES: [(&str, &str, &str); 2] = [
     ("steps", "propagation steps, fixed grid", "propagation steps"),
     ("grid", "cells of the grid, fixed steps", "cells along the longest axis"),

@@ -1,4 +1,4 @@
-//! What the numbers say: which method wins where, and why.
+//! Conclusions from the numbers: which method wins where, and why.
 
 use super::facts::{self, Fact, Light, is_baseline};
 use super::markdown::{NONE, list, ms, percent, signed, table, times};
@@ -9,7 +9,7 @@ use crate::bench::stage::STAGES;
 /// Share of the squared error from which on a constant factor is called its cause.
 const MOSTLY: f64 = 0.6;
 
-/// What the columns of the tables mean.
+/// The meaning of the columns of the tables.
 const LEGEND: &str = "*Level* is the share of the squared error that a constant factor would take away: from 60 % on, the image \
     is too bright or too dark as the bias says; below, the light is in the wrong places. *Frame* is the time of a frame from \
     start to end, *device* what of it the device's passes take, *image* the time of the image whose error is stated: a frame, and \

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub struct VariantFigures {
     /// Name.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub what: String,
     /// Whether it traces paths.
     pub traced: bool,
@@ -61,14 +61,14 @@ impl Spread {
     }
 }
 
-/// What of a frame is computed.
+/// The part of a frame that is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Mode {
     /// Everything, in every frame.
     Full,
-    /// What has changed since the frame before; the scene's clock runs.
+    /// Changes since the frame before; the scene's clock runs.
     Animated,
-    /// What the shift of the pixels changes: an image that is averaged with others of the same scene.
+    /// Effects of the shift of the pixels: an image that is averaged with others of the same scene.
     Shifted,
 }
 
@@ -86,7 +86,7 @@ pub struct Timing {
     pub variant: String,
     /// Image size [pixels].
     pub size: [u32; 2],
-    /// What was computed.
+    /// The part that was computed.
     pub mode: Mode,
     /// Frames measured.
     pub frames: usize,

@@ -1,4 +1,4 @@
-//! What a run found: `results.json`.
+//! The results of a run: `results.json`.
 
 mod figures;
 pub mod finite;
@@ -17,7 +17,7 @@ use std::path::Path;
 pub struct Results {
     /// Where and with what it was measured.
     pub header: Header,
-    /// What is compared.
+    /// The variants.
     pub variants: Vec<VariantFigures>,
     /// The scenes.
     pub scenes: Vec<SceneFigures>,
@@ -35,7 +35,7 @@ pub struct Results {
     /// Pairs of scenes whose ratio is bounded.
     #[serde(default)]
     pub pairs: Vec<Pair>,
-    /// What the reader should know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 

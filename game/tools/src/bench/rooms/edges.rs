@@ -27,7 +27,7 @@ pub fn near_edges(session: &mut Session, size: [u32; 2]) -> Result<Vec<bool>> {
     Ok(widen(&edges(&depth, &normal, &view.camera), size))
 }
 
-/// What a pixel shows: place relative to the eye and normal; none for the sky.
+/// The surface of a pixel: place relative to the eye and normal; none for the sky.
 fn surfaces(depth: &Image, normal: &Image, camera: &SceneCamera) -> Vec<Option<(Vec3, Vec3)>> {
     let [width, height] = depth.size().map(|edge| edge as f32);
     let reach = camera.half_height();

@@ -1,4 +1,4 @@
-//! What a run over random rooms found: `rooms.json`.
+//! Results of a run over random rooms: `rooms.json`.
 
 use super::room::RoomFacts;
 use crate::bench::results::{Header, LayerError, finite, write_whole};
@@ -22,7 +22,7 @@ pub struct Figures {
 pub struct MethodFigures {
     /// Its name in tables.
     pub name: String,
-    /// What it is, in words.
+    /// Description.
     pub what: String,
     /// All that makes it what it is.
     pub identity: String,
@@ -30,12 +30,12 @@ pub struct MethodFigures {
     pub images: u32,
 }
 
-/// What a room gave.
+/// The results of a room.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoomFigures {
     /// What it is.
     pub facts: RoomFacts,
-    /// What it is compared with.
+    /// Its reference.
     pub reference: ReferenceFigures,
     /// The errors of each method, in their order.
     pub errors: Vec<RoomError>,

@@ -1,4 +1,4 @@
-//! Finds places in rooms for what stands there; the pieces themselves are those of `pieces`.
+//! Places the pieces of `pieces` in rooms.
 
 use super::building::{Building, Cell};
 use super::pieces::{body, boxed, chair, cupboard, heap, partition, pillar, pole, sheet, shelf, sofa, stairs, table};
@@ -16,7 +16,7 @@ pub struct Furnisher<'a> {
     building: &'a Building,
     /// Names of the materials to choose from.
     materials: &'a [String],
-    /// What stands there.
+    /// The placed pieces.
     pub items: Vec<Item>,
     /// Boxes that stay free, or are taken.
     taken: Vec<(DVec3, DVec3)>,

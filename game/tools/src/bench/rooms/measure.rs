@@ -22,7 +22,7 @@ const ONE_BOUNCE_SAMPLES: u32 = 64;
 /// Noise of a reference over the least error that is taken with it.
 const NOISE: f64 = 0.25;
 
-/// What a room is drawn with.
+/// The settings that a room is drawn with.
 #[derive(Clone, Copy, Debug)]
 pub struct Course {
     /// Image size [pixels].

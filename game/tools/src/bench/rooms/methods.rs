@@ -71,7 +71,7 @@ pub fn of(args: &BenchArgs) -> Result<(Vec<Judged>, Vec<Variant>)> {
 }
 
 impl Judged {
-    /// What results say of it.
+    /// Its description in results.
     pub fn figures(&self) -> MethodFigures {
         MethodFigures {
             name: self.name.clone(),

@@ -1,4 +1,4 @@
-//! What stands in rooms: pillars, stairs, shelves, furniture with all that lies on it, curved and thin things.
+//! Pieces that stand in rooms: pillars, stairs, shelves, furniture with clutter, curved and thin things.
 //!
 //! A piece stands on y = 0 around the origin and has its back towards −z.
 

@@ -59,7 +59,7 @@ pub struct Item {
     pub at: DVec3,
     /// Rotation.
     pub turn: DQuat,
-    /// What it is made of.
+    /// Its parts.
     pub parts: Vec<Part>,
 }
 

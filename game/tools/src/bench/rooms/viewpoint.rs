@@ -20,7 +20,7 @@ const RAYS: usize = 11;
 pub struct Viewpoint {
     /// Where it is [m].
     pub from: DVec3,
-    /// What it looks at [m].
+    /// The point that it looks at [m].
     pub to: DVec3,
     /// Vertical field of view [degrees].
     pub field: f64,
@@ -28,7 +28,7 @@ pub struct Viewpoint {
     pub near: f64,
 }
 
-/// What a camera sees.
+/// The view of a camera.
 struct Sight {
     /// Share of rays that end nearer than a tenth of the room's diagonal.
     near: f64,

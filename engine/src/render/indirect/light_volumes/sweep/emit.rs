@@ -32,7 +32,7 @@ pub(super) const TOTAL_BYTES: u64 = 24;
 
 /// Where light comes from.
 pub(super) struct Sources<'s, 'a> {
-    /// What the lights see.
+    /// Reflective shadow maps of the lights.
     pub rsms: &'s [Rsm<'a>],
     /// The scene's surfaces.
     pub surfels: Handle<Buffer>,
@@ -49,7 +49,7 @@ pub(super) struct Step {
     pub index: usize,
     /// 0: light straight from the lights.
     pub bounce: u32,
-    /// What the surfaces send out.
+    /// The light that surfaces send out.
     pub light: Light,
 }
 
@@ -85,7 +85,7 @@ fn white_scale(frame: &Frame) -> f32 {
     ((38.0 - (std::f64::consts::PI * frame.surfels.area()).clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32
 }
 
-/// What enters a box from the sky [W].
+/// Flux of the sky into a box [W].
 fn sky_flux(frame: &Frame, volume: &Volume) -> Vec3 {
     let size = volume.cells.as_vec3() * volume.cell;
     frame.scene.sky * (2.0 * PI * (size.x * size.y + size.y * size.z + size.z * size.x))

@@ -147,7 +147,7 @@ pub(super) fn of_further_bounces(
     (is_free && swept >= 2 * grid.cell_count()).then_some(grid)
 }
 
-/// What a grid may have at most.
+/// Limits of a grid.
 #[derive(Clone, Copy)]
 struct Most {
     cells: u32,
