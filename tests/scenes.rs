@@ -1,6 +1,6 @@
 //! Every scene test in `tests/scenes`, as a test of its own. `lightwell test` runs the same ones.
 //!
-//! `LIGHTWELL_BLESS=1` writes their golden images. Pictures of what fails go into `out/tests`. Tests that need models
+//! `LIGHTWELL_BLESS=1` writes their golden images. Images of what fails go into `out/tests`. Tests that need models
 //! or reference images that are not there are ignored, with the reason; with `LIGHTWELL_REQUIRE=1` they fail.
 
 use libtest_mimic::{Arguments, Completion, Failed, Trial};

@@ -8,7 +8,7 @@
 //! | --- | --- |
 //! | write a game | [`App`], [`prelude`]; `docs/game.md`; the examples in `game/examples` |
 //! | know what a system can ask for | [`lightwell::game`]: input, time, space, light probes, scenes, saved games |
-//! | draw over the picture, play sounds | [`Hud`], [`Sounds`] |
+//! | draw over the image, play sounds | [`Hud`], [`Sounds`] |
 //! | test a game | [`App::simulate`], [`App::headless`], [`lightwell::game::InputScript`] |
 //! | add a render pass | [`App::pass`] and `docs/frame.md` |
 //! | draw a scene without a game | [`lightwell_runtime::session::Session`] |

@@ -1,4 +1,4 @@
-//! The example game, played by scripts that win and lose it, with and without pictures.
+//! The example game, played by scripts that win and lose it, with and without images.
 
 #![allow(clippy::unwrap_used)]
 
@@ -140,7 +140,7 @@ fn a_saved_game_goes_on_with_its_lamps() {
     assert!(second.world.ecs.resource::<Run>().lamps[0] >= lit.lamps[0]);
 }
 
-/// With pictures, the light that walls throw back counts: the ball ends with more glow than without.
+/// With images, the light that walls throw back counts: the ball ends with more glow than without.
 #[test]
 fn with_pictures_the_light_of_the_walls_counts() {
     let script = winning();

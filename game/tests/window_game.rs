@@ -31,7 +31,7 @@ fn lamplight_is_played_with_the_keyboard() {
     let words = ["--record", record.to_str().unwrap(), "--scale", "0.4"];
     let mut window = Window::start(&display, &program, &words, folder.path());
     window.focus("Lamplight");
-    // The title stands in white on the dark picture.
+    // The title stands in white on the dark image.
     let bright = |image: &lightwell::measure::Image| {
         let count = image.values().filter(|value| *value > 0.8).count();
         count as f64 / image.values().count() as f64
@@ -64,7 +64,7 @@ fn a_scene_that_changes_shows_in_the_running_game() {
     let (display, program) = (Display::open(), example("custom_component"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.scene.ron");
-    // At rest, so that the picture changes by the file alone.
+    // At rest, so that the image changes by the file alone.
     let text = scene("scenes/lift.scene.ron").replace("\"Lift\": (", "\"Lift\": (low: 1, high: 1,");
     let text = text.replace("high: 1,high: 3,", "high: 1,").replace(", 0.25, 0))", ", 1, 0))");
     std::fs::write(&path, &text).unwrap();

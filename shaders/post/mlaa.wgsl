@@ -65,7 +65,7 @@ fn is_edge(at: vec2i, to: vec2i) -> bool {
 
 #endif
 
-// Which of a pixel's edges, to the pixel above and to the left, are edges of the picture.
+// Which of a pixel's edges, to the pixel above and to the left, are edges of the image.
 @compute @workgroup_size(8, 8)
 fn edges_main(@builtin(global_invocation_id) thread: vec3u) {
     let at = vec2i(thread.xy);

@@ -34,7 +34,7 @@ pub const PREFAB: &str = r#"Prefab(
     entities: [(name: "Part", mesh: Box(size: (1, 1, 1)), material: "own", children: [(name: "Lamp", light: (kind: Point, intensity: 1))])],
 )"#;
 
-/// A triangle with a joint, a clip and a picture in a data URI.
+/// A triangle with a joint, a clip and an image in a data URI.
 pub fn gltf_text() -> String {
     let picture = pictures_of_all_kinds().swap_remove(0);
     format!(
@@ -66,7 +66,7 @@ fn triangle() -> Vec<u8> {
     bytes
 }
 
-/// Pictures of 8 by 8 pixels in every format that textures may have.
+/// Images of 8 by 8 pixels in every format that textures may have.
 pub fn pictures_of_all_kinds() -> Vec<Vec<u8>> {
     let color = |x: u32, y: u32| image::Rgb([(30 * x) as u8, (30 * y) as u8, (x * y) as u8]);
     let picture = image::RgbImage::from_fn(8, 8, color);
@@ -81,7 +81,7 @@ pub fn pictures_of_all_kinds() -> Vec<Vec<u8>> {
     all
 }
 
-/// Pictures of the sky: the two formats.
+/// Images of the sky: the two formats.
 pub fn skies_of_all_kinds() -> Vec<Vec<u8>> {
     let picture = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([x as f32, 0.1 * y as f32, 7.5]));
     let encode = |format: image::ImageFormat| {

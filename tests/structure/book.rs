@@ -1,4 +1,4 @@
-//! README, contributor's guide and book hold together: every page is listed, every link, anchor and picture is there, and
+//! README, contributor's guide and book hold together: every page is listed, every link, anchor and image is there, and
 //! every block of Rust is compiled somewhere.
 
 use lightwell_tests::root;
@@ -40,7 +40,7 @@ fn pages() -> Vec<PathBuf> {
 /// What a Markdown text holds.
 #[derive(Default)]
 struct Page {
-    /// Where links and pictures lead.
+    /// Where links and images lead.
     targets: Vec<String>,
     /// Names that links can jump to.
     anchors: BTreeSet<String>,

@@ -3,7 +3,7 @@
 //! and observers.
 //!
 //! ```text
-//! events ─▶ Input ─▶ FixedUpdate ─▶ requests ─▶ animation, transforms ─▶ SpatialQuery ─▶ (Update ─▶ picture)
+//! events ─▶ Input ─▶ FixedUpdate ─▶ requests ─▶ animation, transforms ─▶ SpatialQuery ─▶ (Update ─▶ image)
 //! ```
 //! [`Game`] runs without window and device; what it does depends on the steps and their events alone, so that a script
 //! of recorded input plays the same game again.

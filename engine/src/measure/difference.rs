@@ -1,4 +1,4 @@
-//! A picture of where an image differs from its reference.
+//! The difference image: where an image is brighter or darker than its reference.
 
 use super::{Image, MeasureError, metrics::check_pair};
 

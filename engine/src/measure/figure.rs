@@ -1,4 +1,4 @@
-//! Pictures to look at: radiance as a screen shows it, and images beside their reference.
+//! Images to look at: radiance as a screen shows it, and images beside their reference.
 
 use super::difference::difference_picture;
 use super::flip::{display_value, flip_exposure};

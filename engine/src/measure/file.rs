@@ -1,4 +1,4 @@
-//! Pictures in files: float EXR for measurements, 8-bit PNG to look at.
+//! Images in files: float EXR for measurements, 8-bit PNG to look at.
 
 use super::Image;
 use super::exr_file::{decode_exr, encode_exr};
@@ -7,7 +7,7 @@ use crate::assets::MAX_IMAGE_SIZE;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Why a picture could not be read or written.
+/// Why an image could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageFileError {
     /// The file system refused.
@@ -18,7 +18,7 @@ pub enum ImageFileError {
         /// The error of the system.
         source: std::io::Error,
     },
-    /// The content is not a picture that can be read, or could not be encoded.
+    /// The content is not an image that can be read, or could not be encoded.
     #[error("{path}: {message}", path = .path.display())]
     Content {
         /// The file.
@@ -42,7 +42,7 @@ fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Reads a picture as linear RGB: an EXR as it is, a PNG or JPEG decoded from sRGB. Alpha is dropped.
+/// Reads an image as linear RGB: an EXR as it is, a PNG or JPEG decoded from sRGB. Alpha is dropped.
 ///
 /// # Errors
 /// If the file cannot be read, is broken, or an EXR has no channels R, G and B.
@@ -57,8 +57,8 @@ pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
     }
 }
 
-/// Writes a picture by the ending of its name: `.exr` as uncompressed float32 linear RGB, `.png` as 8-bit sRGB of
-/// the values clamped to 0..1. Equal pictures give equal bytes.
+/// Writes an image by the ending of its name: `.exr` as uncompressed float32 linear RGB, `.png` as 8-bit sRGB of
+/// the values clamped to 0..1. Equal images give equal bytes.
 ///
 /// # Errors
 /// If the name ends otherwise, or the file cannot be written.

@@ -1,6 +1,6 @@
-//! The picture type of all measurements.
+//! The image type of all measurements.
 
-/// A picture of linear Rec. 709 RGB in single precision, row by row from the top left.
+/// An image of linear Rec. 709 RGB in single precision, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: u32,
@@ -9,17 +9,17 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture whose every pixel is `color`.
+    /// An image whose every pixel is `color`.
     pub fn filled(width: u32, height: u32, color: [f32; 3]) -> Self {
         Self { width, height, pixels: vec![color; width as usize * height as usize] }
     }
 
-    /// A picture from its pixels; `None` if their number is not `width`·`height`.
+    /// An image from its pixels; `None` if their number is not `width`·`height`.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Option<Self> {
         (pixels.len() == width as usize * height as usize).then_some(Self { width, height, pixels })
     }
 
-    /// A picture from RGBA pixels, whose alpha is dropped; `None` if their number does not fit.
+    /// An image from RGBA pixels, whose alpha is dropped; `None` if their number does not fit.
     pub fn from_rgba(width: u32, height: u32, pixels: &[[f32; 4]]) -> Option<Self> {
         Self::from_pixels(width, height, pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect())
     }
@@ -42,7 +42,7 @@ impl Image {
     /// The pixel in column `x` and row `y`, counted from the top left.
     ///
     /// # Panics
-    /// If it lies outside of the picture.
+    /// If it lies outside of the image.
     pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
         assert!(x < self.width && y < self.height, "pixel {x},{y} of a {}x{} image", self.width, self.height);
         self.pixels[(y as usize) * self.width as usize + x as usize]
@@ -53,7 +53,7 @@ impl Image {
         self.pixels.as_flattened().iter().copied()
     }
 
-    /// Mean over all pixels and channels; 0 for a picture without pixels.
+    /// Mean over all pixels and channels; 0 for an image without pixels.
     pub fn mean(&self) -> f64 {
         let count = self.values().len().max(1) as f64;
         self.values().map(f64::from).sum::<f64>() / count
@@ -65,12 +65,12 @@ impl Image {
         Some([index % self.width, index / self.width])
     }
 
-    /// The picture with every value passed through `f`.
+    /// The image with every value passed through `f`.
     pub fn map(&self, f: impl Fn(f32) -> f32) -> Self {
         Self { pixels: self.pixels.iter().map(|p| p.map(&f)).collect(), ..*self }
     }
 
-    /// The picture at a smaller size, each pixel the mean of a block: what a box filter over the larger pixels gives.
+    /// The image at a smaller size, each pixel the mean of a block: what a box filter over the larger pixels gives.
     /// `None` if the size is not the same whole fraction of both edges.
     pub fn reduced(&self, size: [u32; 2]) -> Option<Self> {
         let [width, height] = size;
@@ -101,7 +101,7 @@ impl Image {
         Some((at, 1 + different.count()))
     }
 
-    /// Bytes of the picture encoded in sRGB, values clamped to 0..1, three a pixel.
+    /// Bytes of the image encoded in sRGB, values clamped to 0..1, three a pixel.
     pub fn to_srgb8(&self) -> Vec<u8> {
         self.values().map(|v| (srgb_encode(v.clamp(0.0, 1.0)) * 255.0).round() as u8).collect()
     }

@@ -1,4 +1,4 @@
-//! Images as numbers: linear RGB pictures in files, and how far one is from another.
+//! Images as numbers: linear RGB images in files, and how far one is from another.
 //!
 //! One definition of every error metric, used by the program, the tests and the benchmarks alike. All metrics
 //! work on unexposed linear RGB, over all pixels and channels, without any gain fitting. `a` is the image under

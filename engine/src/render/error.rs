@@ -16,7 +16,7 @@ pub enum RenderError {
         /// Largest edge that the adapter can do.
         limit: u32,
     },
-    /// The camera's numbers make no picture.
+    /// A camera has values that do not define an image.
     #[error("camera `{camera}`: {what}")]
     Camera {
         /// Its name.

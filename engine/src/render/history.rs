@@ -32,7 +32,7 @@ pub(crate) struct Step {
     pub number: u32,
     /// Distinguishes one row of frames from another.
     pub row: u64,
-    /// Frames since the picture last changed in any way.
+    /// Frames since the image last changed in any way.
     pub rested: u32,
     /// Frames before that count at most.
     pub most: f32,
@@ -57,7 +57,7 @@ pub(crate) struct Step {
 pub(crate) struct History {
     step: Option<Step>,
     last: Option<Seen>,
-    /// Frames since the picture last changed in any way, and since its light did.
+    /// Frames since the image last changed in any way, and since its light did.
     rested: u32,
     even: u32,
     row: u64,
@@ -253,7 +253,7 @@ impl History {
         self.step.is_some_and(|step| step.tolerance < f32::MAX)
     }
 
-    /// Whether more frames would make the picture better.
+    /// Whether more frames would make the image better.
     pub fn is_settling(&self) -> bool {
         self.step.is_some() && !self.is_idle && !self.is_at_rest()
     }

@@ -117,7 +117,7 @@ pub struct DisplaySettings {
     pub auto_exposure: bool,
 }
 
-/// What tells an edge of the picture that is smoothed (thesis 5.7).
+/// What tells an edge of the image that is smoothed (thesis 5.7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MlaaEdges {
     /// Colours as displayed: all edges that show, those within textures too.

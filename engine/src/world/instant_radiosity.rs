@@ -107,7 +107,7 @@ pub struct InstantRadiosity {
     /// its square root or faster. Limited by memory alone, 80 bytes a light.
     pub particles: u32,
     /// So many times as many particles are shot, 1 to 64, and of the lights that they leave those are kept which contribute most
-    /// to what the camera sees. To shoot is cheap, to shade is not: for pictures of a part of a scene. While lights or
+    /// to what the camera sees. To shoot is cheap, to shade is not: for images of a part of a scene. While lights or
     /// camera move, lights come and go. 1: all are kept, whatever the camera sees.
     pub candidates: u32,
     /// How many particles go on.

@@ -31,7 +31,7 @@ fn set_sky(stage: &mut Stage, map: SkyMap) {
     stage.scene.revisions.settings += 1;
 }
 
-/// A picture of a sky of radiance `all` with one texel of its own.
+/// An image of a sky of radiance `all` with one texel of its own.
 fn sky_file(path: &Path, size: [u32; 2], all: f32, texel: Option<([u32; 2], f32)>) {
     let value = |x: u32, y: u32| match texel {
         Some((at, value)) if at == [x, y] => value,

@@ -87,7 +87,7 @@ pub struct PlayArgs {
     /// How quiet the images without a display are.
     #[command(flatten)]
     pub quality: QualityArgs,
-    /// Choices that change the picture.
+    /// Choices that change the image.
     #[command(flatten)]
     pub look: LookArgs,
 }

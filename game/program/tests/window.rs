@@ -124,7 +124,7 @@ fn the_first_minutes_of_a_user() {
 
     window.key("ctrl+z");
     window.key("ctrl+z");
-    // Nothing is selected then, and no handle is in the picture.
+    // Nothing is selected then, and no handle is in the image.
     window.click(window.place("Camera").at(0.5, 0.5));
     window.key("ctrl+shift+s");
     let _ = window.place("Path");
@@ -184,7 +184,7 @@ fn a_light_is_changed_without_a_mouse() {
     window.kill();
 }
 
-/// Pictures of the animation as a user makes them: from the menu, with fields that are typed into, and one export that is
+/// Images of the animation as a user makes them: from the menu, with fields that are typed into, and one export that is
 /// cancelled.
 #[needs("Xvfb", "xdotool", "import")]
 fn an_animation_is_exported_and_another_export_cancelled() {
@@ -269,7 +269,7 @@ fn a_broken_shader_leaves_the_picture_and_a_mended_one_changes_it() {
     window.kill();
 }
 
-/// A window that is made as small as can be, taken off the screen and brought back shows the same picture again.
+/// A window that is made as small as can be, taken off the screen and brought back shows the same image again.
 #[needs("Xvfb", "xdotool", "import")]
 fn a_window_comes_back_from_nothing() {
     let display = Display::open();
@@ -296,7 +296,7 @@ fn a_window_comes_back_from_nothing() {
 }
 
 /// The window goes to a monitor of half as many pixels again to the inch, and back: all panels grow with it, clicks fall
-/// where they are shown, and the same picture comes back.
+/// where they are shown, and the same image comes back.
 #[needs("Xvfb", "xdotool", "import")]
 fn a_monitor_of_another_scale_is_followed() {
     let display = Display::open();

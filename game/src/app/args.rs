@@ -14,7 +14,7 @@ pub struct GameArgs {
     /// Open the scene in the editor instead of playing it (needs the feature `editor` of lightwell-game)
     #[arg(long, conflicts_with_all = ["headless", "record", "script"])]
     pub edit: bool,
-    /// Play without a window, and write pictures (as without a display)
+    /// Play without a window, and write images (as without a display)
     #[arg(long)]
     pub headless: bool,
     /// Take the input from a script
@@ -26,13 +26,13 @@ pub struct GameArgs {
     /// Without a window: number of steps [default: the script's, or two seconds]
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
-    /// Without a window: folder for the pictures [default: out/NAME]
+    /// Without a window: folder for the images [default: out/NAME]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Without a window: steps from picture to picture
+    /// Without a window: steps from image to image
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
-    /// Size of the window or of the pictures [default: 1280x800; 512x320]
+    /// Size of the window or of the images [default: 1280x800; 512x320]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Part of the window's size that is drawn, 0.1 to 1: less is faster
@@ -54,7 +54,7 @@ pub struct GameArgs {
 }
 
 impl GameArgs {
-    /// Choices of the picture.
+    /// Settings of the image.
     pub(super) fn look(&self) -> LookArgs {
         LookArgs { gi: self.gi, sets: self.sets.clone(), ..LookArgs::default() }
     }

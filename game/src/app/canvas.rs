@@ -1,10 +1,10 @@
-//! Pictures with what is drawn over them, without a window.
+//! Images with what is drawn over them, without a window.
 
 use anyhow::Result;
 use lightwell::gpu::{Gpu, read_texture};
 use lightwell_runtime::window::{Painted, UiPainter};
 
-/// A texture that the picture and the texts over it are painted on.
+/// A texture that the image and the texts over it are painted on.
 pub struct Canvas {
     texture: wgpu::Texture,
     painter: UiPainter,
@@ -32,13 +32,13 @@ impl Canvas {
         [self.texture.width(), self.texture.height()]
     }
 
-    /// The picture that texts are drawn over.
+    /// The image that texts are drawn over.
     pub fn set_image(&mut self, gpu: &Gpu, texture: Option<&wgpu::Texture>) -> Option<egui::TextureId> {
         self.painter.set_image(gpu, texture);
         self.painter.image()
     }
 
-    /// Paints, and reads the picture back: sRGB bytes, three a pixel.
+    /// Paints, and reads the image back: sRGB bytes, three a pixel.
     ///
     /// # Errors
     /// If the device fails.

@@ -1,4 +1,4 @@
-//! A game without a window: a script in, pictures out.
+//! A game without a window: a script in, images out.
 
 use super::canvas::Canvas;
 use super::player::Drawn;
@@ -13,12 +13,12 @@ use lightwell_runtime::writer::numbered;
 use lightwell_runtime::{progress, session};
 use std::path::PathBuf;
 
-/// Which pictures are drawn.
+/// Which images are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
     /// Size \[pixels\].
     pub size: [u32; 2],
-    /// Steps from picture to picture, at least one. Light probes are answered at each.
+    /// Steps from image to image, at least one. Light probes are answered at each.
     pub every: u64,
     /// Folder for them; none: they are drawn and not kept.
     pub folder: Option<PathBuf>,
@@ -28,9 +28,9 @@ pub struct Pictures {
 pub struct Outcome {
     /// The game as it stands.
     pub game: Game,
-    /// The last picture: size, and sRGB bytes, three a pixel.
+    /// The last image: size, and sRGB bytes, three a pixel.
     pub picture: Option<([u32; 2], Vec<u8>)>,
-    /// Number of pictures.
+    /// Number of images.
     pub count: u64,
 }
 
@@ -96,7 +96,7 @@ fn go_on(drawn: &mut Drawn, script: &InputScript, pictures: &Pictures) -> Result
     Ok((last, count))
 }
 
-/// Draws the picture with what stands over it.
+/// Draws the image with what stands over it.
 fn picture(drawn: &mut Drawn, canvas: &mut Canvas, steps: u64) -> Result<Picture> {
     let rate = drawn.game.world.ecs.resource::<Time>().rate;
     let gpu = drawn.rendering.gpu.clone();

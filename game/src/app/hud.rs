@@ -1,12 +1,12 @@
-//! Texts over the picture.
+//! Texts over the image.
 
 use bevy_ecs::prelude::{Res, Resource};
 use egui::{Align2, Color32, Context, FontId, FullOutput, LayerId, Pos2, RawInput, Rect};
 use glam::Vec2;
 use lightwell::game::Game;
 
-/// What is drawn over the picture, by systems in [`Update`](lightwell::game::Update). Lengths are percents of the
-/// picture's height, so that texts look alike at every size.
+/// What is drawn over the image, by systems in [`Update`](lightwell::game::Update). Lengths are percents of the
+/// image's height, so that texts look alike at every size.
 #[derive(Resource, Clone, Default)]
 pub struct Hud {
     context: Context,
@@ -14,7 +14,7 @@ pub struct Hud {
     trouble: Option<String>,
 }
 
-/// Height of a picture for which nothing else was said \[pixels\].
+/// Height of the image before its size is known \[pixels\].
 const USUAL: [f32; 2] = [960.0, 600.0];
 
 impl Hud {
@@ -54,7 +54,7 @@ impl Hud {
         painter.rect_filled(full, 0.3 * percent, Color32::from_rgb(r, g, b));
     }
 
-    /// Darkens the picture, 0: not at all, 1: to black.
+    /// Darkens the image, 0: not at all, 1: to black.
     pub fn shade(&self, opacity: f32) {
         let alpha = (255.0 * opacity.clamp(0.0, 1.0)).round() as u8;
         self.painter().rect_filled(self.context.viewport_rect(), 0.0, Color32::from_black_alpha(alpha));

@@ -82,7 +82,7 @@ impl Gathered {
         }
     }
 
-    /// The picture has that size \[pixels\].
+    /// The image has that size \[pixels\].
     pub fn size(&mut self, [width, height]: [u32; 2]) {
         let aspect = width.max(1) as f32 / height.max(1) as f32;
         if self.aspect != aspect {

@@ -305,7 +305,7 @@ impl App {
         Ok(game)
     }
 
-    /// Plays a script without a window, with pictures.
+    /// Plays a script without a window, with images.
     ///
     /// # Errors
     /// As [`App::simulate`], and if there is no device or a frame cannot be drawn.
@@ -317,7 +317,7 @@ impl App {
     }
 }
 
-/// Where a game without a display writes its pictures.
+/// Where a game without a display writes its images.
 fn default_folder(name: &str) -> PathBuf {
     Path::new("out").join(name)
 }

@@ -54,14 +54,14 @@ impl Drawn {
         result
     }
 
-    /// Lets the systems of a frame run; gives what they drew over the picture.
+    /// Runs the systems of a frame, and returns what they drew over the image.
     pub fn frame(&mut self, delta: f32, input: Option<RawInput>) -> (Result<(), GameError>, FullOutput) {
         let drawn = Hud::pass(&mut self.game, input, |game| game.frame(delta));
         self.follow();
         drawn
     }
 
-    /// Draws the picture. What was asked about light in the frame before is answered first.
+    /// Draws the image. Light probes of the frame before get their light first.
     ///
     /// # Errors
     /// If there is no camera, a pass fails, or the device is lost.

@@ -1,4 +1,4 @@
-//! Pictures one after the other: while one is drawn, that before it comes back from the device, and those before that
+//! Images one after the other: while one is drawn, that before it comes back from the device, and those before that
 //! are written.
 
 use crate::shot::{Shot, Taken};
@@ -9,7 +9,7 @@ use lightwell_runtime::session::Session;
 use lightwell_runtime::writer::Writer;
 use std::path::PathBuf;
 
-/// Pictures on their way into files.
+/// Images on their way into files.
 pub struct Sequence {
     writer: Writer,
     last: Option<(PathBuf, Taken)>,
@@ -29,7 +29,7 @@ impl Sequence {
     /// Draws the scene as it stands, for a file.
     ///
     /// # Errors
-    /// If the scene cannot be drawn, or an earlier picture cannot be read back or written.
+    /// If the scene cannot be drawn, or an earlier image cannot be read back or written.
     pub fn take(&mut self, path: PathBuf, shot: &Shot, session: &mut Session) -> Result<()> {
         let (taken, outcome) = shot.begin(session, &mut |_| ())?;
         if let Some(outcome) = outcome {

@@ -126,7 +126,7 @@ impl Shot {
         Ok((taken.finish(&session.gpu)?, outcome))
     }
 
-    /// The same, and does not wait for a picture of one frame to come back.
+    /// The same, and does not wait for an image of one frame to come back.
     ///
     /// # Errors
     /// As [`Shot::take`].

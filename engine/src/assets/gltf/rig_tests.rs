@@ -182,7 +182,7 @@ fn colours_and_coordinates_of_all_kinds() {
     let (mesh, material) = &model.nodes[0].primitives[0];
     assert_eq!((material.uv.base_color.set, material.uv.normal.set), (0, 1));
     assert_eq!(material.uv.base_color.apply([[0.25, 0.5], [9.0, 9.0]]), [1.0, 2.0]);
-    // Counter-clockwise on the picture, whose v points down: (1, 0) goes to (0, −1).
+    // Counter-clockwise on the image, whose v points down: (1, 0) goes to (0, −1).
     let turned = Vec2::from(material.uv.normal.apply([[9.0, 9.0], [1.0, 0.0]]));
     assert!(turned.abs_diff_eq(Vec2::new(0.0, -1.0), 1e-6), "{turned}");
     let at = |position: [f32; 3]| mesh.vertices.iter().position(|v| v.position == position).unwrap();

@@ -40,13 +40,13 @@ pub enum InputEvent {
     Release(Button),
     /// A stick moved to a position, −1 to 1.
     Move(Stick, f32),
-    /// The pointer is at a place in the picture, both 0 to 1 from the upper left corner.
+    /// The pointer is at a place in the image, both 0 to 1 from the upper left corner.
     Point(f32, f32),
     /// The mouse moved \[pixels\], to the right and down.
     Motion(f32, f32),
     /// The wheel turned \[lines\], up.
     Wheel(f32),
-    /// The picture has another shape: its width over its height.
+    /// The aspect ratio of the image has changed: its width over its height.
     Aspect(f32),
 }
 
@@ -67,7 +67,7 @@ pub struct Input {
     aspect: Option<f32>,
 }
 
-/// Width over height of a picture that nobody spoke of.
+/// Width over height until the size of the image is known.
 const USUAL_ASPECT: f32 = 1.6;
 
 impl Input {
@@ -132,7 +132,7 @@ impl Input {
         Vec2::new(self.axis(x), self.axis(y)).clamp_length_max(1.0)
     }
 
-    /// Where the pointer is in the picture, both 0 to 1 from the upper left corner.
+    /// Where the pointer is in the image, both 0 to 1 from the upper left corner.
     pub fn pointer(&self) -> Vec2 {
         self.pointer
     }

@@ -60,7 +60,7 @@ fn collect(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
         let [width, height] = frame.view.size.map(|edge| edge as f32);
         let depth = 0.2 * frame.bounds.size().length().max(1.0);
         let eye = frame.view.camera.world_from_view;
-        // From the place of the eye itself its pyramid would be the frame of the picture.
+        // Seen from the eye itself, its pyramid would be a frame around the image.
         let others = scene.cameras.iter().filter(|camera| !camera.world_from_view.abs_diff_eq(eye, 1e-4));
         lines.extend(others.flat_map(|camera| shapes::camera_lines(camera, width / height.max(1.0), depth)));
     }

@@ -5,7 +5,7 @@ use lightwell::graph::{Graph, Handle, Texture, TextureDesc};
 use lightwell::render::Picture;
 use wgpu::{TextureFormat, TextureUsages};
 
-/// Declares the pass; the result is the picture's radiance at dusk.
+/// Declares the pass; the result is the image's radiance at dusk.
 pub fn declare(graph: &mut Graph, picture: &Picture) -> Handle<Texture> {
     let ([width, height], radiance) = (picture.size, picture.radiance);
     let usage = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING;

@@ -24,7 +24,7 @@ fn err(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Writes a picture of one colour, and gives its path.
+/// Writes an image of one colour, and gives its path.
 fn picture(folder: &Path, name: &str, size: [u32; 2], color: [f32; 3]) -> PathBuf {
     let path = folder.join(name);
     write_image(&path, &Image::filled(size[0], size[1], color)).unwrap();

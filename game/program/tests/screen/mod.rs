@@ -188,7 +188,7 @@ impl<'a> Window<'a> {
         }
     }
 
-    /// Keeps a picture of the screen to look at, if `LIGHTWELL_TEST_PICTURES` names a folder.
+    /// Keeps an image of the screen to look at, if `LIGHTWELL_TEST_PICTURES` names a folder.
     pub fn keep(&self, name: &str) {
         let Some(folder) = std::env::var_os("LIGHTWELL_TEST_PICTURES").map(PathBuf::from) else { return };
         std::fs::create_dir_all(&folder).unwrap();
@@ -257,7 +257,7 @@ impl<'a> Window<'a> {
         self.widgets().into_iter().rev().find(|(_, known)| known == name).unwrap().0
     }
 
-    /// The picture as the screen shows it.
+    /// The image as the screen shows it.
     pub fn shot(&self) -> Image {
         let Place([left, top, right, bottom]) = self.place("Picture");
         let area = format!("{}x{}+{left}+{top}", right - left, bottom - top);
@@ -266,14 +266,14 @@ impl<'a> Window<'a> {
         read_image(&file).unwrap()
     }
 
-    /// The picture once it is as wanted and has stood still for some seconds; the last one if that never comes.
+    /// The image once it is as wanted and has stood still for some seconds; the last one if that never comes.
     pub fn picture(&self, is_wanted: impl Fn(&Image) -> bool) -> Image {
         let start = Instant::now();
         let (mut last, mut still) = (self.shot(), 0);
         while (still < 4 || !is_wanted(&last)) && start.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(800));
             let now = self.shot();
-            // A picture that is being drawn is not that of the last change.
+            // An image that is being drawn is not that of the last change.
             let is_busy = self.widgets().iter().any(|(_, name)| name.starts_with("drawing"));
             still = if now == last && !is_busy { still + 1 } else { 0 };
             last = now;
@@ -294,7 +294,7 @@ impl Drop for Window<'_> {
     }
 }
 
-/// Mean difference of two pictures, over all pixels and channels.
+/// Mean difference of two images, over all pixels and channels.
 pub fn difference(a: &Image, b: &Image) -> f64 {
     let sum: f64 = a.values().zip(b.values()).map(|(a, b)| f64::from(a - b).abs()).sum();
     sum / (3 * a.pixels().len()) as f64

@@ -1,4 +1,4 @@
-//! Errors against the reference, and the pictures that show them.
+//! Errors against the reference, and the images that show them.
 
 use super::fixture::{Fixture, Light};
 use super::picture;
@@ -51,10 +51,10 @@ pub fn mean(halves: &[Image; 2]) -> Image {
     mean
 }
 
-/// Takes the errors of one variant, the scene being at that time, and writes its pictures below `folder`.
+/// Takes the errors of one variant, the scene being at that time, and writes its images below `folder`.
 ///
 /// # Errors
-/// If it cannot be drawn, or holds NaN, or a picture cannot be written.
+/// If it cannot be drawn, or holds NaN, or an image cannot be written.
 pub fn measure(
     fixture: &mut Fixture,
     runner: usize,

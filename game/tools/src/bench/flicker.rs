@@ -162,13 +162,13 @@ impl Sums {
     }
 }
 
-/// Measures the flicker of indirect light of some variants, and draws it into pictures below `folder`. The change beyond
+/// Measures the flicker of indirect light of some variants, and draws it into images below `folder`. The change beyond
 /// the reference's own is sqrt(mean((Δa − Δr₁)·(Δa − Δr₂))) / mean(r), where Δ is the difference of successive frames and
 /// r₁, r₂ are the reference's two halves, whose noise cancels; trembling is the same of second differences over √3. Frames are
 /// single ones, and beside them such as are averaged over shifts by parts of a pixel, whose edges do not jump.
 ///
 /// # Errors
-/// If a frame cannot be drawn or traced, or a picture not be written.
+/// If a frame cannot be drawn or traced, or an image not be written.
 pub fn measure(
     fixture: &mut Fixture,
     which: &[usize],

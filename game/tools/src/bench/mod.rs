@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! plan (scenes × variants × tasks) ─ fixture (a scene on the device) ─ timing, error, flicker, throughput
-//!                                                                └─ results.json ─ report.md, plots, pictures
+//!                                                                └─ results.json ─ report.md, plots, images
 //! ```
 //! With `--rooms` the scenes are random rooms, and errors over many of them are what counts: see `rooms`.
 //! Every measurement has a key of all that it depends on. One that `results.json` holds already is not taken again.

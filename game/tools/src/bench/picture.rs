@@ -1,4 +1,4 @@
-//! Pictures for the report: method, reference and difference side by side; rows of a sweep.
+//! Images for the report: method, reference and difference side by side; rows of a sweep.
 
 use super::plot;
 use anyhow::{Context, Result};
@@ -13,7 +13,7 @@ const GAP: u32 = 8;
 const LINE: u32 = 24;
 const PAPER: u8 = 255;
 
-/// A picture of 8-bit sRGB.
+/// An image of 8-bit sRGB.
 pub struct Canvas {
     size: [u32; 2],
     rgb: Vec<u8>,
@@ -47,7 +47,7 @@ impl Canvas {
         plot::text(&mut self.rgb, self.size, [at[0] as i32, at[1] as i32], text)
     }
 
-    /// Writes the picture as a PNG, making its folder.
+    /// Writes the image as a PNG, making its folder.
     ///
     /// # Errors
     /// If it cannot be written.

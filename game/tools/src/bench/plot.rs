@@ -49,7 +49,7 @@ fn wrong<E: std::fmt::Display>(error: E) -> anyhow::Error {
     anyhow!("a plot could not be drawn: {error}")
 }
 
-/// Writes a line of text into a picture, its upper left corner there.
+/// Writes a line of text into an image, its upper left corner there.
 ///
 /// # Errors
 /// If the text cannot be drawn.
@@ -70,7 +70,7 @@ pub fn text_width(text: &str) -> Result<u32> {
     Ok((high.0 - low.0).unsigned_abs())
 }
 
-/// Draws into an empty picture and writes it.
+/// Draws into an empty image and writes it.
 fn drawn(path: &Path, draw: impl FnOnce(&Area) -> Result<()>) -> Result<()> {
     fonts()?;
     let mut rgb = vec![255; 3 * (SIZE[0] * SIZE[1]) as usize];

@@ -21,7 +21,7 @@ const DRAWN: f64 = 0.6;
 /// Size and samples of the measurement of paths a second.
 const THROUGHPUT: ([u32; 2], u32, u32) = ([128, 128], 32, 5);
 
-/// Takes the measurements that are missing, and writes results, report, plots and pictures; gives the report's path.
+/// Takes the measurements that are missing, and writes results, report, plots and images; gives the report's path.
 ///
 /// # Errors
 /// If a scene cannot be loaded or drawn, or a file not be written.

@@ -92,7 +92,7 @@ pub struct BenchArgs {
     pub label: String,
     /// Measure errors over N random rooms in place of scenes: the default settings as a single image and as an average, and
     /// the volumes alone, or what --method and --variant name. Writes rooms.json, rooms.md with the distribution of errors,
-    /// each room as a scene, and pictures of the worst
+    /// each room as a scene, and images of the worst
     #[arg(
         long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
         conflicts_with_all = [

@@ -31,7 +31,7 @@ pub struct CompareArgs {
     /// Metrics to print
     #[arg(long, value_enum, value_delimiter = ',', default_value = "nrmse,rmse,bias,p95,flip")]
     pub metric: Vec<Metric>,
-    /// Write a picture of the signed difference: red too bright, blue too dark, full colour at mean(r)
+    /// Write an image of the signed difference: red too bright, blue too dark, full colour at mean(r)
     #[arg(long, value_name = "OUT.{png,exr}", value_parser = parse_output)]
     pub difference: Option<PathBuf>,
     /// Write image, reference and difference side by side, the first two exposed and tone mapped alike

@@ -15,7 +15,7 @@ pub struct ExplainArgs {
     /// Time in seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]
     pub time: f64,
-    /// Choices that change the picture.
+    /// Choices that change the image.
     #[command(flatten)]
     pub look: LookArgs,
 }

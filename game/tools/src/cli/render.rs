@@ -42,7 +42,7 @@ pub struct RenderArgs {
     /// Frames of the scene's clock, from A up to but without B
     #[arg(long, value_name = "A..B", value_parser = parse_frames)]
     pub frames: Option<Range<u64>>,
-    /// Choices that change the picture.
+    /// Choices that change the image.
     #[command(flatten)]
     pub look: LookArgs,
     /// Path tracing: keep the half-done image in FILE, and go on from there if the work is interrupted

@@ -31,7 +31,7 @@ pub struct TestArgs {
     /// Write the golden images that are missing or do not match
     #[arg(long, conflicts_with = "list")]
     pub bless: bool,
-    /// Folder for pictures of what fails
+    /// Folder for images of what fails
     #[arg(short, long, value_name = "DIR", default_value = "out/tests")]
     pub output: PathBuf,
     /// Number of tests that run side by side [default: by cores and free memory]

@@ -6,7 +6,7 @@ use anyhow::Result;
 use lightwell_runtime::cli::Common;
 use lightwell_runtime::say;
 
-/// Runs the measurements that are missing, and writes results, report, plots and pictures.
+/// Runs the measurements that are missing, and writes results, report, plots and images.
 ///
 /// # Errors
 /// If a scene cannot be loaded or drawn, or a file not be written.

@@ -6,7 +6,7 @@ use lightwell::measure::{self, Comparison, Image};
 use lightwell_runtime::say;
 use std::process::ExitCode;
 
-/// Prints the metrics and writes the difference picture; exit code 1 past a bound.
+/// Prints the metrics and writes the difference image; exit code 1 past a bound.
 ///
 /// # Errors
 /// If an image cannot be read or the two cannot be compared.

@@ -257,7 +257,7 @@ impl SceneTest {
         Ok(test)
     }
 
-    /// The choices that change the picture, as the command line has them.
+    /// The choices that change the image, as the command line has them.
     pub fn look(&self) -> LookArgs {
         let sets = self.set.iter().filter_map(|text| parse_assignment(text).ok()).collect();
         let Traced { samples, bounces, seed } = self.trace;

@@ -1,4 +1,4 @@
-//! Images against what they should look like, and pictures of where they do not.
+//! Comparison of images with what a test expects, and images of the differences.
 
 use super::document::{ErrorBounds, Golden};
 use anyhow::{Context, Result};
@@ -7,18 +7,18 @@ use lightwell::measure::{
 };
 use std::path::{Path, PathBuf};
 
-/// Where the pictures of a failure go.
+/// Where the images of a failure go.
 pub struct Pictures {
     folder: PathBuf,
     /// The prefix of their names.
     stem: String,
 }
 
-/// Endings of the pictures' names.
+/// Endings of the images' names.
 const KINDS: [&str; 6] = ["actual.png", "actual.exr", "expected.png", "expected.exr", "difference.png", "figure.png"];
 
 impl Pictures {
-    /// Pictures of that name; those of an earlier run are removed, so that none outlives its failure.
+    /// Images of that name; those of an earlier run are removed, so that none outlives its failure.
     pub fn new(folder: &Path, stem: String) -> Self {
         let pictures = Self { folder: folder.to_owned(), stem };
         for kind in KINDS {
@@ -32,7 +32,7 @@ impl Pictures {
         self.folder.join(format!("{}.{kind}", self.stem))
     }
 
-    /// Writes pictures and gives a sentence that names them.
+    /// Writes images and gives a sentence that names them.
     fn write(&self, pictures: &[(&str, &Image)]) -> Result<String> {
         let mut names = Vec::new();
         for (kind, image) in pictures {
@@ -146,7 +146,7 @@ pub struct Expected {
 /// free of the reference's noise.
 ///
 /// # Errors
-/// If a picture cannot be written.
+/// If an image cannot be written.
 pub fn check_errors(
     actual: &Image,
     expected: &Expected,
@@ -214,7 +214,7 @@ fn broken_bounds(comparison: &Comparison, bounds: &ErrorBounds, noise: Option<f6
 /// Bits that differ between two runs, in words.
 ///
 /// # Errors
-/// If a picture cannot be written.
+/// If an image cannot be written.
 pub fn check_equal(first: &Image, second: &Image, pictures: &Pictures) -> Result<Option<String>> {
     let Some(([x, y], count)) = first.first_bit_difference(second) else { return Ok(None) };
     let see = pictures.write_radiance(second, first)?;

@@ -165,7 +165,7 @@ fn shown(image: &Image) -> Image {
     shown
 }
 
-/// What each golden image is there for: a black picture, one a few pixels aside and one of 1.1 times the light are found.
+/// What each golden image is there for: a black image, one a few pixels aside and one of 1.1 times the light are found.
 #[test]
 fn every_golden_tells_black_shifted_and_brighter_pictures() {
     let dir = tempfile::tempdir().unwrap();

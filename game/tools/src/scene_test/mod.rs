@@ -59,7 +59,7 @@
 //!   an image of one second later, where there is one time alone), gives the same bits. So an image depends neither on chance nor on what was drawn before it.
 //!
 //! That no pixel is NaN or infinite is always checked. Where something fails, the actual, the expected and the
-//! difference picture are written and named. A test whose scene needs a third-party model that is not there, or whose
+//! difference image are written and named. A test whose scene needs a third-party model that is not there, or whose
 //! reference lies in a folder that is not given, is skipped with the reason, unless something else in it fails.
 
 mod count;

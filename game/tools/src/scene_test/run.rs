@@ -25,7 +25,7 @@ pub struct Options {
     pub common: Common,
     /// Keep what is drawn as golden images.
     pub bless: bool,
-    /// Folder of the pictures of failures.
+    /// Folder of the images of failures.
     pub output: PathBuf,
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const GAP: u32 = 10;
 /// Height of a line of text [pixels].
 const LINE: u32 = 19;
-/// Lines below a picture: its name and what there is to say.
+/// Lines below an image: its name and what there is to say.
 const LINES: u32 = 2;
 /// Longest edge of a sheet [pixels], so that it can be looked at as a whole.
 const MAX_EDGE: u32 = 1800;

@@ -13,7 +13,7 @@
 //!
 //! | fault | test |
 //! |---|---|
-//! | disk full while a picture or a scene is saved | `game/program/tests/cli/faults.rs`: `a_full_disk_leaves_the_old_picture_and_says_which_file`, `a_full_disk_leaves_the_old_scene` |
+//! | disk full while an image or a scene is saved | `game/program/tests/cli/faults.rs`: `a_full_disk_leaves_the_old_picture_and_says_which_file`, `a_full_disk_leaves_the_old_scene` |
 //! | read-only place | `faults.rs`: `where_nothing_may_be_written_a_save_says_so` |
 //! | a file vanishes, or is half there, while it is loaded | `faults.rs`: `a_file_that_vanishes_while_it_is_loaded_is_named` |
 //! | killed while saving | `engine/tests/interfaces/kill.rs`: `a_kill_in_the_middle_of_a_save_loses_nothing`; of the window `game/program/tests/window.rs`: `a_scene_is_opened_edited_undone_saved_and_survives_a_kill` |

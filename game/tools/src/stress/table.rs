@@ -1,4 +1,4 @@
-//! The worst deviation of each invariant with each method, as text and as a picture.
+//! The worst deviation of each invariant with each method, as text and as an image.
 
 use super::invariant::Invariant;
 use super::setup::Method;
@@ -94,7 +94,7 @@ impl Table {
         format!("{mark}{} / {}", short(worst.deviation), short(bound))
     }
 
-    /// Writes the picture: green within the bound, the paler the closer to it, red beyond.
+    /// Writes the image: green within the bound, the paler the closer to it, red beyond.
     ///
     /// # Errors
     /// If it cannot be written.

@@ -150,7 +150,7 @@ fn words(all: &[&Flicker]) -> Vec<String> {
     words
 }
 
-/// The pictures of those that are drawn.
+/// The images of those that are drawn.
 fn pictures(results: &Results) -> String {
     let traced = |name: &str| results.variants.iter().any(|variant| variant.name == name && variant.traced);
     let mut text = String::new();

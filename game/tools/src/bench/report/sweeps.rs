@@ -28,7 +28,7 @@ fn points<'a>(results: &'a Results, scene: &str, axis: &str) -> Vec<(f64, Fact<'
     points
 }
 
-/// Draws the curves and the rows of pictures.
+/// Draws the curves and the rows of images.
 ///
 /// # Errors
 /// If a file cannot be read or written.

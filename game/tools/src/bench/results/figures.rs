@@ -159,7 +159,7 @@ pub struct ErrorFigures {
     pub direct: LayerError,
     /// Indirect light.
     pub indirect: LayerError,
-    /// Pictures, relative to the folder of the results.
+    /// Images, relative to the folder of the results.
     pub pictures: Vec<String>,
 }
 
@@ -202,7 +202,7 @@ pub struct Flicker {
     /// The change, where each frame is averaged over shifts by parts of a pixel.
     #[serde(default)]
     pub smooth: Option<f64>,
-    /// The picture of it, relative to the folder of the results.
+    /// The image of it, relative to the folder of the results.
     #[serde(default)]
     pub picture: Option<String>,
 }

@@ -54,7 +54,7 @@ use std::path::{Path, PathBuf};
 const SIZE: [u32; 2] = [128; 2];
 /// Most samples a pixel of a reference, if not said.
 const MOST_SAMPLES: u32 = 4096;
-/// Worst rooms of each method that are kept with their pictures.
+/// Worst rooms of each method that are kept with their images.
 const WORST: usize = 10;
 
 /// File name of a room.
@@ -67,12 +67,12 @@ fn worst_scene(index: u64) -> String {
     format!("worst/{}", scene_file(index))
 }
 
-/// The picture of one of the worst rooms, relative to the folder of the results.
+/// The image of one of the worst rooms, relative to the folder of the results.
 fn worst_picture(index: u64, method: &str) -> String {
     format!("worst/{}.png", picture::file_name(&format!("room_{index:04}_{method}")))
 }
 
-/// Measures the rooms that are missing, and writes `rooms.json`, `rooms.md`, all rooms as scenes and pictures of the worst;
+/// Measures the rooms that are missing, and writes `rooms.json`, `rooms.md`, all rooms as scenes and images of the worst;
 /// gives the report's path, or with `--list` that of the scenes.
 ///
 /// # Errors
@@ -167,7 +167,7 @@ fn in_a_line(measured: &Measured) -> String {
     )
 }
 
-/// Writes scene and pictures of a room that is among the worst, and removes those of rooms that are no more.
+/// Writes scene and images of a room that is among the worst, and removes those of rooms that are no more.
 fn keep_worst(folder: &Path, figures: &Figures, judged: &[Judged], measured: &Measured, scene: &str) -> Result<()> {
     let own = measured.figures.facts.index;
     let mut kept = Vec::new();
