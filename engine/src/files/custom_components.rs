@@ -1,97 +1,24 @@
 //! Components of a game in scene files: `components: {"Coin": (value: 5)}`.
 //!
 //! A game registers its types in [`ComponentTypes`], which travels with [`LoadOptions`](super::LoadOptions) and then
-//! with the world. What such a type looks like in a file is said by `serde`, and what it means by its documentation
-//! comments: both come with `#[derive(SceneData)]`.
+//! with the world. `serde` defines the form of such a type in files, and its documentation comments are the help of the
+//! inspector: both come with `#[derive(SceneData)]`.
 
-use super::document::{Document, ron_options};
-use super::error::{FileError, FileErrorKind as Kind};
-use super::format::{EntityFile, OverrideFile};
-use super::suggest::suggestion;
-use super::tree::{Node, Step};
+use super::document::ron_options;
+use super::scene_data::{SceneData, TypeNote};
+use super::tree::Node;
 use crate::world::fields::{FieldType, FieldTypes, rest_text};
 use bevy_ecs::component::Component;
 use bevy_ecs::prelude::{Entity, Resource, World};
 use ron::error::SpannedError;
 use ron::value::RawValue;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::any::TypeId;
 use std::collections::BTreeMap;
 
-pub use lightwell_derive::SceneData;
-
-/// Data that scene files can hold and an inspector can show: implemented by `#[derive(SceneData)]`, for components of a
-/// game, for resources that are saved with it, and for types of their fields.
-///
-/// Documentation comments become the help of the inspector. A unit in brackets, `\[m\]` or `\[degrees\]`, and a range,
-/// `0 to 10` or `0..1`, are understood as such.
-///
-/// ```
-/// use bevy_ecs::prelude::Component;
-/// use lightwell::files::SceneData;
-///
-/// /// Gives points to who collects it.
-/// #[derive(Component, SceneData, Clone, Default)]
-/// struct Coin {
-///     /// Points, 0 to 100.
-///     value: u32,
-/// }
-/// ```
-///
-/// Without the derive a type is refused by the compiler, with what to add:
-///
-/// ```compile_fail,E0277
-/// #[derive(bevy_ecs::prelude::Component, Clone, Default)]
-/// struct Bare;
-///
-/// lightwell::game::Game::new().add_component::<Bare>();
-/// ```
-///
-/// So is a generic type, which would be many under one name:
-///
-/// ```compile_fail
-/// use lightwell::files::SceneData;
-///
-/// #[derive(SceneData, Clone, Default)]
-/// struct Pair<T>(T, T);
-/// ```
-#[diagnostic::on_unimplemented(
-    message = "`{Self}` cannot stand in scene files",
-    note = "add `#[derive(SceneData)]` to it, next to `Component` (or `Resource`), `Clone` and `Default`"
-)]
-pub trait SceneData: Serialize + DeserializeOwned + 'static {
-    /// The name in files.
-    const NAME: &'static str;
-
-    /// Adds what the comments say of the type, its fields, and theirs.
-    fn describe(notes: &mut Vec<TypeNote>);
-}
-
-/// The documentation of a type, a field or a variant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TypeNote {
-    /// `Type`, `Type.field`, `Enum.Variant` or `Enum.Variant.field`.
-    pub key: &'static str,
-    /// The comment.
-    pub help: &'static str,
-}
-
-macro_rules! as_its_content {
-    ($($container:ty),*) => {
-        $(impl<T: SceneData> SceneData for $container {
-            const NAME: &'static str = T::NAME;
-            fn describe(notes: &mut Vec<TypeNote>) {
-                T::describe(notes);
-            }
-        })*
-    };
-}
-as_its_content!(Option<T>, Vec<T>, Box<T>);
-
 /// A value of a game's component as it is written, which only the game can read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct CustomValue(String);
+pub struct CustomValue(pub(super) String);
 
 impl CustomValue {
     /// Of a text in RON.
@@ -121,7 +48,7 @@ impl<'de> Deserialize<'de> for CustomValue {
 pub type CustomComponents = BTreeMap<String, CustomValue>;
 
 /// Components of the engine that had another name in earlier versions, with the one that they have now.
-const RENAMED: [(&str, &str); 1] = [("Ghost", "NonSolid")];
+pub(super) const RENAMED: [(&str, &str); 1] = [("Ghost", "NonSolid")];
 
 /// The present name of a component of the engine that had another one.
 pub(super) fn present_name(old: &str) -> Option<&'static str> {
@@ -137,7 +64,8 @@ pub struct ComponentType {
     pub notes: Vec<TypeNote>,
     type_id: TypeId,
     type_name: &'static str,
-    canonical: fn(&str) -> Result<String, SpannedError>,
+    /// The text of a value as the game writes it.
+    pub(super) canonical: fn(&str) -> Result<String, SpannedError>,
     starter: fn() -> Result<String, ron::Error>,
     put: fn(&str, &mut World, Entity) -> Result<(), SpannedError>,
     text: fn(&World, Entity) -> Option<Result<String, ron::Error>>,
@@ -316,85 +244,4 @@ impl ComponentTypes {
         let parse = |known: &ComponentType| Some((known.name, Node::parse(&known.starter().ok()?)));
         self.iter().filter_map(parse).collect()
     }
-}
-
-/// Reads the components of a game in a file's entities once, and leaves them as the game writes them: equal values are
-/// equal texts from then on.
-pub(super) struct Canonical<'a> {
-    pub types: &'a ComponentTypes,
-    pub document: &'a Document,
-    /// Nothing is logged: the file was read before.
-    pub is_quiet: bool,
-}
-
-type Checked = Result<(), Box<FileError>>;
-
-impl Canonical<'_> {
-    /// All entities of a list.
-    pub fn entities(&self, entities: &mut [EntityFile], at: &[Step]) -> Checked {
-        for (index, entity) in entities.iter_mut().enumerate() {
-            self.entity(entity, &with(at, Step::Index(index)))?;
-        }
-        Ok(())
-    }
-
-    /// An entity with all below it.
-    pub fn entity(&self, entity: &mut EntityFile, at: &[Step]) -> Checked {
-        self.components(&mut entity.components, at)?;
-        for (path, patch) in &mut entity.overrides {
-            let at = with(&with(at, Step::Key("overrides".into())), Step::Key(path.clone()));
-            self.patch(patch, &at)?;
-        }
-        self.entities(&mut entity.children, &with(at, Step::Key("children".into())))
-    }
-
-    /// The overrides of an instance.
-    pub fn patch(&self, patch: &mut OverrideFile, at: &[Step]) -> Checked {
-        self.components(&mut patch.components, at)?;
-        self.entities(&mut patch.children, &with(at, Step::Key("children".into())))
-    }
-
-    fn components(&self, components: &mut CustomComponents, at: &[Step]) -> Checked {
-        let at = with(at, Step::Key("components".into()));
-        self.rename(components);
-        for (name, value) in components {
-            let at = with(&at, Step::Key(name.clone()));
-            match self.types.get(name) {
-                Some(known) => match (known.canonical)(value.text()) {
-                    Ok(text) => value.0 = text,
-                    Err(error) => return Err(Box::new(self.document.inner_error(&at, value.text(), error))),
-                },
-                None if self.types.is_complete => return Err(Box::new(self.unknown(name, &at))),
-                None if self.is_quiet => {}
-                None => log::warn!("`{name}` is no component that this program knows; it is kept as it is written"),
-            }
-        }
-        Ok(())
-    }
-
-    /// Gives components of older files the names that they have now; where a game's own types are not known, any of them
-    /// may have the old name.
-    fn rename(&self, components: &mut CustomComponents) {
-        let is_old = |(old, new): &(&str, &str)| self.types.get(old).is_none() && self.types.get(new).is_some();
-        for (old, new) in RENAMED.into_iter().filter(|pair| self.types.is_complete && is_old(pair)) {
-            if let Some(value) = components.remove(old) {
-                if !self.is_quiet {
-                    log::info!("the component `{old}` is called `{new}` now");
-                }
-                components.entry(new.to_owned()).or_insert(value);
-            }
-        }
-    }
-
-    fn unknown(&self, name: &str, at: &[Step]) -> FileError {
-        let message = format!("the game has no component `{name}`");
-        let register = format!("register it before the scene is loaded: `.component::<{name}>()`");
-        let near = suggestion(name, self.types.iter().map(|known| known.name));
-        let help = near.map_or(register.clone(), |near| format!("{near} Or {register}"));
-        self.document.error(at, Kind::UnknownName, message).with_help(help)
-    }
-}
-
-fn with(at: &[Step], step: Step) -> Vec<Step> {
-    at.iter().cloned().chain([step]).collect()
 }

@@ -1,7 +1,7 @@
 //! The context of edits of a loaded world: assets, the scene file, and a loader that borrows the world.
 
 use super::LoadOptions;
-use super::custom_components::Canonical;
+use super::canonical::Canonical;
 use super::document::Document;
 use super::error::FileError;
 use super::load::{Context, Loader};

@@ -1,7 +1,8 @@
 //! From files to a world: prefabs are put in, overrides applied, assets loaded, entities spawned.
 
 use super::LoadOptions;
-use super::custom_components::{Canonical, ComponentTypes};
+use super::canonical::Canonical;
+use super::custom_components::ComponentTypes;
 use super::document::Document;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;

@@ -37,6 +37,7 @@
 //! names the model. Nor are values that were changed for this run alone ([`override_values`]).
 
 mod apply;
+mod canonical;
 mod convert;
 mod custom_components;
 mod describe;
@@ -64,6 +65,7 @@ mod rewrite;
 mod save;
 mod save_as;
 mod scan;
+mod scene_data;
 mod source;
 mod spawn;
 mod steps;
@@ -99,6 +101,7 @@ pub use repeat::{MAX_COPIES, Repeat};
 pub use replace::replace_file;
 pub use save::save_scene;
 pub use save_as::{rewrite_paths, save_scene_as};
+pub use scene_data::*;
 pub use source::{Origin, SceneInfo, Source};
 pub use suggest::suggestion;
 pub use temporary_files::remove_leftovers;

@@ -1,6 +1,7 @@
 //! A file's new text out of the one that is there.
 
-use super::custom_components::{Canonical, ComponentTypes};
+use super::canonical::Canonical;
+use super::custom_components::ComponentTypes;
 use super::document::{Document, ron_options};
 use super::format::{EntityFile, PrefabFile, SceneFile};
 use super::preserve::edited;
