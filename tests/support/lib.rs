@@ -26,7 +26,7 @@ pub struct Stage {
     gpu: Gpu,
     world: GameWorld,
     extractor: Extractor,
-    /// What the renderer sees.
+    /// The scene as the renderer sees it.
     pub scene: Scene,
     renderer: Renderer,
     size: [u32; 2],
@@ -84,7 +84,7 @@ impl Stage {
         self.read(self.renderer.display())
     }
 
-    /// What draws it, with what it kept of the last frame.
+    /// The renderer, with what it kept of the last frame.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }

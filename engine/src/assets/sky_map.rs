@@ -25,7 +25,7 @@ pub struct SkyMap {
     pub texels: Vec<Vec3>,
     /// How far the map is turned about the vertical, counter-clockwise seen from above \[rad\].
     pub turn: f32,
-    /// What [`SkyMap::around`] was asked, and its answers.
+    /// Arguments and results of the calls of [`SkyMap::around`].
     around: Mutex<Vec<(Vec<Vec3>, Vec<Vec3>)>>,
 }
 

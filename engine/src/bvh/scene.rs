@@ -11,7 +11,7 @@ use crate::scene::{Primitive, Scene};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// What a ray is for, which decides what it can meet.
+/// The purpose of a ray, which decides what it can hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
     /// What the camera sees: everything but the backs of single-sided surfaces, as when drawn by triangles.
@@ -31,7 +31,7 @@ pub struct SceneHit {
     pub barycentric: [f32; 2],
 }
 
-/// What the last [`SceneBvh::update`] did.
+/// The work of the last [`SceneBvh::update`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Updated {
     /// Nothing had changed.

@@ -92,7 +92,7 @@ impl Overridden {
         self.settings.as_ref().map(|change| change.fields(now)).unwrap_or_default()
     }
 
-    /// What asked for a change of a field: all that end like it, or else all.
+    /// The arguments that changed a field: all whose path ends like it, or else all.
     pub fn reason(&self, field: &str) -> String {
         let field = field.strip_prefix("components.").unwrap_or(field);
         let names_it = |set: &&String| {

@@ -47,7 +47,7 @@ pub(super) fn rewritten<T: Root>(base: &str, path: &Path, wanted: &T, types: &Co
     means_it.then_some(text)
 }
 
-/// What a text says, and the same as its writer would put it, defaults included.
+/// The contents of a text, and the text that its writer would write for them, defaults included.
 pub(super) fn meaning<T: Root>(text: &str, path: &Path, types: &ComponentTypes) -> Option<(T, String)> {
     let (document, file) = Document::parse::<T>(path, text.to_owned()).ok()?;
     Some((file.clone(), said(file, &document, types)?))

@@ -1,4 +1,4 @@
-//! What a game is made of besides its scenes: steps of time, input, prefabs at run time, change of scenes, questions to
+//! The parts of a game besides its scenes: steps of time, input, prefabs at run time, change of scenes, questions to
 //! the space around, and saved games. All of it is bevy's ECS: systems in three schedules, resources, messages, events
 //! and observers.
 //!

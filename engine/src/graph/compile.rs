@@ -21,7 +21,7 @@ pub struct CompileOptions {
     pub no_cache: bool,
 }
 
-/// Who wants a version first.
+/// The first consumer of a version.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum WantedBy {
     Output,

@@ -12,7 +12,7 @@ const UNMEASURED: u64 = 16;
 /// How fast the assumed speed may grow from frame to frame: the next one may see something harder.
 const MOST_GROWTH: f64 = 4.0;
 
-/// What passes cost, by their names. Where results are cut into submits changes no bit of them.
+/// Costs of passes, by their names. They decide where a frame is cut into submits, which changes no bit of the results.
 #[derive(Debug, Default)]
 pub(super) struct Costs {
     passes: HashMap<String, Cost>,

@@ -65,7 +65,7 @@ pub enum GraphError {
     StaleOutput {
         /// The output.
         resource: String,
-        /// Who overwrites it.
+        /// The pass that overwrites it.
         writer: String,
     },
     /// A pass reads a version that is gone by the time that it can run.
@@ -77,7 +77,7 @@ pub enum GraphError {
         pass: String,
         /// The resource that it reads.
         resource: String,
-        /// Who overwrites it.
+        /// The pass that overwrites it.
         writer: String,
         /// The cycle of dependencies.
         path: String,

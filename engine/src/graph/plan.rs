@@ -7,7 +7,7 @@ use super::handle::Version;
 use super::key::{Key, Recipe};
 use super::report::{PassReport, PassState, ResourceReport};
 
-/// What [`Graph::compile`](super::Graph::compile) decided. It is good for one execution, with the
+/// The result of [`Graph::compile`](super::Graph::compile). It is good for one execution, with the
 /// cache that it was compiled against.
 pub struct Plan<'a> {
     pub(super) graph: u64,

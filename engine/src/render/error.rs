@@ -1,4 +1,4 @@
-//! What can go wrong with a frame.
+//! Errors of frames.
 
 use super::rays::RayError;
 use crate::graph::GraphError;
@@ -21,7 +21,7 @@ pub enum RenderError {
     Camera {
         /// Its name.
         camera: String,
-        /// What is wrong and what would be right.
+        /// The fault and help.
         what: String,
     },
     /// A method of indirect light that the renderer does not know.
@@ -35,7 +35,7 @@ pub enum RenderError {
     /// A method of indirect light refuses its settings or the scene.
     #[error("{what}")]
     Method {
-        /// What is wrong and what would be right.
+        /// The fault and help.
         what: String,
         /// Why, where there is more to say.
         source: Option<Box<dyn std::error::Error + Send + Sync>>,

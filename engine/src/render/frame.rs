@@ -27,7 +27,7 @@ pub(crate) struct ViewUniform {
 pub struct Kept {
     /// Name of the pass that makes it. If that is skipped, nothing is kept.
     pub pass: &'static str,
-    /// What the result is of: equal numbers, equal layout and contents.
+    /// The state that the result is of: equal numbers, equal layout and contents.
     pub state: [u64; 2],
 }
 
@@ -56,7 +56,7 @@ pub struct Frame<'a> {
     pub probes: &'a [ProbePoint],
     /// How the views of the last frame were drawn.
     pub views: &'a Views,
-    /// What the method's [`keeps`](super::indirect::IndirectMethod::keeps) said in the frame before, if that can be gone on with.
+    /// What the method [kept](super::indirect::IndirectMethod::keeps) of the frame before, if this one may continue from it.
     pub kept: Option<Kept>,
     /// The frames before, whose light this one's is averaged with.
     pub(in crate::render) history: &'a History,
@@ -98,7 +98,7 @@ impl Frame<'_> {
         (self.view.clip_from_world().to_cols_array().map(f32::to_bits), self.view.size)
     }
 
-    /// What the camera sees.
+    /// The view volume of the camera.
     pub fn frustum(&self) -> Frustum {
         Frustum::new(&self.view.clip_from_world())
     }
@@ -108,7 +108,7 @@ impl Frame<'_> {
         gpu.uniform("view", &self.view_values())
     }
 
-    /// What stands in that buffer.
+    /// The contents of that buffer.
     pub(super) fn view_values(&self) -> ViewUniform {
         ViewUniform {
             clip_from_world: self.view.clip_from_world(),

@@ -26,7 +26,7 @@ use super::transparency::blend::{self, Source};
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
 
-/// What a frame has before it is shown.
+/// Results of a frame before it is shown.
 pub(super) struct Drawn {
     pub gbuffer: GBuffer,
     pub radiance: Handle<Texture>,

@@ -109,7 +109,7 @@ impl<T> InTurns<T> {
 /// The inputs of a frame.
 #[derive(Clone, Copy, PartialEq)]
 struct Seen {
-    /// What must be the same for two frames to have anything to do with each other.
+    /// Equal in two frames that show the same subject: else nothing of the earlier one is of use.
     subject: u64,
     /// Anything that light depends on.
     light: u64,
@@ -120,7 +120,7 @@ struct Seen {
 }
 
 pub(crate) struct Target {
-    /// What a white surface reflects [W/(m² sr)], and how many frames are in it: rgba32uint, see `accumulate.wgsl`.
+    /// Radiance that a white surface reflects [W/(m² sr)], and the number of frames in it: rgba32uint, see `accumulate.wgsl`.
     pub light: wgpu::TextureView,
     /// Depth and normal, and how much a frame's light deviates.
     pub surface: wgpu::TextureView,
@@ -295,7 +295,7 @@ fn hash_of(value: impl Hash) -> u64 {
     hasher.finish()
 }
 
-/// What must be the same for two frames to have anything to do with each other.
+/// Equal in two frames that show the same subject: else nothing of the earlier one is of use.
 fn subject(scene: &Scene, view: &SceneView, settings: &RenderSettings, shaders: u64) -> u64 {
     // Where the origin moves, places of before mean nothing.
     let origin = scene.origin.to_array().map(f64::to_bits);

@@ -18,7 +18,7 @@ impl GiMethod {
     }
 }
 
-/// What a path tracer computes.
+/// Settings of the path tracer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct TraceSettings {
     /// Indirect bounces: the rays that go on after the surface that the camera sees. None: unlimited (Russian roulette
@@ -31,7 +31,7 @@ pub struct TraceSettings {
 /// Settings of a path-traced image that is shown as a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ReferenceSettings {
-    /// What is traced.
+    /// The light that is traced.
     pub trace: TraceSettings,
     /// Samples a pixel of the finished image.
     pub samples: u32,
@@ -45,7 +45,7 @@ impl Default for ReferenceSettings {
     }
 }
 
-/// What the image shows.
+/// The light that an image shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Layer {
     /// All light [W/(m² sr)].
@@ -90,9 +90,9 @@ pub enum ToneMap {
 /// The reference beside the drawn image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
-    /// What is traced, and how far.
+    /// The light that is traced, and how far.
     pub reference: ReferenceSettings,
-    /// What the display image shows of it.
+    /// The part of it that the display image shows.
     pub shown: Shown,
 }
 
@@ -117,7 +117,7 @@ pub struct DisplaySettings {
     pub auto_exposure: bool,
 }
 
-/// What tells an edge of the image that is smoothed (thesis 5.7).
+/// How edges for morphological anti-aliasing are found (thesis 5.7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MlaaEdges {
     /// Colours as displayed: all edges that show, those within textures too.
@@ -134,9 +134,9 @@ pub enum MlaaEdges {
 pub struct RenderSettings {
     /// Method of indirect light.
     pub gi: GiMethod,
-    /// What the path tracer traces where it is the method.
+    /// Settings of the path tracer where it is the method.
     pub reference: ReferenceSettings,
-    /// What the image shows.
+    /// The light that the image shows.
     pub only: Layer,
     /// Display exposure as a power of two. Never touches the radiance image.
     pub exposure: f32,
@@ -153,7 +153,7 @@ pub struct RenderSettings {
     pub display: bool,
     /// Smooth the edges of the display image (morphological anti-aliasing). Never touches the radiance image.
     pub mlaa: bool,
-    /// What tells those edges. A path-traced frame has colours alone.
+    /// How those edges are found. A path-traced frame has colours alone.
     pub mlaa_edges: MlaaEdges,
     /// How the display image is made.
     pub show: DisplaySettings,

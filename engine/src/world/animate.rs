@@ -29,8 +29,8 @@ pub(super) struct Animated {
 
 type Moved = (Option<Ref<'static, Animation>>, Option<&'static ClipTarget>, Option<&'static TrackTarget>, Animated);
 
-/// What may be moved: by an animation of its own, by a clip of the model that it belongs to, or by a track of an entity
-/// above it.
+/// Entities that may be animated: by tracks of their own, by a clip of their model, or by a track of an ancestor.
+/// See [`callers`].
 type Moves = Or<(With<Animation>, With<ClipTarget>, With<TrackTarget>)>;
 type Still = (Without<Animation>, Without<ClipTarget>, Without<TrackTarget>);
 
@@ -74,7 +74,7 @@ pub(super) fn animate(
     wanted.scene.extend(of_scene.into_iter().flat_map(|(_, fields)| fields));
 }
 
-/// Who may move the entity, in the order in which they do.
+/// The animations that may move the entity, in the order in which they are applied.
 fn callers<'a>(clip: Option<&ClipTarget>, track: Option<&'a TrackTarget>) -> Vec<(Entity, Called<'a>)> {
     let mut callers: Vec<(Entity, Called)> = Vec::new();
     if let Some(target) = clip {

@@ -88,7 +88,7 @@ impl GameWorld {
     }
 }
 
-/// What may change whom a track is for.
+/// Entities whose change may change the targets of tracks.
 type Regrouped = Or<(Changed<Animation>, Changed<Name>, Changed<Children>)>;
 
 /// Finds the entities that tracks are for.

@@ -24,7 +24,7 @@ pub struct Pictures {
     pub folder: Option<PathBuf>,
 }
 
-/// What came of it.
+/// The outcome of a run.
 pub struct Outcome {
     /// The game as it stands.
     pub game: Game,

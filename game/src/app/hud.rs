@@ -14,7 +14,7 @@ pub struct Hud {
     trouble: Option<String>,
 }
 
-/// Height of the image before its size is known \[pixels\].
+/// Size of the image before the window has told it \[pixels\].
 const USUAL: [f32; 2] = [960.0, 600.0];
 
 impl Hud {

@@ -91,7 +91,7 @@ impl Gathered {
         }
     }
 
-    /// What came since the last time.
+    /// The events since the last call.
     pub fn take(&mut self) -> Vec<InputEvent> {
         std::mem::take(&mut self.events)
     }

@@ -20,7 +20,7 @@ impl Pads {
         Self { pads, held: Held::default() }
     }
 
-    /// What happened since the last time.
+    /// The events since the last call.
     pub fn events(&mut self) -> Vec<InputEvent> {
         let mut events = Vec::new();
         while let Some(event) = self.pads.as_mut().and_then(Gilrs::next_event) {
@@ -36,7 +36,7 @@ impl Pads {
     }
 }
 
-/// What is held, so that it is let go when the gamepad is pulled out.
+/// Buttons and sticks that are held, which are released when the gamepad is unplugged.
 #[derive(Debug, Default)]
 struct Held {
     buttons: BTreeSet<Button>,

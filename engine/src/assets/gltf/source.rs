@@ -124,7 +124,7 @@ pub(super) fn resolve(asset: &Path, place: &str, uri: &str) -> Result<Target<'st
 pub(super) struct Beside<'a> {
     /// Those that were read.
     pub files: Vec<PathBuf>,
-    /// What the load takes.
+    /// The amounts that the load takes.
     pub meter: &'a Meter,
 }
 

@@ -14,7 +14,7 @@ pub struct Moved<'a> {
     pub index: usize,
     /// Its text.
     pub node: &'a Node,
-    /// What that meant.
+    /// The value of the text.
     pub before: &'a Node,
 }
 

@@ -102,7 +102,7 @@ impl SpatialQuery {
         nearest
     }
 
-    /// What a ball touches first on its way, of what counts. What it is in already does not hold it from leaving.
+    /// The first contact of a moving ball with what counts. Objects that it overlaps at the start do not stop it from leaving.
     pub fn cast_sphere(
         &self,
         center: Vec3,

@@ -63,7 +63,7 @@ pub(in crate::render) fn is_done(frame: &Frame, filter: &DrawFilter) -> bool {
     filter.motion == Motion::Moving && !frame.gpu_scene.any_visible(filter)
 }
 
-/// What becomes of a target before it is drawn into: what moves comes over what it holds.
+/// Load operation of a target: dynamic objects are drawn over its contents, static ones into a cleared one.
 pub(in crate::render) fn ops<V>(motion: Motion, clear: V) -> wgpu::Operations<V> {
     let load = if motion == Motion::Moving { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(clear) };
     wgpu::Operations { load, store: wgpu::StoreOp::Store }

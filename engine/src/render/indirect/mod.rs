@@ -119,7 +119,7 @@ pub trait IndirectMethod: Any + Send {
         Ok(())
     }
 
-    /// What this frame leaves for the next one to go on with, which finds it in [`Frame::kept`].
+    /// Resources of this frame that the next one continues from, as [`Frame::kept`].
     fn keeps(&self, frame: &Frame) -> Option<Kept> {
         let _ = frame;
         None

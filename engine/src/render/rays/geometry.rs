@@ -26,9 +26,9 @@ pub(super) struct GpuGeometry {
     triangles: Words,
     attributes: Words,
     extras: Words,
-    /// Where what moves begins.
+    /// The start of the dynamic objects.
     movers: Place,
-    /// The boxes of what moves, as the device has them.
+    /// The boxes of the dynamic objects, as the device has them.
     moving_boxes: Vec<Texel>,
     has_extras: bool,
     /// Boxes of a list of static objects.
@@ -205,7 +205,7 @@ fn runs(are_set: &[bool]) -> Vec<Range<usize>> {
     ranges.filter(|(is_set, _)| *is_set).map(|(_, range)| range).collect()
 }
 
-/// What lies in some rows, of so many texels.
+/// The texels of some rows, of so many in total.
 fn texels_of(rows: &Range<usize>, count: usize) -> Range<usize> {
     rows.start * ROW as usize..count.min(rows.end * ROW as usize)
 }

@@ -35,7 +35,7 @@ pub enum RayError {
         "the scene's {what} take {needed} MiB, and this adapter binds at most {limit} MiB at once: use fewer or simpler models"
     )]
     TooLarge {
-        /// What it holds.
+        /// Its contents.
         what: &'static str,
         /// Needed \[MiB\].
         needed: u64,

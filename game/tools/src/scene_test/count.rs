@@ -48,7 +48,7 @@ impl CountBounds {
         })
     }
 
-    /// What of the counts is out of its bounds, each in words.
+    /// The counts that are out of their bounds, each in words.
     pub fn violations(&self, counts: &Counts) -> Vec<String> {
         let bounds = self.named().into_iter().zip(counts.named());
         let broken = bounds.filter_map(|((name, bound), (same_name, value))| {

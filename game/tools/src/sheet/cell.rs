@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-/// What became of a model or scene.
+/// The result of a model or scene.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     /// What a screen shows, three sRGB bytes a pixel; none if it could not be drawn.

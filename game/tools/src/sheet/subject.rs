@@ -10,7 +10,7 @@ const MAX_DEPTH: usize = 16;
 /// A model or scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subject {
-    /// What its cell is called: its name, after its folder below the one that was searched.
+    /// Name of its cell: its file name, after its folder below the one that was searched.
     pub name: String,
     /// The file.
     pub path: PathBuf,

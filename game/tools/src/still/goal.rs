@@ -24,7 +24,7 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// What a quality asks for, within the time that was given for it.
+    /// The goal of a quality, within the time that was given for it.
     pub fn new(args: &QualityArgs, default: Quality) -> Self {
         let (bound, least, most, filtered_for, seconds) = match args.quality.unwrap_or(default) {
             Quality::Fast => (0.04, 4, 64, 1, 10.0),

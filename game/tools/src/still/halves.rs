@@ -6,12 +6,12 @@ use lightwell::measure::{Image, flip_displayed};
 /// Share of the pixels that the second figure of an estimate bounds.
 const MOST_PIXELS: f64 = 0.99;
 
-/// What an average is off by, as FLIP, 0..1, from what further images would make of it.
+/// Estimated error of an average, as FLIP, 0..1, against the limit of ever more images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Mean over all pixels.
     pub mean: f64,
-    /// What 99 % of the pixels do not exceed.
+    /// The 99th percentile of the pixels.
     pub most: f64,
 }
 
@@ -52,7 +52,7 @@ impl Halves {
         self.image(first.iter().zip(second).map(|(a, b)| 0.5 * (a + b)))
     }
 
-    /// What the mean is off by.
+    /// Estimates the error of the mean.
     ///
     /// The means a and b of the halves have independent errors of one distribution, with covariance C over the pixels.
     /// The error of their mean m = (a + b)/2 has covariance C/2, and so has a − m = (a − b)/2: from m to a half it is as
@@ -60,7 +60,7 @@ impl Halves {
     /// both, stands for FLIP against the converged image. FLIP is no linear measure: half the distance from a to b, taken
     /// as half of its FLIP, would be too small, for FLIP grows about as the distance to the power 0.7.
     ///
-    /// What all images get wrong alike, such as what a filter in each of them blurs, does not show in it.
+    /// It leaves out errors that all images have in common, such as the blur of a filter in each of them.
     ///
     /// # Errors
     /// As [`Halves::mean`].

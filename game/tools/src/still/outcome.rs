@@ -1,11 +1,11 @@
-//! What became of averages, in words.
+//! Outcomes of averages, in words.
 
 use super::goal::Goal;
 use super::halves::Estimate;
 use std::fmt;
 use std::time::Duration;
 
-/// What ended an average.
+/// Why an average ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The estimated error is below the bound.
@@ -16,18 +16,18 @@ pub enum End {
     Most,
 }
 
-/// What became of an average.
+/// The outcome of an average.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// Images that were averaged.
     pub images: u32,
     /// The estimated error.
     pub estimate: Estimate,
-    /// What was aimed at.
+    /// Its goal.
     pub goal: Goal,
     /// How long it took.
     pub time: Duration,
-    /// What ended it.
+    /// Why it ended.
     pub end: End,
 }
 
@@ -57,7 +57,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// What became of several images, each of which was averaged.
+/// The outcomes of several averages.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     outcomes: u32,

@@ -85,7 +85,7 @@ fn twins(row: &Setup) -> Vec<(Invariant, Setup, f64)> {
 /// Samples of each of the two path-traced images that an image is held against.
 const TRUTH_SAMPLES: u32 = 32;
 
-/// What holds against the path tracer: an image that is black, even, or of other light breaks one of these.
+/// Invariants against the path tracer: an image that is black, even, or of other light breaks one of these.
 fn against_truth(rig: &mut Rig, row: &Setup, base: &Image) -> Result<Found> {
     let mut traced = |seed: u32| {
         let mut look = Method::Reference.look(row.grid, seed);
@@ -153,7 +153,7 @@ fn moved(rig: &mut Rig, row: &Setup, base: &Image) -> Result<f64> {
     Ok(of_mean(change / base.values().len() as f64, base))
 }
 
-/// What must hold from frame to frame of a running scene.
+/// Invariants from frame to frame of a running scene.
 fn in_one_session(rig: &mut Rig, row: &Setup, base: &Image) -> Result<Found> {
     let mut session = rig.open(&row.text(), &row.method.look(row.grid, row.seed))?;
     let again = rig.draw(&mut session, false)?;

@@ -4,7 +4,7 @@ use super::rig::Rig;
 use super::setup::{Grid, Method};
 use anyhow::Result;
 
-/// What the indirect light in a closed room is, beside what it should be.
+/// Indirect light in a closed room, against what it should be.
 pub struct Energy {
     /// Relative excess over all bounces.
     pub excess: f64,

@@ -69,7 +69,7 @@ pub fn intersect_unit_box(ray: &Ray) -> Option<f32> {
     (t > 0.0 && t.is_finite()).then_some(t)
 }
 
-/// What an object is to the brute force.
+/// The shape of an object for the brute force.
 enum Form {
     /// Two triangles that make a rectangle.
     Square,

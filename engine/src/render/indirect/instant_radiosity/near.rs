@@ -75,7 +75,7 @@ fn why_not(frame: &Frame, state: &VirtualLights) -> Option<&'static str> {
     }
 }
 
-/// What is lost where there may be more lights than the device binds at once.
+/// The loss where there may be more lights than the device binds at once.
 fn beyond_binding(lights: u64, bound: u64, name: &str) -> Option<String> {
     let who = if name.is_empty() { "the scene's `vpl` component".to_owned() } else { format!("`{name}`") };
     (lights > bound).then(|| {

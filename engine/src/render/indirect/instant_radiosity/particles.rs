@@ -130,7 +130,7 @@ impl VirtualLights {
         }
     }
 
-    /// What the last simulation left.
+    /// Results of the last tracing of particles.
     pub fn particles(&self) -> std::cell::Ref<'_, Particles> {
         self.particles.borrow()
     }

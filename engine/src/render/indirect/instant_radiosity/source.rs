@@ -21,7 +21,7 @@ pub(super) struct Start {
     pub(super) per_solid_angle: f32,
     /// Density of the start point across the direction [1/m²]; 0 where they start at one point.
     pub(super) per_area: f32,
-    /// What the start point itself shines with.
+    /// Emission of the start point itself.
     pub(super) glow: Glow,
 }
 
@@ -46,7 +46,7 @@ pub(super) enum Source<'a> {
     Sky { light: SkyLight<'a>, center: Vec3, radius: f32 },
 }
 
-/// What the sky sends from where.
+/// Radiance of the sky by direction.
 pub(super) enum SkyLight<'a> {
     /// The same radiance from everywhere [W/(m² sr)].
     Even(Vec3),
@@ -201,7 +201,7 @@ impl<'a> Source<'a> {
         !matches!(self, Source::Light(..))
     }
 
-    /// What its lights come from.
+    /// The origin of its virtual lights.
     pub(super) fn origin(&self) -> Origin {
         match self {
             Source::Light(index, ..) => Origin::Light(*index),

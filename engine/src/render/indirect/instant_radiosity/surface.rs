@@ -40,7 +40,7 @@ pub(super) fn point(_scene: &Scene, bvh: &SceneBvh, triangle: u32, [u, v]: [f32;
     Point { position: (1.0 - u - v) * a + u * b + v * c, error: largest * 2.0_f32.powi(-20) }
 }
 
-/// What a place on a triangle looks textures up by.
+/// Texture coordinates of a point on a triangle.
 #[derive(Clone, Copy)]
 struct Place {
     uvs: [[f32; 2]; 2],
@@ -93,7 +93,7 @@ pub(super) fn is_cut_out(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentr
     material.base_color.w * place.color.w * texel.w < cutoff
 }
 
-/// What a particle met that travelled along `direction`; none at the back of a single-sided surface, which stops light
+/// The hit of a particle that travelled along `direction`; none at the back of a single-sided surface, which stops light
 /// and returns none.
 pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, index: u32, barycentric: [f32; 2], direction: Vec3) -> Option<Met> {
     let triangle = &bvh.triangles[index as usize];

@@ -49,7 +49,7 @@ pub struct VirtualLight {
     pub padding: u32,
 }
 
-/// What a simulation left.
+/// Results of tracing particles.
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
     /// The lights, by source, then by the number of the hit.
@@ -129,7 +129,7 @@ pub(super) struct Candidate {
     pub(super) power: f32,
 }
 
-/// What lights come from.
+/// The origin of virtual lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
     /// Index of a light of the scene.
@@ -139,7 +139,7 @@ pub(super) enum Origin {
     Sky,
 }
 
-/// What all particles left.
+/// Results of all particles.
 #[derive(Default)]
 pub(super) struct Shot {
     /// By source, and in the order of the particles.
@@ -151,7 +151,7 @@ pub(super) struct Shot {
     pub(super) reflectance: f64,
 }
 
-/// What one piece of the work left.
+/// Results of one part of the work.
 #[derive(Default)]
 struct Piece {
     lights: Vec<Candidate>,

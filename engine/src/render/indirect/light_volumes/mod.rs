@@ -27,7 +27,7 @@ pub const MAX_BOUNCES: u32 = 32;
 
 /// Indirect light by the volumes.
 pub(crate) struct Indirect {
-    /// What the visible surfaces reflect of it, rgba32float.
+    /// Radiance that the visible surfaces reflect of it, rgba32float.
     pub radiance: Handle<Texture>,
     /// Radiance that mirrors reflect, with the distance of what they show, where rays of their own bring it.
     pub mirrored: Option<Handle<Texture>>,
@@ -77,7 +77,7 @@ impl Field {
         }
     }
 
-    /// What a shader binds that looks it up, by its names.
+    /// Bindings of a shader that looks it up, by its names.
     pub(in crate::render) fn bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
         match self {
             Self::Swept { volume, buffers } => {

@@ -34,7 +34,7 @@ pub(in crate::scene::surfels) struct Arranged {
 pub(super) struct Node {
     /// In the grid of the object.
     pub plane: Vec4,
-    /// What answers before and behind it.
+    /// The patch or node of either side, before and behind it.
     pub sides: [u32; 2],
 }
 
@@ -67,7 +67,7 @@ pub(super) fn all(subjects: &[&Subject], size: f32) -> Vec<Arranged> {
     parallel::map(&objects, |(subject, (object, parted))| Arranged::new(subject.surfels.clone(), size, object, parted))
 }
 
-/// What walls part of each object.
+/// The occluders that part the cells of each object.
 fn parted(subjects: &[&Subject], ordered: &[InOrder]) -> Vec<Parted> {
     let occluders = |index: usize| subjects[index].occluders.as_ref();
     let count = |len: fn(&InOrder) -> usize| -> Vec<usize> {

@@ -32,7 +32,7 @@ pub(super) enum Side {
     Part(usize),
 }
 
-/// What answers in a part of a cell.
+/// The patch or node of a part of a cell.
 #[derive(Debug)]
 pub(super) enum Part {
     /// Surfels of the cell.

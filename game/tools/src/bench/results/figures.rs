@@ -180,7 +180,7 @@ pub struct Flicker {
     /// The reference's own change in the same measure.
     #[serde(with = "super::finite")]
     pub reference: f64,
-    /// What of that is not steady: second differences over √3, beyond the reference's, over the mean. Noise that is
+    /// Flicker that is no steady change: second differences over √3, beyond the reference's, over the mean. Noise that is
     /// another one in each frame has as much of it as of change, a steady change none.
     #[serde(default)]
     pub tremble: Option<f64>,

@@ -33,7 +33,7 @@ pub struct MethodFigures {
 /// The results of a room.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoomFigures {
-    /// What it is.
+    /// Properties of the room.
     pub facts: RoomFacts,
     /// Its reference.
     pub reference: ReferenceFigures,

@@ -52,7 +52,7 @@ pub struct RoomFacts {
 /// A random room.
 #[derive(Clone, Debug)]
 pub struct Room {
-    /// What it is.
+    /// Properties of the room.
     pub facts: RoomFacts,
     /// Materials.
     pub materials: Vec<Surface>,

@@ -1,4 +1,4 @@
-//! What surfels see. See `indirect/light_volumes/radiosity/links.wgsl`.
+//! Links of surfels to the surfaces that they see. See `indirect/light_volumes/radiosity/links.wgsl`.
 
 use super::{LINKS, Rays};
 use crate::gpu::{Binding, ShaderDef};
@@ -70,7 +70,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     found
 }
 
-/// What the pass works on.
+/// Resources of the pass.
 #[derive(Clone, Copy)]
 struct Written {
     surfels: Handle<Buffer>,

@@ -34,7 +34,7 @@ pub(super) struct Radiosity {
     pub change: Option<Handle<Buffer>>,
 }
 
-/// What arrives after more bounces than are computed may be less than this share of the light where a series stands for it.
+/// Largest share of the light that bounces beyond those computed may have, where a series stands for them.
 const REST: f32 = 0.05;
 /// Most bounces of light that converges; the series takes over from there.
 const MOST_BOUNCES: u32 = 16;

@@ -10,7 +10,7 @@ use wgpu::BufferUsages;
 
 const SHADER: &str = "indirect/light_volumes/radiosity/solve.wgsl";
 
-/// What is solved.
+/// The system to solve: surfels, the links between them, and the light that arrives first.
 #[derive(Clone, Copy)]
 pub(super) struct Subject {
     /// In world space.
@@ -22,7 +22,7 @@ pub(super) struct Subject {
     pub bounces: BounceCount,
 }
 
-/// What the bounces are computed in.
+/// Buffers that the bounces are computed in.
 #[derive(Clone, Copy)]
 struct Work {
     bounces: [Handle<Buffer>; 2],

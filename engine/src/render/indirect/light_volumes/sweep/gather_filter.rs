@@ -115,7 +115,7 @@ fn apart<'a>(
     Gathered { diffuse, specular }
 }
 
-/// What every pass of the filter reads, by the shader's names.
+/// Inputs of every pass of the filter, by the shader's names.
 fn along_axis(gbuffer: &GBuffer, gathered: Gathered) -> [(&'static str, Handle<Texture>); 4] {
     let Gathered { diffuse, specular } = gathered;
     [("normal", gbuffer.normal), ("depth", gbuffer.depth), ("diffuse", diffuse), ("specular", specular)]

@@ -79,7 +79,7 @@ impl Interleave {
         pixels.div_ceil(self.stride)
     }
 
-    /// What shaders read of it.
+    /// The values that shaders read.
     pub fn uniform(&self) -> InterleaveUniform {
         InterleaveUniform { stride: self.stride, offset: self.offset.into(), texels: self.texels().into() }
     }

@@ -101,7 +101,7 @@ pub(super) struct Lookup<'l> {
     pub light: Irradiance,
     /// Opacity of its cells.
     pub opacity: Handle<Buffer>,
-    /// What the surfels have of light that is even everywhere, if theirs is held against it.
+    /// Irradiance of the surfels in light that is even everywhere, where theirs is compared with it.
     pub white: Option<Handle<Buffer>>,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn look_up(
     cx.dispatch(&key, &bindings, linear_groups(count))
 }
 
-/// What the pass at the visible surfaces and its image are called.
+/// Names of the pass at the visible surfaces and of its image.
 pub(super) struct Names {
     pub pass: &'static str,
     pub image: &'static str,

@@ -53,7 +53,7 @@ struct Ordinate {
     border: [f32; 4],
 }
 
-/// What a sweep reads and writes.
+/// Resources of a sweep.
 pub(super) struct Buffers {
     pub(super) precision: Precision,
     pub(super) opacity: Handle<Buffer>,
@@ -62,7 +62,7 @@ pub(super) struct Buffers {
     /// The sum over all bounces, and the flux of each.
     pub(super) sum: Option<(Irradiance, Handle<Buffer>)>,
     pub(super) fronts: Handle<Buffer>,
-    /// What arrives at each cell along each direction.
+    /// Radiance that arrives at each cell along each direction.
     pub(super) arrivals: Handle<Buffer>,
     /// Light of the shell around this cascade, by axis.
     pub(super) outer: Option<[Handle<Buffer>; 3]>,
@@ -130,7 +130,7 @@ pub(super) fn sweep(
     Ok(())
 }
 
-/// What all dispatches of a sweep share.
+/// Shared inputs of all dispatches of a sweep.
 struct Work<'a> {
     volume: &'a Volume,
     directions: &'a Directions,

@@ -81,7 +81,7 @@ const TAIL: f32 = 0.1;
 
 /// A cascade with what is in it so far.
 struct Level {
-    /// What the names of its passes and resources have for it.
+    /// The cascade's part in the names of its passes and resources.
     name: String,
     volume: Volume,
     /// Precision of radiance in flight.
@@ -223,7 +223,7 @@ fn declare_mirrors<'a>(
     }
 }
 
-/// What the volumes of these settings are swept with in a frame.
+/// The quality of the sweep of these settings in a frame.
 pub(in crate::render) fn quality(frame: &Frame, settings: &Clpv) -> Quality {
     gather::quality_of_volumes(settings, gather::is_wanted(settings) && frame.refused_rays.is_none())
 }
@@ -247,7 +247,7 @@ fn level<'a>(
     transport::level(graph, obstacles, name, volume, precision, kept)
 }
 
-/// What all sweeps of a frame share.
+/// Shared inputs of all sweeps of a frame.
 struct Work<'f, 'a> {
     frame: &'f Frame<'a>,
     source: emit::Sources<'f, 'a>,
@@ -263,7 +263,7 @@ struct Bounce<'d> {
     light: Light,
 }
 
-/// What the surfaces send out.
+/// The light that surfaces send out.
 #[derive(Clone, Copy)]
 enum Light {
     /// Radiance 1 from all of them, and from the sky.
@@ -328,7 +328,7 @@ impl<'a> Work<'_, 'a> {
     }
 }
 
-/// What the names of a bounce's passes have for it.
+/// A bounce's part in the names of its passes.
 fn bounce_name(number: u32) -> String {
     format!("bounce {number}")
 }

@@ -12,7 +12,7 @@ use crate::render::indirect::light_volumes::{Field, Volume};
 use crate::scene::Aabb;
 use crate::world::{Precision, Quality};
 
-/// What the names of its passes and resources have in place of a cascade's number.
+/// The sky's part in names of passes and resources, in place of a cascade's number.
 const NAME: &str = "sky";
 
 /// The grid: it covers the scene.

@@ -24,7 +24,7 @@ pub(super) struct Step {
     pub bounces: BounceCount,
 }
 
-/// What of a cascade's light is for others.
+/// Results of a cascade's transport that are kept for other passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
     /// That of each bounce, until the next.
@@ -35,7 +35,7 @@ pub(super) enum Kept {
     Sum,
 }
 
-/// What enters the coarsest cascade from outside.
+/// Light that enters the coarsest cascade from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sky {
     /// Nothing.
