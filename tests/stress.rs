@@ -1,4 +1,4 @@
-//! What must hold for every scene, in the short run of `lightwell stress`.
+//! Invariants of every scene, in the short run of `lightwell stress`.
 
 use lightwell_runtime::cli::Common;
 use lightwell_tools::cli::StressArgs;

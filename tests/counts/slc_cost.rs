@@ -1,4 +1,4 @@
-//! What culling saves: all virtual lights against those that are accepted, and spheroids against spheres, in turns in
+//! Savings of light culling: all virtual lights against those that are accepted, and spheroids against spheres, in turns in
 //! one run. Run with `--nocapture` for the figures.
 
 use lightwell::assets::Material;

@@ -1,4 +1,4 @@
-//! What virtual lights cost: casts through the hierarchy against brute force on Sponza, and one pass for all lights
+//! Costs of virtual lights: casts through the hierarchy against brute force on Sponza, and one pass for all lights
 //! against one pass a light. Run with `--nocapture` for the figures. The first needs Sponza (`LIGHTWELL_MODELS`).
 
 use lightwell::bvh::{Ray, SceneBvh};

@@ -1,4 +1,4 @@
-//! What README, book and crates say and hold.
+//! README, book and crates against what they say.
 
 mod book;
 mod crates;

@@ -1,4 +1,4 @@
-//! What passes share with the path tracer, so that comparing both would not tell that it is wrong, against formulas.
+//! Terms that passes share with the path tracer, against formulas: comparing both would not find a fault in them.
 
 #![allow(clippy::unwrap_used)]
 

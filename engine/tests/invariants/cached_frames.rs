@@ -80,7 +80,7 @@ fn rsm_samples_follow_the_numbers_of_lights() {
 fn shadows_of_lights_from_maps_follow_what_moves_out_of_sight() {
     use Edit::*;
     // A box that neither the spot light nor the camera sees, but shadow rays may meet.
-    // What moves again and again is drawn apart from what does not, whose keys then say nothing of it.
+    // Dynamic objects are drawn apart from static ones, whose keys then say nothing of them.
     let (there, back) = ([ThingMoves(1, 4)], [ThingMoves(1, 3)]);
     // Virtual lights of maps, and light culling: each with shadow rays.
     for method in [7, 9] {

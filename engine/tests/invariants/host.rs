@@ -1,4 +1,4 @@
-//! What frames ask of the device, and what they wait for.
+//! Requests of frames to the device, and their waits.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! What moves is drawn over a kept image of what does not: what that costs, and that it changes no bit.
+//! The static layer cache: its costs, and that it changes no bit.
 
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, Quat, Vec3};

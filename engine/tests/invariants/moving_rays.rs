@@ -1,4 +1,5 @@
-//! What moves is a part of its own for rays: images do not tell which part a surface is in, and uploads follow what moved.
+//! Dynamic objects have a ray hierarchy of their own: images do not depend on which one holds a surface, and uploads are
+//! of what moved.
 
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, Quat, Vec3};

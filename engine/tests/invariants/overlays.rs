@@ -1,4 +1,4 @@
-//! What is drawn over the image: it shows, it hides behind surfaces, and it never touches the radiance.
+//! Debug views: they show, they hide behind surfaces, and they never touch the radiance.
 
 #![allow(clippy::unwrap_used)]
 

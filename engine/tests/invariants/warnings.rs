@@ -1,4 +1,4 @@
-//! What a scene asks for and a frame does not show is said with the name of its entity.
+//! Warnings: what a scene asks for and a frame does not show, with the name of its entity.
 
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, Vec3};

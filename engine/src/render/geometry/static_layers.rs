@@ -1,9 +1,9 @@
 //! The static layer cache: dynamic objects are drawn over a kept image of static ones.
 //!
-//! A view that rests, be it a light's or the camera's, needs what does not move only once: it is kept in targets of its
+//! A view that rests, be it a light's or the camera's, needs static objects only once: they are kept in targets of its
 //! own, and a frame copies those and draws dynamic objects on top. That takes the memory of the view's targets a second
 //! time, while anything moves in the view. The depth test lets the first of equals stay, and dynamic objects are drawn last
-//! whether it is drawn apart or not: both ways give the same bits.
+//! whether they are drawn apart or not: both ways give the same bits.
 
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
@@ -12,7 +12,7 @@ use crate::render::views::hash;
 use std::hash::Hash;
 
 /// Targets that hold what passes one of the `filters`, as seen by the views with that `key`. `draw` draws into the
-/// targets that it is given: all into cleared ones, or what moves over what they hold, see [`ops`].
+/// targets that it is given: all into cleared ones, or dynamic objects over what they hold, see [`ops`].
 pub(in crate::render) fn declare<'a, const N: usize>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,

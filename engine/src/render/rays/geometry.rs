@@ -115,7 +115,7 @@ impl GpuGeometry {
         Ok(())
     }
 
-    /// Uploads of the boxes of what moves the rows that are others than before, and of its triangles those in which any has
+    /// Uploads the rows that changed of the boxes of dynamic objects, and of their triangles those in which any has
     /// changed since a version of it that the device holds; none: all.
     pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces, since: Option<u64>) {
         if surfaces.bvh.moving_triangles() == 0 {

@@ -1,6 +1,6 @@
 //! The scene as rays see it on the device: hierarchies, triangles, materials, textures, lights and emitters.
 //!
-//! What moves has boxes and triangles of its own, behind those of static objects: a frame in which something moved
+//! Dynamic objects have boxes and triangles of their own, behind those of static objects: a frame in which something moved
 //! encodes and uploads that alone.
 //!
 //! Passes that cast rays import `lightwell::rays` and are dispatched with group 1 bound by [`dispatch_rays`].

@@ -1,4 +1,4 @@
-//! Bringing the device up to date with the scene: all of it, or only what moves.
+//! Bringing the device up to date with the scene: all of it, or only dynamic objects.
 
 use super::material::is_nowhere_opaque;
 use super::mesh::{GpuMesh, is_drawable};
@@ -34,7 +34,7 @@ impl Synced {
         self.statics != 0 && (self.identity, self.statics) == (other.identity, other.statics)
     }
 
-    /// Changes with anything of what does not move.
+    /// Changes with any static object.
     fn still_key(&self) -> [u64; 3] {
         // A scene that does not say which objects are dynamic is static as a whole.
         let revisions = if self.statics == 0 { [self.geometry, self.materials] } else { [self.statics, 0] };
@@ -73,7 +73,7 @@ impl GpuScene {
         moving.fold(self.still_bounds, |bounds, primitive| bounds.union(&primitive.bounds))
     }
 
-    /// Changes with anything of what does not move.
+    /// Changes with any static object.
     pub fn still_key(&self) -> [u64; 3] {
         self.synced.map_or([0; 3], |synced| synced.still_key())
     }

@@ -1,6 +1,6 @@
 //! Which primitives are moving: those that are animated, and those that have changed lately.
 //!
-//! What does not move is drawn into maps of its own, which are kept. To call a primitive static that was moving costs a
+//! Static objects are drawn into maps of their own, which are kept. To call a primitive static that was moving costs a
 //! new drawing of those maps; so it is done only when they have to be redrawn anyway, and for what is animated never:
 //! it would move again. Anything else that moves again after a rest must rest twice as long the next time.
 

@@ -35,8 +35,8 @@ const RAYS: u8 = 8;
 /// From so many objects that come or go at once on, all surfels are recomputed, and not only those that see them.
 const MANY: usize = 16;
 
-/// The surfels of objects that do not move, without those that no light can reach. Where what does not move changes, the
-/// surfels are looked at anew that see the change, and none if it is the colour of a material.
+/// The surfels of static objects, without those that no light can reach. Where static objects change, the
+/// surfels that see the change are checked again, and none if it is the colour of a material.
 #[derive(Debug, Default)]
 pub(super) struct Exposed {
     scene: u64,

@@ -22,7 +22,7 @@ use std::time::Instant;
 
 /// Numbers of dynamic objects, one run each.
 const MOVING: [u32; 4] = [0, 1, 10, 100];
-/// Frames before those that are measured: pipelines compile, and what moves is known to.
+/// Frames before those that are measured: pipelines compile, and dynamic objects are found.
 const WARM_UP: u32 = 4;
 /// Image, unless another is asked for [pixels].
 const SIZE: [u32; 2] = [1920, 1080];

@@ -8,7 +8,7 @@ use lightwell_runtime::cli::Common;
 use lightwell_runtime::say;
 use lightwell_runtime::session::Session;
 
-/// Time between frames of which one shows what moves [s].
+/// Time between two frames that show which objects are dynamic [s].
 const STEP: f64 = 0.04;
 
 /// Draws two frames of the same time and, where something moves, some of the times after it, and prints what each pass
