@@ -60,7 +60,7 @@ pub use current_scene::CurrentScene;
 pub use error::GameError;
 pub use input::*;
 pub use light::{LightProbe, ProbePoint};
-pub use running::{FixedUpdate, Game, OnSceneEnter, Persistent, Update};
+pub use running::{EditedScene, FixedUpdate, Game, OnSceneEnter, Persistent, Update};
 pub use saved::SavedGame;
 pub use space::{Contact, Hit, NonSolid, SpatialQuery};
 pub use time::{Time, Timer};

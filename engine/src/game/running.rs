@@ -10,6 +10,7 @@ use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::{AssetLibrary, LoadBudget};
 use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, Roots, SceneData, SceneFile};
+use crate::scene::SceneId;
 use crate::world::GameWorld;
 use bevy_ecs::error::FallbackErrorHandler;
 use bevy_ecs::message::{Message, MessageRegistry};
@@ -17,7 +18,7 @@ use bevy_ecs::observer::IntoObserver;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 /// Systems that run when a scene was entered, before its first step.
@@ -52,6 +53,29 @@ pub struct Game {
     /// The scene's file as it was read last.
     file: Option<SceneFile>,
     entering: Option<Entering>,
+    edited: Option<EditedScene>,
+}
+
+/// A scene as an editor has it, which need not be in its file.
+#[derive(Clone, Debug, Default)]
+pub struct EditedScene {
+    /// The scene's file.
+    pub path: PathBuf,
+    /// What that would say, as [`describe_all`](files::describe_all) gives it.
+    pub scene: SceneFile,
+    /// The identities of its entities by their paths, so that an editor finds them in both worlds.
+    pub identities: HashMap<String, SceneId>,
+}
+
+impl EditedScene {
+    /// The scene of a world.
+    ///
+    /// # Errors
+    /// When the world holds something that has no form in a file.
+    pub fn of(world: &GameWorld, path: &Path) -> Result<Self, FileError> {
+        let scene = files::describe_all(world, path)?;
+        Ok(Self { path: path.to_owned(), scene, identities: world.identities() })
+    }
 }
 
 /// Changes a scene that was entered.
@@ -69,7 +93,7 @@ impl Game {
         let mut options = LoadOptions::default();
         options.types.is_complete = true;
         let (world, library) = (GameWorld::new(), AssetLibrary::new());
-        let mut game = Self { world, library, options, file: None, entering: None };
+        let mut game = Self { world, library, options, file: None, entering: None, edited: None };
         let ecs = &mut game.world.ecs;
         ecs.insert_resource(FallbackErrorHandler(fault::handle));
         ecs.insert_resource(Time::new(60));
@@ -170,10 +194,30 @@ impl Game {
         self.entering = Some(Box::new(change));
     }
 
+    /// Enters this scene, whenever it is entered, as an editor has it and not as its file says. Assets that are loaded
+    /// already are in the library.
+    pub fn set_edited(&mut self, edited: EditedScene, library: AssetLibrary) {
+        self.world.reserve(edited.identities.values().copied());
+        (self.edited, self.library) = (Some(edited), library);
+    }
+
+    /// Takes scenes with components that this game does not know: they are kept as they are, and do nothing.
+    pub fn allow_unknown_components(&mut self) {
+        self.options.types.is_complete = false;
+        self.world.ecs.insert_resource(self.options.types.clone());
+    }
+
     fn take_scene(&mut self, path: &Path) -> Result<(), FileError> {
         let old = self.scene_roots();
-        let file = files::enter_scene(&mut self.world, &mut self.library, &self.options, path, &old)?;
-        self.file = Some(file);
+        let (world, library, options) = (&mut self.world, &mut self.library, &self.options);
+        self.file = match self.edited.as_ref().filter(|edited| edited.path == path) {
+            Some(edited) => {
+                files::enter_described(world, library, options, path, edited.scene.clone(), &old)?;
+                world.take_over(&edited.identities);
+                Some(edited.scene.clone())
+            }
+            None => Some(files::enter_scene(world, library, options, path, &old)?),
+        };
         let since = self.world.ecs.resource::<Time>().step;
         self.world.ecs.insert_resource(CurrentScene { path: path.to_owned(), since });
         Ok(())
@@ -225,6 +269,11 @@ impl Game {
     /// The files that the game was made from so far, besides its scenes.
     pub fn files(&self) -> BTreeSet<PathBuf> {
         self.library.files()
+    }
+
+    /// The world, with what an editor needs to change it while the game runs.
+    pub fn parts(&mut self) -> (&mut GameWorld, &mut AssetLibrary, &LoadOptions) {
+        (&mut self.world, &mut self.library, &self.options)
     }
 
     /// Roots that go with the scene.

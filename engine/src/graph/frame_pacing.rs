@@ -23,6 +23,7 @@ pub struct FramePacing {
     is_software: bool,
     interruptible: AtomicBool,
     unwanted: AtomicBool,
+    dropped: AtomicBool,
     done: AtomicUsize,
     count: AtomicUsize,
 }
@@ -55,6 +56,11 @@ impl FramePacing {
         self.unwanted.store(true, Ordering::Relaxed);
     }
 
+    /// Ends the frame that is being made after the pass that runs; the next one is wanted again.
+    pub fn drop_frame(&self) {
+        self.dropped.store(true, Ordering::Relaxed);
+    }
+
     /// Passes of the frame that are done, and all that run.
     pub fn progress(&self) -> (usize, usize) {
         (self.done.load(Ordering::Relaxed), self.count.load(Ordering::Relaxed))
@@ -62,6 +68,7 @@ impl FramePacing {
 
     /// Another frame begins, and how many passes run is not known yet: zero.
     pub fn restart(&self) {
+        self.dropped.store(false, Ordering::Relaxed);
         self.begin(0);
     }
 
@@ -80,7 +87,7 @@ impl FramePacing {
     }
 
     pub(super) fn is_stopped(&self) -> bool {
-        self.unwanted.load(Ordering::Relaxed)
+        self.unwanted.load(Ordering::Relaxed) || self.dropped.load(Ordering::Relaxed)
     }
 }
 

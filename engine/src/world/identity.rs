@@ -33,6 +33,13 @@ impl GameWorld {
         all.filter_map(|entity| Some((self.path(entity), self.id(entity)?))).collect()
     }
 
+    /// Gives none of these identities to new entities, so that [`GameWorld::take_over`] can.
+    pub fn reserve(&mut self, identities: impl IntoIterator<Item = SceneId>) {
+        let last = identities.into_iter().map(|id| id.0).max().unwrap_or(0);
+        let mut known = self.ecs.resource_mut::<Identities>();
+        known.last = known.last.max(last);
+    }
+
     /// Gives entities the identities that others had at the same paths, which must be gone. Entities without a parent
     /// keep their order.
     pub fn take_over(&mut self, identities: &HashMap<String, SceneId>) {
