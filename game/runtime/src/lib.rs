@@ -11,6 +11,7 @@
 //! | add what every command line takes | [`cli::Common`], [`cli::LookArgs`] |
 //! | change a value of a loaded scene by its path | [`set`] |
 //! | draw in a window, with egui over it | [`window`] |
+//! | count the steps of a game, light its probes | [`steps`], [`probe_light`] |
 //! | notice files that change | [`watch::SceneWatcher`] |
 //! | write frames while others are drawn | [`writer`] |
 //! | log, print, show progress | [`logging`], [`say`], [`progress`] |
@@ -19,10 +20,12 @@ pub mod cli;
 pub mod frame_budget;
 pub mod logging;
 pub mod output;
+pub mod probe_light;
 pub mod progress;
 pub mod scene_path;
 pub mod session;
 pub mod set;
+pub mod steps;
 pub mod watch;
 pub mod window;
 pub mod writer;

@@ -28,7 +28,6 @@ mod args;
 mod canvas;
 mod headless;
 mod hud;
-mod input;
 #[cfg(feature = "gamepad")]
 mod pads;
 mod player;

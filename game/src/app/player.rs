@@ -3,36 +3,27 @@
 use super::CustomPassAdder;
 use super::hud::Hud;
 use anyhow::{Result, bail};
-use bevy_ecs::entity::Entity;
 use egui::{FullOutput, RawInput};
 use lightwell::game::{Game, GameError, InputEvent};
 use lightwell::gpu::Gpu;
 use lightwell::graph::FrameReport;
-use lightwell::render::PendingProbes;
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::LookArgs;
+use lightwell_runtime::probe_light::ProbeLight;
 use lightwell_runtime::session::RenderState;
-use std::collections::VecDeque;
 use std::sync::Arc;
-
-/// Frames whose light may be on its way to the probes at once; the probes of those beyond are not looked up.
-const MOST_PENDING: usize = 4;
 
 /// A game with what draws it.
 pub struct Drawn {
     pub game: Game,
     pub rendering: RenderState,
-    /// The probes of the last frame.
-    probed: Vec<Entity>,
-    /// Light at probes that is still being read back.
-    pending: VecDeque<(Vec<Entity>, PendingProbes)>,
+    light: ProbeLight,
 }
 
 impl Drawn {
     /// A game that was started.
     pub fn new(game: Game, gpu: Arc<Gpu>, look: LookArgs, passes: &[CustomPassAdder]) -> Self {
-        let mut drawn =
-            Self { game, rendering: RenderState::new(gpu, look), probed: Vec::new(), pending: VecDeque::new() };
+        let mut drawn = Self { game, rendering: RenderState::new(gpu, look), light: ProbeLight::default() };
         passes.iter().for_each(|add| add(&mut drawn.rendering));
         drawn.follow();
         drawn
@@ -69,8 +60,7 @@ impl Drawn {
         let limit = self.rendering.gpu.limits.max_texture_dimension_2d;
         let view =
             SceneView { camera: self.rendering.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
-        self.probed = self.game.probe_entities();
-        self.rendering.renderer.set_probes(self.game.probe_points(self.rendering.scene.origin));
+        self.light.ask(&self.game, &mut self.rendering);
         let settings = self.rendering.display_settings(&self.game.world);
         let report = self.rendering.render(&view, &settings)?;
         if let Some(reason) = self.rendering.gpu.device_lost() {
@@ -85,17 +75,7 @@ impl Drawn {
     /// # Errors
     /// If the device fails.
     pub fn take_late_light(&mut self) -> Result<()> {
-        let gpu = &self.rendering.gpu;
-        while let Some((entities, light)) = self.pending.front_mut() {
-            let Some(light) = light.try_take(gpu) else { break };
-            let entities = std::mem::take(entities);
-            self.pending.pop_front();
-            self.game.set_probe_light_of(&entities, &light?);
-        }
-        if !self.probed.is_empty() && self.pending.len() < MOST_PENDING {
-            self.pending.push_back((self.probed.clone(), self.rendering.renderer.begin_probe_light(gpu)?));
-        }
-        Ok(())
+        self.light.take_late(&mut self.game, &self.rendering)
     }
 
     /// Gives the game what the last frame found out about light, and waits for that.

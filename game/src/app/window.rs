@@ -1,19 +1,19 @@
 //! A game in a window.
 
-use super::input::Gathered;
 #[cfg(feature = "gamepad")]
 use super::pads::Pads;
 use super::player::Drawn;
 use super::reload::Reloader;
 #[cfg(feature = "sound")]
 use super::speaker::Speaker;
-use super::{App, CustomPassAdder, GameArgs, Hud, Sounds};
+use super::{App, CustomPassAdder, GameArgs, Hud, sounds};
 use anyhow::{Context, Result};
-use lightwell::game::{CurrentScene, Game, InputScript, Time};
+use lightwell::game::{Game, InputScript, Time};
 use lightwell::graph::{FrameReport, Timing};
 use lightwell_runtime::frame_budget::FrameBudget;
 use lightwell_runtime::session;
-use lightwell_runtime::window::{Screen, UiSurface};
+use lightwell_runtime::steps::StepClock;
+use lightwell_runtime::window::{Area, GatheredInput, Screen, UiSurface};
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
@@ -21,9 +21,6 @@ use winit::dpi::PhysicalSize;
 use winit::event::{DeviceEvent, DeviceId, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
-
-/// Most steps between two frames: a machine that cannot keep up plays slower, and not in ever longer jumps.
-const MOST_STEPS: u64 = 15;
 
 /// Plays in a window until it is closed, the game ends or its script does.
 ///
@@ -59,7 +56,7 @@ struct Open {
     ui: UiSurface,
     drawn: Drawn,
     reloader: Reloader,
-    input: Gathered,
+    input: GatheredInput,
     #[cfg(feature = "gamepad")]
     pads: Pads,
     #[cfg(feature = "sound")]
@@ -70,8 +67,7 @@ struct Open {
     /// How large frames are drawn in place of `scale`; none: as that says.
     budget: Option<FrameBudget>,
     last: Instant,
-    /// Time that no step has passed yet \[s\].
-    carried: f64,
+    clock: StepClock,
     trouble: Option<String>,
 }
 
@@ -95,7 +91,7 @@ impl Handler<'_> {
             ui,
             drawn,
             reloader,
-            input: Gathered::default(),
+            input: GatheredInput::default(),
             #[cfg(feature = "gamepad")]
             pads: Pads::open(),
             #[cfg(feature = "sound")]
@@ -105,7 +101,7 @@ impl Handler<'_> {
             scale: self.args.scale,
             budget: self.args.fps.and_then(|rate| FrameBudget::new(rate, self.args.scale)),
             last: Instant::now(),
-            carried: 0.0,
+            clock: StepClock::default(),
             trouble: None,
         })
     }
@@ -165,7 +161,7 @@ impl ApplicationHandler for Handler<'_> {
 impl Open {
     fn event(&mut self, event: &WindowEvent) {
         let _ = self.ui.event(&self.window, event);
-        self.input.window(event, self.screen.size().unwrap_or([1, 1]));
+        self.input.window(event, Area::of_window(self.screen.size().unwrap_or([1, 1])));
     }
 
     /// Lets time pass, draws and presents; false if the game has ended.
@@ -235,10 +231,7 @@ impl Open {
 
     /// The steps that are due; false if the script is through.
     fn steps(&mut self, elapsed: f64) -> bool {
-        let rate = f64::from(self.drawn.game.world.ecs.resource::<Time>().rate);
-        self.carried += elapsed * rate;
-        let due = (self.carried.floor() as u64).min(MOST_STEPS);
-        self.carried = (self.carried - due as f64).min(1.0);
+        let due = self.clock.due(elapsed, self.drawn.game.world.ecs.resource::<Time>().rate);
         #[cfg(feature = "gamepad")]
         self.input.add(self.pads.events());
         for _ in 0..due {
@@ -269,16 +262,11 @@ impl Open {
     }
 
     fn sound(&mut self) {
-        let folder = self.drawn.game.world.ecs.resource::<CurrentScene>().clone();
-        for (path, volume) in self.drawn.game.world.ecs.resource_mut::<Sounds>().take() {
-            let path = folder.beside(path);
+        let result = sounds::play_all(
+            &mut self.drawn.game,
             #[cfg(feature = "sound")]
-            {
-                let result = self.speaker.play(&path, volume);
-                self.tell(result);
-            }
-            #[cfg(not(feature = "sound"))]
-            log::debug!("{} at {volume}: this program was built without sound", path.display());
-        }
+            &self.speaker,
+        );
+        self.tell(result);
     }
 }

@@ -1,9 +1,11 @@
 //! What stands in a window: its surface, egui on it, and what egui makes painted on the device.
 
+mod input;
 mod paint;
 mod screen;
 mod ui;
 
+pub use input::{Area, GatheredInput};
 pub use paint::{Painted, UiPainter};
 pub use screen::Screen;
 pub use ui::UiSurface;

@@ -47,6 +47,8 @@ impl Painted {
 pub struct UiPainter {
     renderer: egui_wgpu::Renderer,
     image: Option<(wgpu::Texture, egui::TextureId)>,
+    overlay: Option<(wgpu::Texture, egui::TextureId)>,
+    background: wgpu::Color,
 }
 
 impl UiPainter {
@@ -54,7 +56,13 @@ impl UiPainter {
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         // Dithering doubles the cost on software drivers, for a smoothness that flat panels do not need.
         let options = egui_wgpu::RendererOptions { dithering: false, ..Default::default() };
-        Self { renderer: egui_wgpu::Renderer::new(&gpu.device, format, options), image: None }
+        let renderer = egui_wgpu::Renderer::new(&gpu.device, format, options);
+        Self { renderer, image: None, overlay: None, background: wgpu::Color::BLACK }
+    }
+
+    /// The same, over nothing: what is not painted stays transparent.
+    pub fn transparent(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
+        Self { background: wgpu::Color::TRANSPARENT, ..Self::new(gpu, format) }
     }
 
     /// The picture as the last frame left it.
@@ -64,20 +72,39 @@ impl UiPainter {
 
     /// Shows a texture (rgba8unorm, sRGB-encoded) where the picture is.
     pub fn set_image(&mut self, gpu: &Gpu, texture: Option<&wgpu::Texture>) {
-        let Some(texture) = texture else { return };
-        if self.image.as_ref().is_some_and(|(known, _)| known == texture) {
-            return;
+        if let Some(texture) = texture {
+            let known = self.image.take();
+            self.image = Some(self.shown(gpu, texture, known));
         }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    }
+
+    /// Makes another texture known, which holds colours times their opacity; gives what it is called.
+    pub fn set_overlay(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> egui::TextureId {
+        let known = self.overlay.take();
+        let shown = self.shown(gpu, texture, known);
+        let id = shown.1;
+        self.overlay = Some(shown);
+        id
+    }
+
+    /// A texture with its name, which stays that of the one before.
+    fn shown(
+        &mut self,
+        gpu: &Gpu,
+        texture: &wgpu::Texture,
+        known: Option<(wgpu::Texture, egui::TextureId)>,
+    ) -> (wgpu::Texture, egui::TextureId) {
         let filter = wgpu::FilterMode::Linear;
-        let id = match self.image.take() {
+        let view = || texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let id = match known {
+            Some((before, id)) if before == *texture => id,
             Some((_, id)) => {
-                self.renderer.update_egui_texture_from_wgpu_texture(&gpu.device, &view, filter, id);
+                self.renderer.update_egui_texture_from_wgpu_texture(&gpu.device, &view(), filter, id);
                 id
             }
-            None => self.renderer.register_native_texture(&gpu.device, &view, filter),
+            None => self.renderer.register_native_texture(&gpu.device, &view(), filter),
         };
-        self.image = Some((texture.clone(), id));
+        (texture.clone(), id)
     }
 
     /// Paints what a run made.
@@ -106,7 +133,7 @@ impl UiPainter {
                     depth_slice: None,
                     resolve_target: None,
                     ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        load: wgpu::LoadOp::Clear(self.background),
                         store: wgpu::StoreOp::Store,
                     },
                 })],

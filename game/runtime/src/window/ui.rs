@@ -59,6 +59,11 @@ impl UiSurface {
         self.painter.set_image(gpu, texture);
     }
 
+    /// Makes another texture known, see [`UiPainter::set_overlay`].
+    pub fn set_overlay(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> egui::TextureId {
+        self.painter.set_overlay(gpu, texture)
+    }
+
     /// What a pass of egui begins with.
     pub fn input(&mut self, window: &Window) -> egui::RawInput {
         self.state.take_egui_input(window)

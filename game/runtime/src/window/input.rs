@@ -1,4 +1,4 @@
-//! What the window tells, as input of the game.
+//! What a window tells, as input of a game that is shown in it or in a part of it.
 
 use lightwell::game::{Button, InputEvent, Key, MouseButton};
 use std::collections::BTreeSet;
@@ -8,17 +8,38 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 /// Pixels that count as one line of the wheel.
 const PIXELS_A_LINE: f64 = 40.0;
 
+/// Where in a window a game is shown \[pixels\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Area {
+    /// Its upper left corner.
+    pub min: [f32; 2],
+    /// Its size.
+    pub size: [f32; 2],
+}
+
+impl Area {
+    /// All of a window of a size.
+    pub fn of_window(size: [u32; 2]) -> Self {
+        Self { min: [0.0; 2], size: size.map(|edge| edge as f32) }
+    }
+
+    /// A place as shares of the area, 0 to 1 inside.
+    fn share(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [(x - self.min[0]) / self.size[0].max(1.0), (y - self.min[1]) / self.size[1].max(1.0)]
+    }
+}
+
 /// Events since the last step, and what is down.
 #[derive(Debug, Default)]
-pub struct Gathered {
+pub struct GatheredInput {
     events: Vec<InputEvent>,
     held: BTreeSet<Button>,
     aspect: f32,
 }
 
-impl Gathered {
-    /// Takes an event of a window of that size \[pixels\].
-    pub fn window(&mut self, event: &WindowEvent, size: [u32; 2]) {
+impl GatheredInput {
+    /// Takes an event of a window that shows the game in an area.
+    pub fn window(&mut self, event: &WindowEvent, area: Area) {
         match event {
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if !event.repeat => {
                 if let PhysicalKey::Code(code) = event.physical_key
@@ -37,9 +58,8 @@ impl Gathered {
                 self.button(Button::Mouse(button), *state);
             }
             WindowEvent::CursorMoved { position, .. } => {
-                let [x, y] = [position.x, position.y].map(|at| at as f32);
-                let [width, height] = size.map(|edge| edge.max(1) as f32);
-                self.events.push(InputEvent::Point(x / width, y / height));
+                let [x, y] = area.share([position.x as f32, position.y as f32]);
+                self.events.push(InputEvent::Point(x, y));
             }
             WindowEvent::MouseWheel { delta, .. } => {
                 let lines = match delta {
@@ -49,11 +69,14 @@ impl Gathered {
                 self.events.push(InputEvent::Wheel(lines));
             }
             // What is let go elsewhere is told to nobody.
-            WindowEvent::Focused(false) => {
-                self.events.extend(std::mem::take(&mut self.held).into_iter().map(InputEvent::Release));
-            }
+            WindowEvent::Focused(false) => self.let_go(),
             _ => {}
         }
+    }
+
+    /// Lets go of all buttons: nothing more is heard of them.
+    pub fn let_go(&mut self) {
+        self.events.extend(std::mem::take(&mut self.held).into_iter().map(InputEvent::Release));
     }
 
     /// Takes an event of a device.
@@ -64,7 +87,6 @@ impl Gathered {
     }
 
     /// Takes events from elsewhere.
-    #[cfg(feature = "gamepad")]
     pub fn add(&mut self, events: Vec<InputEvent>) {
         self.events.extend(events);
     }
@@ -128,7 +150,7 @@ mod tests {
 
     #[test]
     fn the_shape_of_the_picture_is_told_when_it_changes() {
-        let mut gathered = Gathered::default();
+        let mut gathered = GatheredInput::default();
         gathered.size([200, 100]);
         gathered.size([400, 200]);
         gathered.size([100, 100]);
@@ -136,15 +158,21 @@ mod tests {
     }
 
     #[test]
+    fn places_are_shares_of_the_area() {
+        let area = Area { min: [100.0, 50.0], size: [200.0, 100.0] };
+        assert_eq!((area.share([150.0, 100.0]), area.share([100.0, 150.0])), ([0.25, 0.5], [0.0, 1.0]));
+    }
+
+    #[test]
     fn what_is_held_is_let_go_with_the_focus() {
-        let mut gathered = Gathered::default();
+        let mut gathered = GatheredInput::default();
         let left = WindowEvent::MouseInput {
             device_id: winit::event::DeviceId::dummy(),
             state: ElementState::Pressed,
             button: winit::event::MouseButton::Left,
         };
-        gathered.window(&left, [100, 100]);
-        gathered.window(&WindowEvent::Focused(false), [100, 100]);
+        gathered.window(&left, Area::of_window([100; 2]));
+        gathered.window(&WindowEvent::Focused(false), Area::of_window([100; 2]));
         let button = Button::Mouse(MouseButton::Left);
         assert_eq!(gathered.take(), [InputEvent::Press(button), InputEvent::Release(button)]);
         assert_eq!(gathered.take(), []);
