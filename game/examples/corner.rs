@@ -3,7 +3,7 @@
 use lightwell_game::prelude::*;
 
 fn main() -> std::process::ExitCode {
-    app().run()
+    run(app)
 }
 
 /// The scene, and what runs 60 times a second and before each frame.

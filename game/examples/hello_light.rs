@@ -4,7 +4,7 @@
 use lightwell_game::prelude::*;
 
 fn main() -> std::process::ExitCode {
-    app().run()
+    run(app)
 }
 
 /// The whole of it.

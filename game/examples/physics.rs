@@ -5,7 +5,7 @@ use lightwell_game::prelude::*;
 use rapier3d::prelude as rapier;
 
 fn main() -> std::process::ExitCode {
-    app().run()
+    run(app)
 }
 
 /// The whole of it.

@@ -2,7 +2,7 @@
 //!
 //! `bevy_ecs` and `lightwell` themselves are in it, so that derives find them without a line in `Cargo.toml`.
 
-pub use crate::{App, Hud, Outcome, Pictures, Sounds};
+pub use crate::{App, Hud, Outcome, Pictures, Sounds, run};
 pub use bevy_ecs;
 pub use bevy_ecs::prelude::*;
 pub use egui::Align2;

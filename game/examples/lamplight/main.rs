@@ -4,5 +4,5 @@
 mod game;
 
 fn main() -> std::process::ExitCode {
-    game::app().run()
+    lightwell_game::run(game::app)
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::PlayArgs;
 use anyhow::Result;
-use lightwell_editor::{Display, GameComponents, Opening};
+use lightwell_editor::{Display, EditedGame, Opening};
 use lightwell_runtime::cli::Common;
 use lightwell_runtime::scene_path;
 use lightwell_runtime::window::has_display;
@@ -22,7 +22,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> Result<()> {
         Ok(display) => {
             let look = args.look.clone();
             let opening = Opening { scene: args.scene.clone(), size: args.size, frames_per_second: args.fps, look };
-            display.edit(&opening, common, &GameComponents::default())
+            display.edit(&opening, common, &EditedGame::default())
         }
         Err(error) => animation::run(&animation, common, &format!("the display cannot be used ({error})")),
     }

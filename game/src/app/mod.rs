@@ -16,18 +16,24 @@
 //!     }
 //! }
 //!
+//! fn app() -> App {
+//!     App::new("mill.scene.ron").component::<Spinner>().systems(FixedUpdate, spin)
+//! }
+//!
 //! fn main() -> std::process::ExitCode {
-//!     App::new("mill.scene.ron").component::<Spinner>().systems(FixedUpdate, spin).run()
+//!     lightwell_game::run(app)
 //! }
 //! ```
 //!
-//! [`App::run`] takes a command line: `--edit` (with the feature `editor`) opens the scene in the editor, where `Spinner` is a component like any
-//! other; `--record FILE` keeps what the player does, and `--headless --script FILE` plays it again without a window.
+//! [`run`] takes a command line: `--edit` (with the feature `editor`) opens the scene in the editor, where `Spinner` is a
+//! component like any other and Play runs the game; `--record FILE` keeps what the player does, and `--headless --script FILE` plays it again without a window.
 
 mod args;
 mod canvas;
 mod headless;
 mod hud;
+#[cfg(feature = "editor")]
+mod in_editor;
 #[cfg(feature = "gamepad")]
 mod pads;
 mod player;
@@ -56,7 +62,7 @@ use lightwell::game::{Actions, Game, GameError, InputScript, LightProbe, NonSoli
 use lightwell::graph::{Graph, Handle, Texture};
 use lightwell::render::Picture;
 #[cfg(feature = "editor")]
-use lightwell_editor::{CustomComponent, Display, GameComponents, Opening};
+use lightwell_editor::{CustomComponent, Display, EditedGame, Opening};
 use lightwell_runtime::cli::Common;
 use lightwell_runtime::session::{self, RenderState};
 use lightwell_runtime::window::has_display;
@@ -64,9 +70,25 @@ use lightwell_runtime::{logging, scene_path, set};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 
 /// Adds a pass to what draws the game.
 type CustomPassAdder = Box<dyn Fn(&mut RenderState)>;
+
+/// Runs a game as the program's command line says, in a window if there is a display; prints an error. The editor calls
+/// `app` for each play, so that every play begins with a new game.
+pub fn run(app: impl Fn() -> App + 'static) -> ExitCode {
+    run_with(app, std::env::args_os())
+}
+
+/// The same with a command line of one's own; the first word is the program's name.
+pub fn run_with(
+    app: impl Fn() -> App + 'static,
+    words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+) -> ExitCode {
+    let first = app();
+    first.run_again(Some(Rc::new(app)), words)
+}
 
 /// A game: what it is made of, until it runs.
 ///
@@ -191,20 +213,28 @@ impl App {
         self
     }
 
-    /// Runs the game as the program's command line says, in a window if there is a display; prints an error.
+    /// Runs the game as [`run`] does. The editor plays it once: it has this one alone.
     pub fn run(self) -> ExitCode {
         self.run_with(std::env::args_os())
     }
 
     /// The same with a command line of one's own; the first word is the program's name.
     pub fn run_with(self, words: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> ExitCode {
+        self.run_again(None, words)
+    }
+
+    fn run_again(
+        self,
+        again: Option<Rc<dyn Fn() -> App>>,
+        words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    ) -> ExitCode {
         let matches = GameArgs::command().about(self.name()).get_matches_from(words);
         let args = match GameArgs::from_arg_matches(&matches) {
             Ok(args) => args,
             Err(error) => error.exit(),
         };
         logging::start(args.common.verbose);
-        match self.run_args(&args) {
+        match self.run_args(&args, again) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("error: {error:#}");
@@ -213,9 +243,9 @@ impl App {
         }
     }
 
-    fn run_args(self, args: &GameArgs) -> Result<()> {
+    fn run_args(self, args: &GameArgs, again: Option<Rc<dyn Fn() -> App>>) -> Result<()> {
         if args.edit {
-            return self.edit(args);
+            return self.edit(args, again);
         }
         let script = args.script.as_deref().map(InputScript::read).transpose()?;
         if args.headless || !has_display() {
@@ -225,19 +255,20 @@ impl App {
     }
 
     #[cfg(feature = "editor")]
-    fn edit(self, args: &GameArgs) -> Result<()> {
+    fn edit(mut self, args: &GameArgs, again: Option<in_editor::Again>) -> Result<()> {
         if let Some(fault) = self.fault {
             return Err(fault.into());
         }
-        let scene = args.scene.clone().unwrap_or(self.scene);
+        let scene = args.scene.clone().unwrap_or_else(|| self.scene.clone());
         scene_path::find(&scene)?;
         let opening = Opening { scene, size: args.size, frames_per_second: args.fps, look: args.look() };
-        let game = GameComponents { types: self.game.options().types.clone(), shown: self.shown };
+        let (types, shown) = (self.game.options().types.clone(), std::mem::take(&mut self.shown));
+        let game = EditedGame { types, shown, new_game: Some(in_editor::new_game(self, again, &args.common)) };
         Display::open().context("the editor needs a display")?.edit(&opening, &args.common, &game)
     }
 
     #[cfg(not(feature = "editor"))]
-    fn edit(self, _: &GameArgs) -> Result<()> {
+    fn edit(self, _: &GameArgs, _: Option<Rc<dyn Fn() -> App>>) -> Result<()> {
         bail!(
             "--edit: this game was built without the editor; build it with\n    \
              cargo run --release --features lightwell-game/editor -- --edit"
@@ -256,7 +287,8 @@ impl App {
         self.start_with(None, &[], &Common::default())
     }
 
-    fn start_with(mut self, scene: Option<&str>, sets: &[(String, String)], common: &Common) -> Result<Game> {
+    /// The game before its first scene, with its actions, and with the options of a command line.
+    fn prepare(mut self, common: &Common) -> Result<Game> {
         if let Some(path) = self.actions_path()? {
             self.game.set_actions(Actions::read(&path)?);
         }
@@ -267,15 +299,21 @@ impl App {
         self.game.set_models(options.models);
         self.game.set_trusted(options.trusted);
         self.game.set_budget(options.budget);
-        let scene = scene_path::find(scene.unwrap_or(&self.scene))?;
+        Ok(self.game)
+    }
+
+    fn start_with(self, scene: Option<&str>, sets: &[(String, String)], common: &Common) -> Result<Game> {
+        let scene = scene.unwrap_or(&self.scene).to_owned();
+        let mut game = self.prepare(common)?;
+        let scene = scene_path::find(&scene)?;
         let (first, sets) = (scene.clone(), sets.to_vec());
         // The first scene, whenever it is entered again.
-        self.game.on_entering(move |world, path| match path == first {
+        game.on_entering(move |world, path| match path == first {
             true => set::apply_all(world, &sets).map_err(|error| error.to_string()),
             false => Ok(()),
         });
-        self.game.enter(&scene)?;
-        Ok(self.game)
+        game.enter(&scene)?;
+        Ok(game)
     }
 
     /// The file of the table of actions.
@@ -328,7 +366,7 @@ mod tests {
 
     #[test]
     fn without_the_editor_edit_says_how_to_get_it() {
-        let result = App::new("a.scene.ron").run_args(&GameArgs::parse_from(["game", "--edit"]));
+        let result = App::new("a.scene.ron").run_args(&GameArgs::parse_from(["game", "--edit"]), None);
         let message = result.err().map(|error| error.to_string()).unwrap_or_default();
         assert!(message.contains("--features lightwell-game/editor"), "{message}");
     }

@@ -47,5 +47,5 @@ pub fn app() -> App {
 }
 
 fn main() -> std::process::ExitCode {
-    app().run()
+    run(app)
 }

@@ -2,10 +2,12 @@
 
 mod answers;
 pub(crate) mod export;
+mod game;
 mod memory;
 mod meter;
 mod picture;
 mod player;
+pub(crate) mod playing;
 mod remembered;
 mod render_thread;
 mod window;
@@ -30,13 +32,17 @@ pub struct Opening {
     pub look: LookArgs,
 }
 
-/// Components of a game, for files and for the inspector.
+pub use playing::{NewGame, Overlay, PlayedGame};
+
+/// What the editor knows of the game whose scenes it edits.
 #[derive(Default)]
-pub struct GameComponents {
+pub struct EditedGame {
     /// How files hold them.
     pub types: ComponentTypes,
     /// How the inspector shows them.
     pub shown: Vec<CustomComponent>,
+    /// What Play plays; none: what the engine does by itself.
+    pub new_game: Option<NewGame>,
 }
 
 /// A connection to a display that windows open on.
@@ -55,7 +61,7 @@ impl Display {
     ///
     /// # Errors
     /// If the scene cannot be loaded, no device is found, or the device is lost.
-    pub fn edit(self, opening: &Opening, common: &Common, game: &GameComponents) -> Result<()> {
+    pub fn edit(self, opening: &Opening, common: &Common, game: &EditedGame) -> Result<()> {
         logging::also_tell(console::hear);
         scene_path::find(&opening.scene)?;
         window::run(self.0, opening, common, game)

@@ -5,7 +5,7 @@ use super::memory::Memory;
 use super::meter::Meter;
 use super::picture::Picture;
 use super::render_thread::RenderThread;
-use super::{GameComponents, Opening};
+use super::{EditedGame, Opening};
 use crate::comparison::Comparison;
 use crate::editor::camera::FlyCamera;
 use crate::editor::clock::PlayClock;
@@ -80,7 +80,7 @@ impl Player {
         args: &Opening,
         common: &Common,
         memory: Memory,
-        own: &GameComponents,
+        own: &EditedGame,
     ) -> Result<Self> {
         let window = Arc::new(window);
         let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;

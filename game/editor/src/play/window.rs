@@ -1,7 +1,7 @@
 //! The event loop of interactive play.
 
 use super::player::Player;
-use super::{GameComponents, Opening};
+use super::{EditedGame, Opening};
 use anyhow::{Context, Result};
 use lightwell_runtime::cli::Common;
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ use winit::window::{Window, WindowId};
 ///
 /// # Errors
 /// If the scene cannot be loaded, nothing can draw on the window, or the device is lost.
-pub fn run(event_loop: EventLoop<()>, args: &Opening, common: &Common, own: &GameComponents) -> Result<()> {
+pub fn run(event_loop: EventLoop<()>, args: &Opening, common: &Common, own: &EditedGame) -> Result<()> {
     let mut app = App { args, common, own, player: None, failure: None };
     event_loop.run_app(&mut app)?;
     app.failure.map_or(Ok(()), Err)
@@ -24,7 +24,7 @@ pub fn run(event_loop: EventLoop<()>, args: &Opening, common: &Common, own: &Gam
 struct App<'a> {
     args: &'a Opening,
     common: &'a Common,
-    own: &'a GameComponents,
+    own: &'a EditedGame,
     player: Option<Player>,
     failure: Option<anyhow::Error>,
 }
