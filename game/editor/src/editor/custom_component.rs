@@ -46,6 +46,6 @@ pub fn set(description: &mut Value, name: &str, value: Option<Value>) {
 }
 
 /// Keys of maps stand in quotes.
-fn quoted(name: &str) -> String {
+pub fn quoted(name: &str) -> String {
     format!("\"{name}\"")
 }

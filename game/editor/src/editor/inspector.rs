@@ -2,6 +2,7 @@
 
 use super::Editor;
 use super::custom_component::{self, CustomComponent};
+use super::playing::{differences, edited_value};
 use super::schema::Shape;
 use super::stage::Stage;
 use super::value::Value;
@@ -41,6 +42,9 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         if selected.len() > 1 {
             ui.weak(format!("{} entities are selected; a change is made to all that have the value", selected.len()));
         }
+        if stage.facts.playing.is_some() {
+            apply_all(ui, editor, stage, id);
+        }
         origin(ui, stage, entity);
         if files::is_from_model(stage.world, entity) {
             return model_part(ui, stage, entity);
@@ -48,6 +52,21 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         match describe_entity(stage.world, entity, stage.files.path) {
             Ok(before) => components(ui, editor, stage, id, &before),
             Err(error) => drop(ui.colored_label(ui.visuals().warn_fg_color, error.to_string())),
+        }
+    });
+}
+
+/// Says whose values these are, and applies all of them to the scene.
+fn apply_all(ui: &mut Ui, editor: &mut Editor, stage: &Stage, id: SceneId) {
+    let Some(playing) = stage.facts.playing else { return };
+    let is_known = playing.edited.is_some_and(|(world, _)| world.entity(id).is_some());
+    ui.horizontal_wrapped(|ui| {
+        ui.colored_label(playing.state().1, "of the game that plays");
+        let button = ui.add_enabled(is_known, egui::Button::new("Apply to scene"));
+        let help = "give the edited scene these values, as one step of undo; a ● marks each that differs, and applies it alone";
+        let button = button.on_hover_text(help).on_disabled_hover_text("the edited scene has no such entity");
+        if button.clicked() {
+            editor.ask_apply(stage);
         }
     });
 }
@@ -81,10 +100,17 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
     fill_transform(&mut value);
     let old = value.clone();
     let mut changed: Option<String> = None;
+    let mut resting = edited_value(stage.facts.playing, id);
+    resting.iter_mut().for_each(fill_transform);
+    let differ = |before: &Value, path: [&str; 2]| match &resting {
+        Some(edited) => differences(at(edited, path), before, path[1]),
+        None => BTreeMap::new(),
+    };
     let overridden = stage.world.ecs.get_resource::<Overridden>();
     let fields = overridden.map(|overridden| overridden.fields(id, before)).unwrap_or_default();
     for (name, shape) in COMPONENTS.iter() {
         let Some(mut component) = value.field(name).cloned() else { continue };
+        editor.kit.differences = differ(&component, ["", name]);
         let key = format!("Override.{name}");
         editor.kit.marks = marks(overridden, &fields, name);
         if is_section(shape) {
@@ -104,19 +130,24 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
             }
             changed = Some(format!("change {name}"));
         }
+        apply_field(editor, id, resting.as_ref(), &old, &[name]);
     }
     let own_components = editor.kit.own.clone();
     for CustomComponent { name, shape, .. } in &own_components {
         let Some(mut component) = custom_component::get(&value, name) else { continue };
         let mut remove = false;
+        editor.kit.differences = differ(&component, [custom_component::FIELD, name]);
         editor.kit.marks = marks(overridden, &fields, &format!("components.{name}"));
         let edited = section(ui, editor, name, name, shape, &mut component, &mut remove);
         if remove || edited {
             custom_component::set(&mut value, name, Some(component).filter(|_| !remove));
             changed = Some(format!("{} {name}", if remove { "remove" } else { "change" }));
         }
+        let quoted = custom_component::quoted(name);
+        apply_field(editor, id, resting.as_ref(), &old, &[custom_component::FIELD, &quoted]);
     }
     editor.kit.marks.clear();
+    editor.kit.differences.clear();
     ui.add_space(6.0);
     ui.menu_button("Add component", |ui| {
         let missing: Vec<_> =
@@ -162,6 +193,22 @@ fn components(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, id: SceneId, 
         [&mut old, &mut value].into_iter().for_each(|value| strip_transform(value, &written));
         apply(editor, stage, id, &label, &old, &value);
     }
+}
+
+/// A component of an entity's description, or a custom one below that field.
+fn at<'a>(description: &'a Value, [below, name]: [&str; 2]) -> Option<&'a Value> {
+    match below {
+        "" => description.field(name),
+        below => description.field(below)?.field(&custom_component::quoted(name)),
+    }
+}
+
+/// Applies the field of a component whose sign was clicked on. `path` is that of the component.
+fn apply_field(editor: &mut Editor, id: SceneId, edited: Option<&Value>, playing: &Value, path: &[&str]) {
+    let Some((field, edited)) = editor.kit.applied.take().zip(edited) else { return };
+    let is_whole = path.last().is_some_and(|name| name.trim_matches('"') == field);
+    let path: Vec<&str> = path.iter().copied().chain((!is_whole).then_some(field.as_str())).collect();
+    editor.ask_apply_field(id, edited, playing, &path);
 }
 
 /// The fields of a component that the command line set, with what is said of each: those of its first level, or itself.

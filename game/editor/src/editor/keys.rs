@@ -3,7 +3,7 @@
 use super::Editor;
 use super::gizmo::Mode;
 use super::layout::Pane;
-use super::stage::{Request, Stage};
+use super::stage::{PlayRequest, Request, Stage};
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 
 /// What a key does.
@@ -31,9 +31,19 @@ pub enum Action {
     Escape,
     /// Hides or shows the panels.
     Panels,
-    /// Pauses or goes on.
+    /// Plays the game, or stops it.
+    Play,
+    /// Stops the game.
+    Stop,
+    /// Lets the game stand still, or go on.
+    PauseGame,
+    /// One step of the game.
+    StepGame,
+    /// Gives the edited scene what the selected entities are in the game.
+    Apply,
+    /// Lets the animation stand still, or go on; the game, if it plays.
     Pause,
-    /// One tick.
+    /// One tick of the animation; one step of the game, if it plays.
     Step,
     /// Back to the start.
     Rewind,
@@ -55,14 +65,29 @@ pub enum Action {
     Quit,
 }
 
+impl Action {
+    /// Whether the editor takes its key while a game has the keyboard, and while something is typed.
+    fn is_of_editor(self) -> bool {
+        use Action::{PauseGame, Play, Quit, Save, Screenshot, StepGame, Stop};
+        matches!(self, Play | Stop | PauseGame | StepGame | Save | Quit | Screenshot)
+    }
+}
+
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 const NONE: Modifiers = Modifiers::NONE;
 
 /// All keys, what they do, and how the help says it. Those with more modifiers come first.
-pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
+pub const KEYS: [(Modifiers, Key, Action, &str); 41] = [
     (CTRL_SHIFT, Key::Z, Action::Redo, "redo"),
     (CTRL_SHIFT, Key::S, Action::SaveAs, "save as"),
+    (CTRL_SHIFT, Key::P, Action::PauseGame, "pause the game, or let it go on"),
+    (NONE, Key::F5, Action::Play, "play the game, or stop it"),
+    (CTRL, Key::P, Action::Play, "play the game, or stop it"),
+    (NONE, Key::F7, Action::PauseGame, "pause the game, or let it go on"),
+    (NONE, Key::F8, Action::Stop, "stop the game"),
+    (NONE, Key::F10, Action::StepGame, "one step of the game"),
+    (CTRL, Key::Enter, Action::Apply, "apply the selection of the game to the scene"),
     (CTRL, Key::Z, Action::Undo, "undo"),
     (CTRL, Key::Y, Action::Redo, "redo"),
     (CTRL, Key::S, Action::Save, "save"),
@@ -82,7 +107,7 @@ pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
     (NONE, Key::F, Action::Focus, "focus on the selection"),
     (NONE, Key::Escape, Action::Escape, "select nothing"),
     (NONE, Key::H, Action::Panels, "hide or show the panels"),
-    (NONE, Key::Space, Action::Pause, "play or pause"),
+    (NONE, Key::Space, Action::Pause, "preview the animation, or pause"),
     (NONE, Key::Period, Action::Step, "one step of the clock"),
     (NONE, Key::Home, Action::Rewind, "back to the start of the clock"),
     (NONE, Key::Plus, Action::Speed(1), "faster"),
@@ -98,8 +123,9 @@ pub const KEYS: [(Modifiers, Key, Action, &str); 34] = [
 ];
 
 /// The mouse, as the help lists it.
-pub const MOUSE: [(&str, &str); 9] = [
+pub const MOUSE: [(&str, &str); 10] = [
     ("click", "select (Ctrl: more; Alt: the part of a model itself)"),
+    ("click while a game plays", "in the view: give it mouse and keyboard; elsewhere: take them back"),
     ("drag a gizmo", "move, rotate, scale (Ctrl: in steps)"),
     ("drag left", "look around"),
     ("drag right", "orbit"),
@@ -124,8 +150,11 @@ pub fn take(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         return;
     }
     for (modifiers, key, action, _) in KEYS {
-        let always =
-            modifiers == CTRL || modifiers == CTRL_SHIFT || matches!(action, Action::Help | Action::Screenshot);
+        // A game that has the keyboard leaves few keys to the editor.
+        if editor.view.has_input && !action.is_of_editor() {
+            continue;
+        }
+        let always = modifiers == CTRL || modifiers == CTRL_SHIFT || action.is_of_editor() || action == Action::Help;
         // Undo of text belongs to the text.
         // Escape closes a menu that is open.
         let closes = action == Action::Escape && egui::Popup::is_any_open(ui.ctx());
@@ -144,6 +173,7 @@ pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
     let result = match action {
         Action::Undo => return editor.undo(stage),
         Action::Redo => return editor.redo(stage),
+        Action::Save if stage.facts.playing.is_some() => return editor.requests.push(Request::Save),
         Action::Save => editor.history.close(stage.world).map(|()| editor.requests.push(Request::Save)),
         Action::SaveAs => return super::dialogs::ask_save_as(editor, stage.files.path),
         Action::Open => return super::dialogs::ask_open(editor, stage),
@@ -156,6 +186,11 @@ pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
         Action::Focus => return super::view::focus(editor, stage),
         Action::Escape => return editor.selection.clear(),
         Action::Panels => return editor.hidden = !editor.hidden,
+        Action::Play | Action::Stop | Action::PauseGame | Action::StepGame => return play(editor, stage, action),
+        Action::Apply if stage.facts.playing.is_some() => return editor.ask_apply(stage),
+        Action::Apply => return editor.tell("there is nothing to apply: no game plays", false),
+        Action::Pause if stage.facts.playing.is_some() => return play(editor, stage, Action::PauseGame),
+        Action::Step if stage.facts.playing.is_some() => return play(editor, stage, Action::StepGame),
         Action::Pause => return stage.clock.playing = !stage.clock.playing,
         Action::Step => return stage.clock.step(),
         Action::Rewind => return stage.clock.seek(0.0),
@@ -172,6 +207,18 @@ pub fn act(editor: &mut Editor, stage: &mut Stage, action: Action) {
         Action::Quit => return editor.ask(Request::Quit),
     };
     editor.told(result);
+}
+
+/// Asks the game for something.
+fn play(editor: &mut Editor, stage: &Stage, action: Action) {
+    let request = match (action, stage.facts.playing) {
+        (Action::Play, None) => PlayRequest::Begin,
+        (Action::Play | Action::Stop, Some(_)) => PlayRequest::Stop,
+        (Action::PauseGame, Some(playing)) => PlayRequest::Pause(!playing.paused),
+        (Action::StepGame, Some(_)) => PlayRequest::Step,
+        _ => return editor.tell("no game plays; F5 plays it", false),
+    };
+    editor.requests.push(Request::Play(request));
 }
 
 /// The key of an action as text.

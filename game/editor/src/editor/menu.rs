@@ -4,7 +4,7 @@ use super::Editor;
 use super::gizmo::Mode;
 use super::keys::{Action, act, text_of};
 use super::layout::{ERROR, PANES};
-use super::stage::{Request, Stage, Working};
+use super::stage::{PlayFacts, Request, Stage, Working};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, DragValue, Panel, PopupCloseBehavior, RichText, Ui};
 use lightwell::render::debug::DebugView;
@@ -19,11 +19,16 @@ pub fn bar(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             ui.menu_button("Add", |ui| super::hierarchy::add_menu(ui, editor, stage, None));
             // Several things are switched at a time here.
             let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+            ui.menu_button("Game", |ui| game_menu(ui, editor, stage));
             MenuButton::new("Panels").config(stays.clone()).ui(ui, |ui| panels(ui, editor));
             MenuButton::new("Debug").config(stays).ui(ui, |ui| debug(ui, stage));
             ui.separator();
-            play(ui, editor, stage);
+            game(ui, editor, stage);
             ui.separator();
+            if stage.facts.playing.is_none() {
+                preview(ui, editor, stage);
+                ui.separator();
+            }
             gizmos(ui, editor);
         });
     });
@@ -41,7 +46,7 @@ fn entry(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, text: &str, action
 fn file(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     entry(ui, editor, stage, "Save", Action::Save, true);
     entry(ui, editor, stage, "Save as…", Action::SaveAs, true);
-    if ui.add_enabled(editor.history.is_dirty(), Button::new("Revert")).clicked() {
+    if ui.add_enabled(editor.is_dirty(), Button::new("Revert")).clicked() {
         editor.ask(Request::Reload);
         ui.close();
     }
@@ -160,11 +165,59 @@ fn panels(ui: &mut Ui, editor: &mut Editor) {
     ui.weak("H hides all panels");
 }
 
-fn play(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+/// The colours of a game that plays, and of one that stands still.
+pub const PLAYS: egui::Color32 = egui::Color32::from_rgb(70, 190, 110);
+const PAUSED: egui::Color32 = egui::Color32::from_rgb(240, 190, 60);
+
+impl PlayFacts<'_> {
+    /// What it does, and the colour of that.
+    pub(super) fn state(&self) -> (&'static str, egui::Color32) {
+        if self.paused { ("paused", PAUSED) } else { ("playing", PLAYS) }
+    }
+}
+
+/// A button with its key.
+fn button(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage, (text, help): (RichText, &str), action: Action) {
+    if ui.button(text).on_hover_text(format!("{help} ({})", text_of(action))).clicked() {
+        act(editor, stage, action);
+    }
+}
+
+/// Plays the game: its systems, on a copy of the scene.
+fn game(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let Some(playing) = stage.facts.playing else {
+        let help = "play the game on a copy of the scene: its systems, with mouse and keyboard in the view. Stop brings the \
+                    scene back as it is now";
+        return button(ui, editor, stage, (RichText::new("▶ Play"), help), Action::Play);
+    };
+    let (state, color) = playing.state();
+    let stop = RichText::new("⏹ Stop").color(color);
+    button(ui, editor, stage, (stop, "end the game; the scene is as it was"), Action::Play);
+    match playing.paused {
+        true => button(ui, editor, stage, (RichText::new("▶ Resume"), "let the game go on"), Action::PauseGame),
+        false => button(ui, editor, stage, (RichText::new("⏸ Pause"), "let the game stand still"), Action::PauseGame),
+    }
+    button(ui, editor, stage, (RichText::new("⏭ Step"), "pause, and let one step pass"), Action::StepGame);
+    ui.colored_label(color, format!("{state} · {:.1} s · step {}", playing.seconds, playing.step));
+}
+
+fn game_menu(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    let plays = stage.facts.playing.is_some();
+    entry(ui, editor, stage, if plays { "Stop" } else { "Play" }, Action::Play, true);
+    entry(ui, editor, stage, "Pause or resume", Action::PauseGame, plays);
+    entry(ui, editor, stage, "One step", Action::StepGame, plays);
+    ui.separator();
+    let any = plays && !editor.selection.is_empty();
+    entry(ui, editor, stage, "Apply the selection to the scene", Action::Apply, any);
+}
+
+/// Previews the animation of the edited scene.
+fn preview(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
+    ui.weak("Animation").on_hover_text("a preview of what moves by itself; it changes nothing of the scene");
     if ui.button("Rewind").clicked() {
         act(editor, stage, Action::Rewind);
     }
-    let word = if stage.clock.playing { "Pause" } else { "Play" };
+    let word = if stage.clock.playing { "Pause preview" } else { "Preview" };
     if ui.button(word).on_hover_text("Space").clicked() {
         act(editor, stage, Action::Pause);
     }
@@ -240,7 +293,7 @@ fn working(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
 pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     Panel::bottom("status").show(ui, |ui| {
         ui.horizontal(|ui| {
-            let mark = if editor.history.is_dirty() { " ●" } else { "" };
+            let mark = if editor.is_dirty() { " ●" } else { "" };
             ui.label(format!("{}{mark}", stage.facts.name)).on_hover_text(stage.files.path.display().to_string());
             ui.separator();
             if let Some(statistics) = stage.facts.profiler.frame_statistics() {
@@ -255,6 +308,12 @@ pub fn status(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             }
             working(ui, editor, stage);
             ui.separator();
+            if let Some(playing) = stage.facts.playing {
+                let (state, color) = playing.state();
+                let text = format!("{state}: edits are those of the game, and end with it");
+                ui.colored_label(color, text).on_hover_text("Apply to scene keeps them; Save saves the edited scene");
+                ui.separator();
+            }
             match &editor.notice {
                 Some((text, is_error, _)) => notice(ui, text, *is_error),
                 None => drop(ui.weak("F1: help")),

@@ -17,6 +17,7 @@ mod keys;
 mod layout;
 mod menu;
 mod panels;
+mod playing;
 mod reload;
 pub(crate) mod schema;
 pub mod stage;
@@ -27,7 +28,7 @@ mod view;
 mod widgets;
 
 pub use custom_component::CustomComponent;
-pub use stage::{Export, Facts, Request, Stage, Tracing, Working};
+pub use stage::{Export, Facts, PlayFacts, PlayRequest, Request, Stage, Tracing, Working};
 
 use anyhow::Result;
 use dialogs::Dialog;
@@ -75,6 +76,8 @@ pub struct Editor {
     problem: Option<String>,
     /// A drag goes on that makes entities anew.
     rebuilding: bool,
+    /// What was done to the edited world, while `history` is that of the game that plays.
+    resting: Option<History>,
 }
 
 impl Default for Editor {
@@ -94,6 +97,7 @@ impl Default for Editor {
             notice: None,
             problem: None,
             rebuilding: false,
+            resting: None,
         }
     }
 }
@@ -211,7 +215,7 @@ impl Editor {
     /// If there is no way to one of them.
     pub fn saved_as(&mut self, files: &Files, before: &Path) -> Result<()> {
         let (now, options) = (files.path, files.options);
-        self.history.for_each_scene(&mut |scene| Ok(rewrite_paths(scene, before, now, options)?))
+        self.scene_history().for_each_scene(&mut |scene| Ok(rewrite_paths(scene, before, now, options)?))
     }
 
     /// The scene is another one now.
@@ -224,7 +228,7 @@ impl Editor {
 
     /// Asks for something that loses edits; at once if there are none.
     pub fn ask(&mut self, request: Request) {
-        match self.history.is_dirty() {
+        match self.is_dirty() {
             true => self.dialog = Some(Dialog::Unsaved(request)),
             false => self.requests.push(request),
         }
@@ -232,7 +236,7 @@ impl Editor {
 
     /// The scene's file changed on disk, or the named part of it: asks if that would lose edits.
     pub fn file_changed(&mut self, part: Option<String>) -> Option<Request> {
-        if self.history.is_dirty() {
+        if self.is_dirty() {
             self.dialog = Some(Dialog::Changed(part));
             return None;
         }

@@ -7,7 +7,8 @@ use super::stage::{PlayFacts, PlayRequest, Request, Stage};
 use super::value::Value;
 use anyhow::{Context, Result};
 use egui::{
-    Align2, Color32, CornerRadius, Event, EventFilter, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2,
+    Align2, Color32, CornerRadius, Event, EventFilter, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui,
+    vec2,
 };
 use lightwell::files::{OverrideFile, describe_entity, ron_options};
 use lightwell::scene::SceneId;

@@ -4,14 +4,15 @@ use super::camera::FlyCamera;
 use super::clock::PlayClock;
 use super::console::Record;
 use crate::comparison::{Comparison, LiveError};
+use lightwell::files::OverrideFile;
 use lightwell::graph::FrameReport;
 use lightwell::profile::Profiler;
 use lightwell::render::DisplaySettings;
-use lightwell::scene::{Scene, SceneCamera};
+use lightwell::scene::{Scene, SceneCamera, SceneId};
 use lightwell::world::GameWorld;
 use lightwell_runtime::cli::LookArgs;
 use lightwell_runtime::session::Files;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What the editor works on.
@@ -71,6 +72,25 @@ pub struct Facts<'a> {
     pub budget: Option<String>,
     /// What goes on behind the panels.
     pub working: Working,
+    /// The game that plays; none: the world is the edited one.
+    pub playing: Option<PlayFacts<'a>>,
+}
+
+/// The game that plays. The world of the stage is its world then, a copy of the edited one.
+#[derive(Clone, Copy)]
+pub struct PlayFacts<'a> {
+    /// Whether time stands still.
+    pub paused: bool,
+    /// Steps so far.
+    pub step: u64,
+    /// Time of the game \[s\].
+    pub seconds: f64,
+    /// What systems failed with last.
+    pub trouble: Option<&'a str>,
+    /// What the game draws over the view.
+    pub overlay: Option<egui::TextureId>,
+    /// The edited world and its file, while the game is in that scene.
+    pub edited: Option<(&'a GameWorld, &'a Path)>,
 }
 
 /// What goes on behind the panels.
@@ -121,6 +141,23 @@ pub enum Request {
     Export(Export),
     /// End that; what is written stays.
     CancelExport,
+    /// Play the game, or have it do something.
+    Play(PlayRequest),
+}
+
+/// What is asked of the game that plays.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlayRequest {
+    /// Begin, with a copy of the edited world.
+    Begin,
+    /// End; the edited world comes back as it was.
+    Stop,
+    /// Let time stand still, or go on.
+    Pause(bool),
+    /// Pause, and have one step pass.
+    Step,
+    /// Give entities of the edited world these components.
+    Apply(Vec<(SceneId, OverrideFile)>),
 }
 
 /// An animation to be written as files.

@@ -12,6 +12,7 @@ use glam::{Affine3A, DVec3, Vec3};
 use lightwell::files;
 use lightwell::scene::{Aabb, SceneCamera, SceneId, ViewProjection};
 use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
+use lightwell_runtime::window::Area;
 
 /// What the view remembers.
 #[derive(Debug)]
@@ -34,6 +35,21 @@ pub struct View {
     pub bookmarks: [Option<Pose>; 4],
     /// Shows signs where lights and cameras stand.
     pub signs: bool,
+    /// Whether a game that plays is to have mouse and keyboard, and whether it has.
+    pub takes_input: bool,
+    pub has_input: bool,
+    /// What the egui of that game is to be told.
+    pub forwarded: Vec<egui::Event>,
+    /// Where the view lies in the window \[points\].
+    rect: Rect,
+}
+
+impl View {
+    /// Where the view lies in the window, with so many pixels a point.
+    pub fn area(&self, scale: f32) -> Area {
+        let pixels = |v: egui::Vec2| [v.x * scale, v.y * scale];
+        Area { min: pixels(self.rect.min.to_vec2()), size: pixels(self.rect.size()) }
+    }
 }
 
 impl Default for View {
@@ -48,6 +64,10 @@ impl Default for View {
             flight_speed: 1.0,
             bookmarks: [None; 4],
             signs: true,
+            takes_input: false,
+            has_input: false,
+            forwarded: Vec::new(),
+            rect: Rect::NOTHING,
         }
     }
 }
@@ -60,6 +80,8 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max([16.0; 2].into()), Sense::click_and_drag());
     super::widgets::named(&response, "Picture");
     editor.view.is_shown = true;
+    editor.view.rect = rect;
+    super::playing::capture(ui, editor, stage, &response);
     let scale = ui.ctx().pixels_per_point();
     editor.view.size = [rect.width(), rect.height()].map(|edge| (edge * scale).round().max(1.0) as u32);
     let painter = ui.painter_at(rect);
@@ -74,6 +96,7 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
             painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, Color32::GRAY);
         }
     }
+    super::playing::over_view(&painter, editor, stage, rect);
     target(&painter, editor, rect);
     let Some(scene_camera) = stage.facts.scene_camera.clone() else {
         painter.text(
@@ -85,6 +108,9 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         );
         return;
     };
+    if editor.view.has_input {
+        return;
+    }
     fly(ui, editor, stage, &scene_camera, &response);
     let lens = Lens::new(&stage.camera.apply(&scene_camera), rect);
     if editor.hidden {

@@ -1,8 +1,8 @@
 //! What the panels ask of the player: saving, loading, pictures.
 
 use super::player::Player;
-use crate::editor::Request;
 use crate::editor::clock::PlayClock;
+use crate::editor::{PlayRequest, Request};
 use anyhow::{Context, Result};
 use lightwell::scene::SceneId;
 use lightwell::{gpu, measure};
@@ -10,10 +10,22 @@ use lightwell_runtime::say;
 use lightwell_runtime::watch::SceneWatcher;
 use std::path::{Path, PathBuf};
 
+/// Whether a game that plays is ended for it.
+fn needs_edited_world(request: &Request) -> bool {
+    matches!(request, Request::Open(_) | Request::Reload | Request::Export(_))
+}
+
 impl Player {
     /// Does what the panels ask for.
     pub(super) fn answer(&mut self, request: Request) {
         self.stale = true;
+        if self.play.is_some() && needs_edited_world(&request) {
+            self.answer_play(PlayRequest::Stop);
+            // The game ends once no picture is being drawn.
+            if self.play.is_some() {
+                return self.waiting.push(request);
+            }
+        }
         match request {
             Request::Save => self.save(),
             Request::SaveAs(path) => self.save_as(&path),
@@ -31,7 +43,8 @@ impl Player {
             Request::Pick { pixel, add } => match self.seen_at(pixel) {
                 Ok(id) => {
                     let exact = self.ui.context.input(|i| i.modifiers.alt);
-                    self.editor.picked(self.session.world(), id, add, exact);
+                    let world = self.play.as_ref().map_or(self.session.world(), |play| &play.playing.game().world);
+                    self.editor.picked(world, id, add, exact);
                 }
                 Err(error) => self.editor.tell(format!("{error:#}"), true),
             },
@@ -50,6 +63,7 @@ impl Player {
             }
             Request::Export(export) => self.begin_export(export),
             Request::CancelExport => self.cancel_export(),
+            Request::Play(request) => self.answer_play(request),
         }
     }
 
@@ -61,7 +75,7 @@ impl Player {
         match self.session.save(&path) {
             Ok(()) => {
                 self.watcher.saved();
-                self.editor.history.mark_saved();
+                self.editor.scene_history().mark_saved();
                 self.editor.tell(format!("saved {}", path.display()), false);
             }
             Err(error) => self.editor.tell(format!("not saved: {error:#}"), true),
@@ -79,7 +93,7 @@ impl Player {
                     self.editor.tell(format!("{error:#}"), true);
                 }
                 self.watcher = SceneWatcher::new(path, &self.session.files());
-                self.editor.history.mark_saved();
+                self.editor.scene_history().mark_saved();
                 self.memory.played(path);
                 self.editor.recent.clone_from(&self.memory.recent);
                 self.editor.tell(format!("saved {}", path.display()), false);

@@ -3,9 +3,9 @@
 use super::player::Player;
 use super::render_thread::{Finished, Purpose};
 use anyhow::Result;
-use lightwell::graph::FrameReport;
+use lightwell::graph::{FrameReport, GraphError};
 use lightwell::profile::FrameRecorder;
-use lightwell::render::RenderSettings;
+use lightwell::render::{RenderError, RenderSettings};
 use lightwell::scene::{SceneCamera, SceneView};
 use lightwell_runtime::session::Objects;
 use std::time::{Duration, Instant};
@@ -76,6 +76,9 @@ impl Player {
         if key == self.picture.key && !self.picture.gets_better() {
             return self.measure_late();
         }
+        if let Some(play) = &mut self.play {
+            play.light.ask(play.playing.game(), &mut self.session.rendering);
+        }
         self.render_thread.begin(&mut self.session, view.clone(), settings, Purpose::View)?;
         (self.picture.key, self.picture.view) = (key, Some(view));
         Ok(())
@@ -84,8 +87,10 @@ impl Player {
     fn wanted(&self, size: [u32; 2]) -> Result<(SceneView, RenderSettings)> {
         let limit = self.session.gpu.limits.max_texture_dimension_2d;
         let view = SceneView { camera: self.eye()?, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
-        let mut settings = self.session.display_settings();
-        settings.debug.outlined = self.editor.outlined(self.session.world());
+        let world = self.world();
+        let shown = self.session.rendering.display_settings(world);
+        let mut settings = RenderSettings { beside: self.session.beside, ..shown };
+        settings.debug.outlined = self.editor.outlined(world);
         // One sample a frame: the image gets better while it is looked at.
         settings.reference.samples_a_frame = 1;
         Ok((view, settings))
@@ -94,7 +99,7 @@ impl Player {
     /// Measures the error that had to wait.
     fn measure_late(&mut self) -> Result<()> {
         match (&self.picture.view, self.meter.due()) {
-            (Some(view), Some(due)) if due <= Instant::now() => {
+            (Some(view), Some(due)) if due <= Instant::now() && self.play.is_none() => {
                 self.meter.read(&mut self.comparison, &mut self.session, view)?
             }
             _ => return Ok(()),
@@ -124,6 +129,8 @@ impl Player {
                 self.frame_error = None;
                 self.show_picture();
                 let measured = match begun.purpose {
+                    // The session's settings are those of the edited scene.
+                    Purpose::View if self.play.is_some() => Ok(()),
                     Purpose::View => self.meter.read(&mut self.comparison, &mut self.session, &begun.view),
                     Purpose::Export => {
                         self.keep_exported();
@@ -132,6 +139,8 @@ impl Player {
                 };
                 measured.unwrap_or_else(|error| self.failed(&error));
             }
+            // A frame that was dropped is drawn anew as it is to be now.
+            Err(RenderError::Graph(GraphError::Stopped)) => self.picture.forget(),
             Err(error) => {
                 if begun.purpose == Purpose::Export {
                     self.end_export(&format!("the export ended: {error}"), true);

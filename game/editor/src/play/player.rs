@@ -1,9 +1,11 @@
 //! A scene that is playing in a window.
 
 use super::export::Job;
+use super::game::Play;
 use super::memory::Memory;
 use super::meter::Meter;
 use super::picture::Picture;
+use super::playing::{NewGame, plain};
 use super::render_thread::RenderThread;
 use super::{EditedGame, Opening};
 use crate::comparison::Comparison;
@@ -13,12 +15,14 @@ use crate::editor::{Editor, Facts, Request, Stage, Tracing, Working, console, se
 use anyhow::{Result, bail};
 use lightwell::graph::FrameReport;
 use lightwell::profile::{FrameRecorder, Profiler};
+use lightwell::world::GameWorld;
 use lightwell_runtime::cli::Common;
 use lightwell_runtime::frame_budget::FrameBudget;
 use lightwell_runtime::session::{self, Session};
 use lightwell_runtime::watch::{Change, SceneWatcher};
-use lightwell_runtime::window::{Painted, Screen, UiSurface};
+use lightwell_runtime::window::{GatheredInput, Painted, Screen, UiSurface};
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::event::WindowEvent;
@@ -59,6 +63,12 @@ pub struct Player {
     pub(super) repaint_at: Option<Instant>,
     pub(super) ended: bool,
     pub(super) job: Option<Job>,
+    /// Makes a game for each play, and the one that plays.
+    pub(super) new_game: NewGame,
+    pub(super) play: Option<Play>,
+    /// What the player of the game does, and where the pointer is \[pixels\].
+    pub(super) input: GatheredInput,
+    pub(super) cursor: [f32; 2],
     pub(super) render_thread: RenderThread,
     pub(super) picture: Picture,
     /// What can be answered once no picture is being drawn.
@@ -89,7 +99,9 @@ impl Player {
         set_fonts(&context);
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
         let look = args.look.in_window(&gpu);
-        let session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
+        let mut session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
+        let options = session.parts().files.options.clone();
+        let new_game = own.new_game.clone().unwrap_or_else(|| Rc::new(move || Ok(plain(&options))));
         lightwell::files::remove_leftovers(session.path());
         let render_thread = RenderThread::new(&session.gpu);
         let mut player = Self {
@@ -114,6 +126,10 @@ impl Player {
             repaint_at: None,
             ended: false,
             job: None,
+            new_game,
+            play: None,
+            input: GatheredInput::default(),
+            cursor: [0.0; 2],
             render_thread,
             picture: Picture::default(),
             waiting: Vec::new(),
@@ -139,6 +155,7 @@ impl Player {
                 self.stale = true;
             }
             event => {
+                self.forward(event);
                 self.stale |= self.ui.event(&self.window, event);
                 self.stale |= matches!(event, WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. });
             }
@@ -154,7 +171,8 @@ impl Player {
         if std::mem::replace(&mut self.followed, self.editor.history.version) != self.editor.history.version {
             self.watcher.follow(&self.session.files());
         }
-        if let Some(change) = self.watcher.changed() {
+        // A game plays on: what changed is taken up when it has ended.
+        if let Some(change) = self.play.is_none().then(|| self.watcher.changed()).flatten() {
             self.stale = true;
             if let Some(request) = self.editor.file_changed(part_name(&change)) {
                 self.answer(request);
@@ -164,7 +182,8 @@ impl Player {
             self.repaint_at = None;
             self.stale = true;
         }
-        let goes_on = self.render_thread.is_idle() && (self.clock.playing || self.job.is_some());
+        let goes_on = self.render_thread.is_idle()
+            && (self.clock.playing && self.play.is_none() || self.job.is_some() || self.game_runs());
         let busy = self.stale || goes_on || self.render_thread.is_finished();
         let visible = self.screen.size().is_some();
         if busy && visible {
@@ -186,22 +205,23 @@ impl Player {
         // A picture that the interface outruns is one frame of the profile all the same.
         let mut frame = self.recorder.take().unwrap_or_else(FrameRecorder::begin);
         let mut is_new = self.take_picture(&mut frame, Duration::ZERO)?;
-        if self.render_thread.is_idle() {
-            // Where pictures take long, time waits for them.
-            self.clock.advance(self.last_frame.elapsed().as_secs_f64());
+        // Where pictures take long, time waits for them.
+        let elapsed = self.render_thread.is_idle().then(|| {
+            let elapsed = self.last_frame.elapsed().as_secs_f64();
             self.last_frame = Instant::now();
-        }
+            elapsed
+        });
         let (painted, requests) = frame.span("interface", |_| self.interface());
         for request in requests {
             let is_save = request == Request::Save;
             self.answer(request);
             // What would lose edits waits for them to be saved, under whatever name.
-            if is_save && self.editor.history.is_dirty() {
+            if is_save && self.editor.is_dirty() {
                 break;
             }
         }
         if self.job.is_none() {
-            frame.span("update", |_| self.update());
+            frame.span("update", |_| self.update(elapsed));
         }
         is_new |= self.next_picture(&mut frame)?;
         if let Some(reason) = self.session.gpu.device_lost() {
@@ -219,8 +239,13 @@ impl Player {
         Ok(())
     }
 
-    /// Brings the world to the time that is shown.
-    fn update(&mut self) {
+    /// Brings the world to the time that is shown, so many seconds after the last one; none: to the same.
+    fn update(&mut self, elapsed: Option<f64>) {
+        self.settle_input();
+        if self.play.is_some() {
+            return self.pass_time(elapsed);
+        }
+        self.clock.advance(elapsed.unwrap_or(0.0));
         let origin = self.session.scene().origin;
         self.session.set_ticks(self.clock.ticks());
         self.camera.rebase((self.session.scene().origin - origin).as_vec3());
@@ -228,7 +253,26 @@ impl Player {
 
     /// Runs the panels.
     fn interface(&mut self) -> (Painted, Vec<Request>) {
+        let mut requests = Vec::new();
+        let size_before = self.editor.view.size;
+        let painted = self.with_stage(false, |Desk { editor, ui, window }, stage| {
+            ui.run(window, |ui| requests.extend(editor.show(ui, stage)))
+        });
+        self.session.beside = self.comparison.beside(&self.session.rendering.look.trace);
+        match painted.repaint {
+            Duration::ZERO => self.stale = true,
+            Duration::MAX => {}
+            later => self.repaint_at = Instant::now().checked_add(later),
+        }
+        // The picture of the new size comes with the next frame.
+        self.stale |= self.editor.view.size != size_before;
+        (painted, requests)
+    }
+
+    /// Does something with what the editor works on: the world of the game that plays, or the edited one.
+    pub(super) fn with_stage<T>(&mut self, edited: bool, work: impl FnOnce(Desk, &mut Stage) -> T) -> T {
         let (errors, log, name) = (self.errors(), console::records(), self.session.name());
+        let trouble = self.play.as_ref().and_then(|play| play.playing.trouble()).map(str::to_owned);
         let adapter = self.session.gpu.info.name.clone();
         let scene_camera = self.session.camera().ok();
         let tracing = self.picture.tracing.map(|(samples, target)| Tracing { samples, target });
@@ -238,9 +282,17 @@ impl Player {
         };
         let image = self.ui.image();
         let parts = self.session.parts();
+        let (world, files, playing) = match self.play.as_mut().filter(|_| !edited) {
+            None => (parts.world, parts.files, None),
+            Some(play) => {
+                let facts = play.facts(trouble.as_deref(), (&*parts.world, parts.files.path));
+                let (world, files) = play.playing.parts();
+                (world, files, Some(facts))
+            }
+        };
         let mut stage = Stage {
-            world: parts.world,
-            files: parts.files,
+            world,
+            files,
             look: parts.look,
             display: parts.display,
             comparison: &mut self.comparison,
@@ -261,20 +313,15 @@ impl Player {
                 adapter: &adapter,
                 budget: self.budget.as_ref().map(FrameBudget::status),
                 working,
+                playing,
             },
         };
-        let mut requests = Vec::new();
-        let size_before = self.editor.view.size;
-        let painted = self.ui.run(&self.window, |ui| requests.extend(self.editor.show(ui, &mut stage)));
-        self.session.beside = self.comparison.beside(&self.session.rendering.look.trace);
-        match painted.repaint {
-            Duration::ZERO => self.stale = true,
-            Duration::MAX => {}
-            later => self.repaint_at = Instant::now().checked_add(later),
-        }
-        // The picture of the new size comes with the next frame.
-        self.stale |= self.editor.view.size != size_before;
-        (painted, requests)
+        work(Desk { editor: &mut self.editor, ui: &mut self.ui, window: &self.window }, &mut stage)
+    }
+
+    /// The world that is shown: that of the game that plays, or the edited one.
+    pub(super) fn world(&self) -> &GameWorld {
+        self.play.as_ref().map_or(self.session.world(), |play| &play.playing.game().world)
     }
 
     fn present(&mut self, painted: Painted) -> Result<()> {
@@ -286,12 +333,20 @@ impl Player {
     fn errors(&self) -> Vec<String> {
         let shaders = self.session.gpu.shaders.errors().into_iter().map(|error| error.to_string());
         let mut errors: Vec<String> = self.scene_error.iter().cloned().chain(shaders).collect();
+        errors.extend(self.play.as_ref().and_then(|play| play.playing.trouble()).map(str::to_owned));
         // A frame that fails for a broken shader says the same once more.
         if errors.is_empty() {
             errors.extend(self.frame_error.clone());
         }
         errors
     }
+}
+
+/// What the window works with, apart from the stage.
+pub(super) struct Desk<'a> {
+    pub editor: &'a mut Editor,
+    pub ui: &'a mut UiSurface,
+    pub window: &'a Window,
 }
 
 /// The file that changed, if it is not the scene's own.

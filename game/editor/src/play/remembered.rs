@@ -26,7 +26,9 @@ impl Player {
     /// Notes what is to be remembered of the scene.
     pub(super) fn note(&mut self) {
         let key = memory::key(self.session.path());
-        match self.camera.place() {
+        // While a game plays, its camera is looked through.
+        let camera = self.play.as_ref().map_or(&self.camera, |play| &play.camera);
+        match camera.place() {
             Some(place) => drop(self.memory.cameras.insert(key.clone(), place)),
             None => drop(self.memory.cameras.remove(&key)),
         }

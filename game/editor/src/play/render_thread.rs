@@ -121,6 +121,13 @@ impl RenderThread {
         Ok(())
     }
 
+    /// Drops the picture that is being drawn, after the pass that runs: it comes as [`GraphError::Stopped`].
+    ///
+    /// [`GraphError::Stopped`]: lightwell::graph::GraphError::Stopped
+    pub fn drop_frame(&self) {
+        self.pacing.drop_frame();
+    }
+
     /// Whether there is something to [`RenderThread::take`].
     pub fn is_finished(&mut self) -> bool {
         if self.arrived.is_none() && self.begun.is_some() {

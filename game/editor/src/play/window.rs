@@ -7,7 +7,7 @@ use lightwell_runtime::cli::Common;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::WindowEvent;
+use winit::event::{DeviceEvent, DeviceId, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
@@ -64,6 +64,12 @@ impl ApplicationHandler for App<'_> {
                 event_loop.exit();
             }
             Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let Some(player) = &mut self.player {
+            player.device_event(&event);
         }
     }
 

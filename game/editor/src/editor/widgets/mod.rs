@@ -13,6 +13,7 @@ use super::value::{Value, float};
 use egui::{Response, Ui};
 use lightwell::files;
 use numbers::{boolean, integer, number, numbers};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 
 /// Starting values of what zeros would make invalid, or dull.
@@ -46,6 +47,10 @@ pub struct Kit {
     pub folders: Vec<std::path::PathBuf>,
     /// Fields that are marked, each with what is said of it, for the component that is shown.
     pub marks: BTreeMap<String, String>,
+    /// Fields that a game has changed, with what is said of each, for the component that is shown.
+    pub differences: BTreeMap<String, String>,
+    /// The one of them that is to be applied to the scene.
+    pub applied: RefCell<Option<String>>,
 }
 
 impl Default for Kit {
@@ -62,6 +67,8 @@ impl Default for Kit {
             materials: Vec::new(),
             folders: Vec::new(),
             marks: BTreeMap::new(),
+            differences: BTreeMap::new(),
+            applied: RefCell::default(),
         }
     }
 }
@@ -132,6 +139,14 @@ impl Kit {
 
     /// The sign of a field that is marked.
     fn mark(&self, ui: &mut Ui, name: &str) {
+        if let Some(what) = self.differences.get(name) {
+            let sign = egui::RichText::new("●").color(super::menu::PLAYS);
+            let response = ui.add(egui::Button::new(sign).frame(false).small()).on_hover_text(what);
+            named(&response, &format!("Apply {} to the scene", title(name)));
+            if response.clicked() {
+                self.applied.replace(Some(name.to_owned()));
+            }
+        }
         if let Some(why) = self.marks.get(name) {
             let sign = egui::Label::new(egui::RichText::new("*").color(ui.visuals().warn_fg_color));
             let response = ui.add(sign.sense(egui::Sense::hover())).on_hover_text(why);
