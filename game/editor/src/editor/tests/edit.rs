@@ -103,9 +103,9 @@ fn edits_go_to_the_rest_pose_and_not_to_the_animated_value() {
     let before = desk.text();
     // Play, pause, step and scrub leave the file alone.
     press(&mut bench, Modifiers::NONE, Key::Period);
-    click(&mut bench, "Play");
+    click(&mut bench, "Preview");
     bench.run_steps(4);
-    click(&mut bench, "Pause");
+    click(&mut bench, "Pause preview");
     assert_eq!(bench.state().text(), before);
     assert!(!bench.state().editor.history.is_dirty());
     bench.state_mut().select("Mover");

@@ -12,6 +12,7 @@ mod keyboard;
 mod keyed;
 mod model;
 mod panels;
+mod play;
 mod reload;
 mod save;
 mod tree;
@@ -21,8 +22,9 @@ use super::camera::FlyCamera;
 use super::clock::PlayClock;
 use super::console::Record;
 use super::layout::Pane;
-use super::stage::{Facts, Request, Stage, Working};
+use super::stage::{Facts, PlayFacts, PlayRequest, Request, Stage, Working};
 use crate::comparison::{Comparison, LiveError};
+use crate::play::playing::{End, NewGame, Playing, plain};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use lightwell::assets::AssetLibrary;
@@ -35,6 +37,7 @@ use lightwell::world::{GameWorld, SceneSettings};
 use lightwell_runtime::cli::LookArgs;
 use lightwell_runtime::session::Files;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// What a window has, without the window.
 struct Desk {
@@ -58,6 +61,8 @@ struct Desk {
     requests: Vec<Request>,
     working: Working,
     budget: Option<String>,
+    new_game: NewGame,
+    playing: Option<Playing>,
 }
 
 const SCENE: &str = r#"Scene(
@@ -115,6 +120,8 @@ impl Desk {
             requests: Vec::new(),
             working: Working::default(),
             budget: None,
+            new_game: Rc::new(|| Ok(plain(&LoadOptions::default()))),
+            playing: None,
         };
         desk.clock.playing = false;
         desk.update();
@@ -122,6 +129,11 @@ impl Desk {
     }
 
     fn update(&mut self) {
+        if let Some(playing) = &mut self.playing {
+            let world = &mut playing.game_mut().world;
+            world.update();
+            return self.extractor.extract(world, &mut self.scene);
+        }
         self.world.set_tick(self.clock.ticks());
         self.world.update();
         self.extractor.extract(&mut self.world, &mut self.scene);
@@ -129,15 +141,89 @@ impl Desk {
 
     fn show(&mut self, ui: &mut egui::Ui) {
         let requests = self.with_stage(|editor, stage| editor.show(ui, stage));
-        self.requests.extend(requests);
+        for request in requests {
+            match request {
+                Request::Play(request) => self.play(request),
+                other => self.requests.push(other),
+            }
+        }
         self.update();
+    }
+
+    /// Does with a game what the window does.
+    fn play(&mut self, request: PlayRequest) {
+        match (request, &mut self.playing) {
+            (PlayRequest::Begin, None) => self.begin_play(),
+            (PlayRequest::Stop, Some(_)) => self.end_play(),
+            (PlayRequest::Pause(paused), Some(playing)) => {
+                playing.paused = paused;
+                self.editor.view.takes_input = !paused;
+            }
+            (PlayRequest::Step, Some(playing)) => {
+                playing.step_once();
+                self.pass(0.0);
+            }
+            (PlayRequest::Apply(edits), Some(_)) => {
+                let playing = self.playing.take();
+                let result = self.with_stage(|editor, stage| editor.apply_to_scene(stage, &edits));
+                self.playing = playing;
+                self.editor.told(result);
+            }
+            other => panic!("{:?} does not fit", other.0),
+        }
+    }
+
+    fn begin_play(&mut self) {
+        self.editor.begin_play(&mut self.world).unwrap();
+        self.extractor = Extractor::new();
+        match Playing::begin(&self.new_game, &self.world, &self.library, &self.path) {
+            Ok(playing) => self.playing = Some(playing),
+            Err(error) => {
+                self.editor.end_play();
+                self.editor.tell(format!("cannot play: {error:#}"), true);
+            }
+        }
+    }
+
+    fn end_play(&mut self) {
+        self.playing = None;
+        self.extractor = Extractor::new();
+        self.editor.end_play();
+    }
+
+    /// Lets time pass in a game \[s\]; gives why it has ended, if it has.
+    fn pass(&mut self, seconds: f64) -> Option<End> {
+        let playing = self.playing.as_mut().unwrap();
+        let end = playing.advance(seconds, Vec::new(), egui::RawInput::default(), |_| {}).end;
+        if end.is_some() {
+            self.end_play();
+        }
+        end
     }
 
     fn with_stage<T>(&mut self, work: impl FnOnce(&mut Editor, &mut Stage) -> T) -> T {
         let scene_camera = self.scene.cameras.first().cloned();
+        let trouble = self.playing.as_ref().and_then(Playing::trouble).map(str::to_owned);
+        let resting = Files { library: &mut self.library, options: &self.options, path: &self.path };
+        let (world, files, playing) = match &mut self.playing {
+            None => (&mut self.world, resting, None),
+            Some(playing) => {
+                let time = playing.time();
+                let facts = PlayFacts {
+                    paused: playing.paused,
+                    step: time.step,
+                    seconds: time.elapsed,
+                    trouble: trouble.as_deref(),
+                    overlay: None,
+                    edited: playing.is_in_edited_scene().then_some((&self.world, self.path.as_path())),
+                };
+                let (world, files) = playing.parts();
+                (world, files, Some(facts))
+            }
+        };
         let mut stage = Stage {
-            world: &mut self.world,
-            files: Files { library: &mut self.library, options: &self.options, path: &self.path },
+            world,
+            files,
             look: &mut self.look,
             display: &mut self.display,
             comparison: &mut self.comparison,
@@ -158,6 +244,7 @@ impl Desk {
                 adapter: "none",
                 working: self.working,
                 budget: self.budget.clone(),
+                playing,
             },
         };
         work(&mut self.editor, &mut stage)
