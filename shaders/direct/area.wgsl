@@ -7,13 +7,16 @@
 //   SHADOW_MAP   it is that of the light's middle, by its shadow map: the scene is not there for rays
 // Without both, all of it arrives.
 
-#import lightwell::area_lights::{arc_of, cone_of, third_axis}
+#import lightwell::area_lights::{Cone, arc_of, cone_of, third_axis}
 #import lightwell::bilateral::likeness
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::environment::lobe_reflectance
 #import lightwell::gbuffer::{Surface, decode_normal, decode_surface, world_position}
 #import lightwell::lights::{Light, SUN, SPHERE, DISC, RECTANGLE, TUBE, light_incidence, range_window}
 #import lightwell::sampling::{TAU, basis}
+#ifdef SHADOW_RAYS
+#import lightwell::shadow_tiles::{DARK, MIXED, kinds_of, tile_of}
+#endif
 #ifdef SHADOW_MAP
 #import lightwell::shadow_lookup::{Shadow, shadow_coordinate}
 #endif
@@ -38,6 +41,7 @@ struct Area {
 @group(0) @binding(8) var radiance: texture_storage_2d_array<r32float, read_write>;
 #ifdef SHADOW_RAYS
 @group(0) @binding(9) var arrived: texture_2d<f32>;
+@group(0) @binding(13) var<storage, read> tiles: array<u32>;
 #endif
 #ifdef SHADOW_MAP
 @group(0) @binding(10) var<uniform> shadow: Shadow;
@@ -138,20 +142,34 @@ fn corner(seen: Seen, position: vec3f, index: u32) -> vec3f {
 
 // ---- Integrals over the outline ----
 
-// Angle between two directions along the normal of their plane: an edge's part of Lambert's sum.
+// θ/sin θ of an angle up to a right one by 1 − cos θ; off by at most 4e−6 (Chebyshev interpolation).
+fn angle_over_sine(fall: f32) -> f32 {
+    let high = 0.03436362 + fall * (0.08386244 + fall * (-0.0606734 + fall * 0.04275052));
+    return 1.00000288 + fall * (0.33306327 + fall * (0.13742301 + fall * high));
+}
+
+// Angle between two unit vectors along the normal of their plane: an edge's part of Lambert's sum. Of near corners the
+// difference is more exact than their product would be.
 fn edge(a: vec3f, b: vec3f) -> vec3f {
-    let c = cross(a, b);
-    let sine = length(c);
-    if sine <= 0.0 {
-        return vec3f(0.0);
+    let normal = cross(a, b - a);
+    let cosine = dot(a, b);
+    let acute = angle_over_sine(max(1.0 - abs(cosine), 0.0));
+    if cosine >= 0.0 {
+        return normal * acute;
     }
-    return c / sine * atan2(sine, dot(a, b));
+    // Of an obtuse angle it is that of the rest of π.
+    return normal * (PI * inverseSqrt(max(dot(normal, normal), 1e-30)) - acute);
+}
+
+// A direction; none of what vanishes.
+fn unit(v: vec3f) -> vec3f {
+    return v * inverseSqrt(max(dot(v, v), 1e-37));
 }
 
 // Where an edge meets the horizon.
 fn at_horizon(a: vec3f, b: vec3f) -> vec3f {
     let t = a.z / (a.z - b.z);
-    return vec3f(mix(a.xy, b.xy, t), 0.0);
+    return unit(vec3f(mix(a.xy, b.xy, t), 0.0));
 }
 
 // Share of a cosine lobe around z that a light fills, in coordinates of the lobe: 1/(2π)·Σ θᵢ·nᵢ·z over the edges, clipped at
@@ -166,9 +184,9 @@ fn filled(seen: Seen, position: vec3f, to_lobe: mat3x3f) -> Filled {
     var whole = vec3f(0.0);
     var leaving = vec3f(0.0);
     var entering = vec3f(0.0);
-    var previous = to_lobe * corner(seen, position, seen.corners - 1u);
+    var previous = unit(to_lobe * corner(seen, position, seen.corners - 1u));
     for (var i = 0u; i < seen.corners; i++) {
-        let next = to_lobe * corner(seen, position, i);
+        let next = unit(to_lobe * corner(seen, position, i));
         var a = previous;
         var b = next;
         whole += edge(a, b);
@@ -186,6 +204,22 @@ fn filled(seen: Seen, position: vec3f, to_lobe: mat3x3f) -> Filled {
     }
     sum += edge(leaving, entering).z;
     return Filled(min(abs(sum) / TAU, 1.0), whole * select(-1.0, 1.0, sum > 0.0));
+}
+
+// The same of a cosine around a normal for what is seen as a cone: exact, above, below and across the horizon (Snyder 1996,
+// "Area light sources for real-time graphics"; as Lagarde and de Rousiers 2014 write it).
+fn filled_by_cone(cone: Cone, n: vec3f) -> Filled {
+    let cosine = dot(cone.axis, n);
+    let sine_squared = cone.sine * cone.sine;
+    var share = cosine * sine_squared;
+    if abs(cosine) < cone.sine {
+        let sine = sqrt(max(1.0 - cosine * cosine, 1e-12));
+        let x = cone.cosine / cone.sine;
+        let y = clamp(-x * cosine / sine, -1.0, 1.0);
+        let across = sine * sqrt(1.0 - y * y);
+        share = ((cosine * acos(y) - x * across) * sine_squared + atan2(across, x)) / PI;
+    }
+    return Filled(clamp(share, 0.0, 1.0), cone.axis);
 }
 
 // ---- The specular lobe ----
@@ -231,11 +265,17 @@ fn unshadowed(surface: Surface, to_eye: vec3f) -> Unshadowed {
         return Unshadowed(vec3f(0.0), vec3f(0.0));
     }
     let to_local = transpose(frame_of(surface.normal, to_eye));
-    let whole = filled(seen, position, to_local);
+    var whole: Filled;
+    if light.shape == SUN || light.shape == SPHERE {
+        whole = filled_by_cone(cone_of(seen.light, position), surface.normal);
+    } else {
+        whole = filled(seen, position, to_local);
+        whole.direction = transpose(to_local) * whole.direction;
+    }
     if whole.share <= 0.0 {
         return Unshadowed(vec3f(0.0), vec3f(0.0));
     }
-    let middle = transpose(to_local) * whole.direction;
+    let middle = whole.direction;
     // Neither vector is normalized where it may vanish.
     let half_sum = middle * inverseSqrt(max(dot(middle, middle), 1e-30)) + to_eye;
     let cosine = saturate(dot(half_sum, to_eye) * inverseSqrt(max(dot(half_sum, half_sum), 1e-12)));
@@ -244,7 +284,10 @@ fn unshadowed(surface: Surface, to_eye: vec3f) -> Unshadowed {
     let alpha = max(surface.roughness * surface.roughness, 1e-3);
     let n_dot_v = max(dot(surface.normal, to_eye), 1e-4);
     let of_even = lobe_reflectance(surface.normal_reflectance, surface.grazing_reflectance, sqrt(alpha), n_dot_v);
-    let specular = of_even * filled(seen, position, to_cosine(alpha, n_dot_v) * to_local).share;
+    var specular = vec3f(0.0);
+    if any(of_even > vec3f(0.0)) {
+        specular = of_even * filled(seen, position, to_cosine(alpha, n_dot_v) * to_local).share;
+    }
     return Unshadowed(min(diffuse * seen.radiance, vec3f(MAX_RADIANCE)), min(specular * seen.radiance, vec3f(MAX_RADIANCE)));
 }
 
@@ -256,6 +299,14 @@ fn lit_share(s: vec4f) -> f32 {
     return select(-1.0, s.x / max(s.y, 1e-37), s.y > 0.0);
 }
 
+// Kinds of samples in the tiles of a window, which is smaller than a tile.
+fn kinds_around(low: vec2i, high: vec2i) -> u32 {
+    let a = vec2u(low);
+    let b = vec2u(high);
+    return tiles[tile_of(a, view.size)] | tiles[tile_of(vec2u(b.x, a.y), view.size)]
+        | tiles[tile_of(vec2u(a.x, b.y), view.size)] | tiles[tile_of(b, view.size)];
+}
+
 // Share of diffuse and of specular light that arrives: the ratio of sums over the neighbourhood. Its border counts half, so that
 // the window holds as many pixels of each kind as the samples of a square of pixels have. Stratified samples of a soft shadow
 // are rarely all lit in one pixel and all dark in the next: where they are, there is the border of a hard one.
@@ -263,17 +314,17 @@ fn arriving(pixel: vec2u, surface: Surface) -> vec2f {
     let r = i32(area.radius);
     let low = vec2i(area.origin);
     let high = vec2i(area.origin + area.size) - 1;
-    var all_lit = true;
-    var all_dark = true;
-    for (var y = -r; y <= r; y++) {
-        for (var x = -r; x <= r; x++) {
-            let s = textureLoad(arrived, clamp(vec2i(pixel) + vec2i(x, y), low, high), 0);
-            all_lit = all_lit && s.x == s.y && s.z == s.w;
-            all_dark = all_dark && s.x == 0.0 && s.z == 0.0;
+    var kinds = kinds_around(clamp(vec2i(pixel) - r, low, high), clamp(vec2i(pixel) + r, low, high));
+    if kinds == MIXED {
+        kinds = 0u;
+        for (var y = -r; y <= r; y++) {
+            for (var x = -r; x <= r; x++) {
+                kinds |= kinds_of(textureLoad(arrived, clamp(vec2i(pixel) + vec2i(x, y), low, high), 0));
+            }
         }
     }
-    if all_lit || all_dark {
-        return vec2f(select(0.0, 1.0, all_lit));
+    if kinds != MIXED {
+        return vec2f(select(1.0, 0.0, kinds == DARK));
     }
     var sums = textureLoad(arrived, pixel, 0);
     let own = lit_share(sums);

@@ -2,7 +2,7 @@
 
 // A vertex of a path: directions by the surface's reflection, and next-event estimation towards lights, emissive triangles
 // and the sky. What both ways can find is weighted by the balance heuristic (Veach and Guibas 1995). What a scene does not
-// have is left out: see lib/rays.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
+// have is left out: see lib/ray_scene.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
 // sky is alike in all directions; (the other way around) AREA_LIGHTS, a light has a surface.
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, visible_normal_density}
@@ -13,7 +13,10 @@
 #import lightwell::area_lights::{is_area, sample_incidence, meet_light}
 #endif
 #import lightwell::lights::{Incidence, Light, light_incidence}
-#import lightwell::rays::{Ray, Hit, Surface, NONE, DOUBLE_SIDED, leave_surface, load_triangle, emitted_at, coverage, emitters, load_light}
+#import lightwell::ray_materials::{coverage, emitted_at}
+#import lightwell::ray_scene::{NONE, DOUBLE_SIDED, load_triangle, emitters, load_light}
+#import lightwell::ray_surfaces::{Surface, leave_surface}
+#import lightwell::rays::{Ray, Hit}
 #import lightwell::sampling::{INVERSE_PI, cosine_direction, is_chosen, visible_ggx_normal}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 

@@ -4,7 +4,8 @@
 //   RAYS     those of a surfel
 
 #import lightwell::patches::NO_PATCH
-#import lightwell::rays::{Hit, NONE, load_triangle}
+#import lightwell::ray_scene::{NONE, load_triangle}
+#import lightwell::rays::Hit
 #import lightwell::sweep::Surfel
 
 #ifdef RAYS

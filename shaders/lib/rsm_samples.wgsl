@@ -8,7 +8,9 @@
 #import lightwell::gbuffer::decode_surface
 #import lightwell::lights::light_incidence
 #import lightwell::next_event::{bounded, reflected, direction_density}
-#import lightwell::rays::{Ray, Surface, leave_surface, load_light}
+#import lightwell::ray_scene::load_light
+#import lightwell::ray_surfaces::{Surface, leave_surface}
+#import lightwell::rays::Ray
 #import lightwell::visible_surface::VisibleSurface
 
 // vec4u a point: position [m] and light; base colour and normal as in the G-buffer; √F0 as in the G-buffer, and one over the

@@ -3,7 +3,9 @@
 // Shadow rays from what the camera sees.
 
 #import lightwell::lights::Incidence
-#import lightwell::rays::{NONE, SHADOW, Ray, Surface as Start, leave_surface, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::ray_surfaces::{Surface as Start, leave_surface}
+#import lightwell::rays::{SHADOW, Ray, trace}
 #import lightwell::view::{View, toward_eye}
 
 // Whether nothing is between a visible point and the light.

@@ -12,7 +12,8 @@
 #import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
 #import lightwell::view::{depth_error, toward_eye}
 #ifdef RAYS
-#import lightwell::rays::{Ray, SHADOW, NONE, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::rays::{Ray, SHADOW, trace}
 #endif
 
 @group(0) @binding(1) var<uniform> culling: Culling;

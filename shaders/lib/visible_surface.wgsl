@@ -8,7 +8,8 @@
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::gbuffer::{Surface as Drawn}
 #import lightwell::next_event::{bounded, direction_density, reflected, sample_direction, specular_share}
-#import lightwell::rays::{Ray, Surface, leave_surface}
+#import lightwell::ray_surfaces::{Surface, leave_surface}
+#import lightwell::rays::Ray
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
 #import lightwell::view::{View, eye_offset, toward_eye}
 

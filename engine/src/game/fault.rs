@@ -27,8 +27,11 @@ pub fn take() -> Vec<String> {
     FAULTS.take()
 }
 
-/// bevy's way to tell of errors.
-pub fn handle(error: BevyError, context: ErrorContext) {
+/// bevy's way to tell of errors. A system that panicked has left the world half changed: its panic goes on.
+pub fn handle(mut error: BevyError, context: ErrorContext) {
+    if let Some(payload) = error.take_payload() {
+        std::panic::resume_unwind(payload);
+    }
     let text = error.to_string();
     // bevy's own help comes after the first line, and ours says it for this engine.
     let ends = ["\nIf this is an expected state", "\nNote that interacting"].iter().filter_map(|end| text.find(end));

@@ -4,6 +4,7 @@ use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
 use super::direct::RegionUniform;
 use super::direct::area::AreaUniform;
 use super::direct::area_shadows::ShadowsUniform;
+use super::direct::area_tiles::TilesUniform;
 use super::direct::tiled::LightsUniform;
 use super::frame::ViewUniform;
 use super::indirect::accumulate::AverageUniform;
@@ -74,6 +75,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightsUniform::min_size().get(), "direct/tiled.wgsl", "Lights");
     check(&gpu, AreaUniform::min_size().get(), "direct/area.wgsl", "Area");
     check(&gpu, ShadowsUniform::min_size().get(), "direct/area_shadows.wgsl", "Shadows");
+    check(&gpu, TilesUniform::min_size().get(), "direct/area_tiles.wgsl", "Tiles");
     check(&gpu, LightUniform::min_size().get(), "direct/tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "post/compose.wgsl", "Compose");
     check(&gpu, AverageUniform::min_size().get(), "indirect/accumulate.wgsl", "Average");

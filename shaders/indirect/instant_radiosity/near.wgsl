@@ -6,13 +6,15 @@
 // hits, and light of a virtual light, of which one is chosen, for those of the next hits.
 //   RAYS        rays of a pixel
 //   RADIUS      of the filter [pixels]
-//   MATTE       as in lib/vpl.wgsl; others as in lib/rays.wgsl
+//   MATTE       as in lib/vpl.wgsl; others as in lib/ray_scene.wgsl
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{Surface as Drawn, decode_albedo, decode_normal, decode_surface, world_position}
 #import lightwell::lights::Incidence
 #import lightwell::next_event::{LightSample, bounded, incidence_of, no_light, reflected, toward_light}
-#import lightwell::rays::{Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, load_light, surface_at, trace}
+#import lightwell::ray_scene::{NONE, load_light}
+#import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
+#import lightwell::rays::{Ray, LIGHT, SHADOW, trace}
 #import lightwell::sampling::{Sampler, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View

@@ -7,7 +7,8 @@
 #import lightwell::view::{View, eye_offset, toward_eye}
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
-#import lightwell::rays::{Ray, SHADOW, NONE, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::rays::{Ray, SHADOW, trace}
 #endif
 
 struct Letter {

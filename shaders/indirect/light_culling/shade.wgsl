@@ -5,7 +5,8 @@
 #import lightwell::slc::{DIFFUSE_LOBE, SLICES, SPECULAR_LOBE, mask_stride}
 #ifdef RAYS
 #import lightwell::brdf::PI
-#import lightwell::rays::{Ray, SHADOW, NONE, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::rays::{Ray, SHADOW, trace}
 #import lightwell::sampling::{cosine_direction, hash, unit_float}
 #import lightwell::slc::brightest
 #ifdef SKY_MAP

@@ -3,7 +3,7 @@
 // A vertex of a path gathers light in two ways: next-event estimation towards the lights and towards the emissive
 // triangles, and by the ray that goes on, which may itself meet an emissive surface or the sky. What both ways can
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
-// passes. What a scene does not have is left out of the shader (see lib/rays.wgsl): UNLIT, no surface emits light;
+// passes. What a scene does not have is left out of the shader (see lib/ray_scene.wgsl): UNLIT, no surface emits light;
 // DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions; (the other way around) AREA_LIGHTS, a
 // light has a surface; ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to
 // the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
@@ -19,7 +19,9 @@
 #ifndef EVEN_SKY
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #endif
-#import lightwell::rays::{Ray, Hit, Surface, CAMERA, LIGHT, SHADOW, NONE, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace, surface_at, leave_surface}
+#import lightwell::ray_scene::NONE
+#import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
+#import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace}
 #import lightwell::sky::sky_radiance
 #import lightwell::sampling::{Sampler, hash_pair, next_pair}
 

@@ -51,7 +51,10 @@ pub(super) fn declare<'a>(
     inputs.into_iter().for_each(|input| pass.read(input));
     match &share {
         Share::Whole => {}
-        Share::Rays(shadows) => pass.read(shadows.arrived),
+        Share::Rays(shadows) => {
+            pass.read(shadows.arrived);
+            pass.read(shadows.tiles);
+        }
         Share::Map(shadow) => pass.read(shadow.map),
     }
     let radiance = pass.write(radiance);
@@ -104,8 +107,8 @@ impl Work<'_> {
         match &self.share {
             Share::Whole => cx.dispatch(&key, &group, groups),
             Share::Rays(shadows) => {
-                let arrived = cx.view(shadows.arrived);
-                group.push(("arrived", Binding::Texture(&arrived)));
+                let (arrived, tiles) = (cx.view(shadows.arrived), cx.buffer(shadows.tiles).clone());
+                group.extend([("arrived", Binding::Texture(&arrived)), ("tiles", Binding::Buffer(&tiles))]);
                 cx.dispatch(&key.def("SHADOW_RAYS", ShaderDef::Flag(true)), &group, groups)
             }
             Share::Map(shadow) => {

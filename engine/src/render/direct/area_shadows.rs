@@ -1,8 +1,8 @@
 //! How much of a light with a surface arrives at each pixel, by shadow rays. See `direct/area_shadows.wgsl`.
 
-use super::{DirectLight, Region};
+use super::{DirectLight, Region, area_tiles};
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::{RayScene, dispatch_rays};
@@ -31,6 +31,8 @@ pub(crate) struct ShadowsUniform {
 pub(super) struct Shadows {
     /// Sums of samples with and without shadows, diffuse and specular.
     pub(super) arrived: Handle<Texture>,
+    /// Which kinds of samples there are in each tile.
+    pub(super) tiles: Handle<Buffer>,
     /// Radius of the filter over them \[pixels\]: less where images are averaged.
     pub(super) radius: u32,
 }
@@ -44,33 +46,53 @@ fn radius(frame: &Frame) -> u32 {
     }
 }
 
-/// Declares the pass of a light.
+/// Declares the passes of a light.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     direct_light: &DirectLight<'a>,
 ) -> Shadows {
-    let light = direct_light.light;
-    let name = format!("direct shadow rays {}", light.pass_name());
-    let arrived = graph.retained_texture(&name, frame.image_desc());
-    let mut pass = graph.pass(&name);
+    let name = direct_light.light.pass_name();
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    inputs.into_iter().for_each(|input| pass.read(input));
-    let arrived = pass.write(arrived);
-    let samples = if frame.number().is_some() { SAMPLES_OF_MANY } else { SAMPLES };
-    pass.key(&(frame.geometry_key(), light.revision, frame.view_key(), frame.seed(), samples));
-    let work = Work { frame: frame.clone(), direct_light: direct_light.clone(), inputs, arrived, samples };
-    pass.execute(move |cx| work.run(cx));
-    Shadows { arrived, radius: radius(frame) }
+    let work = |output, before| {
+        let samples = if frame.number().is_some() { SAMPLES_OF_MANY } else { SAMPLES };
+        Work { frame: frame.clone(), direct_light: direct_light.clone(), inputs, before, output, samples }
+    };
+    let first = graph.texture(format!("direct first shadow rays {name}"), frame.image_desc());
+    let first = work(first, None).declare(graph, format!("direct first shadow rays {name}"));
+    let tiles = area_tiles::declare(graph, frame, first, direct_light);
+    let arrived = graph.retained_texture(format!("direct shadow rays {name}"), frame.image_desc());
+    let arrived = work(arrived, Some((first, tiles))).declare(graph, format!("direct shadow rays {name}"));
+    Shadows { arrived, tiles, radius: radius(frame) }
 }
 
+/// Shadow rays: the first of each pixel, or those that follow where they are needed.
 struct Work<'a> {
     frame: Frame<'a>,
     direct_light: DirectLight<'a>,
     inputs: [Handle<Texture>; 4],
-    arrived: Handle<Texture>,
+    /// What the first found.
+    before: Option<(Handle<Texture>, Handle<Buffer>)>,
+    output: Handle<Texture>,
     samples: u32,
+}
+
+impl<'a> Work<'a> {
+    fn declare(mut self, graph: &mut Graph<'a>, name: String) -> Handle<Texture> {
+        let mut pass = graph.pass(name);
+        self.inputs.into_iter().for_each(|input| pass.read(input));
+        if let Some((samples, tiles)) = self.before {
+            pass.read(samples);
+            pass.read(tiles);
+        }
+        self.output = pass.write(self.output);
+        let (output, frame) = (self.output, &self.frame);
+        let light = self.direct_light.light;
+        pass.key(&(frame.geometry_key(), light.revision, frame.view_key(), frame.seed(), self.samples));
+        pass.execute(move |cx| self.run(cx));
+        output
+    }
 }
 
 impl Work<'_> {
@@ -78,7 +100,9 @@ impl Work<'_> {
         let scene =
             self.frame.shadow_rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let Region { origin, size } = self.direct_light.region;
-        let rays_a_row = u64::from(size.x) * u64::from(self.samples);
+        // At most: tiles whose first rays agree need no more.
+        let rays = if self.before.is_some() { self.samples - 1 } else { 1 };
+        let rays_a_row = u64::from(size.x) * u64::from(rays);
         cx.counts().texels += u64::from(size.x) * u64::from(size.y);
         cx.counts().rays += rays_a_row * u64::from(size.y);
         // Whole workgroups, eight rows high.
@@ -100,8 +124,8 @@ impl Work<'_> {
         let uniform = ShadowsUniform { origin: part.origin, size: part.size, root: scene.root(), seed };
         let shadows = gpu.uniform("shadows", &uniform);
         let [base_color, normal, object, depth] = self.inputs.map(|handle| cx.view(handle));
-        let target = cx.view(self.arrived);
-        let group = [
+        let target = cx.view(self.output);
+        let mut group = vec![
             ("view", Binding::Buffer(&view)),
             ("light", Binding::Buffer(&light)),
             ("shadows", Binding::Buffer(&shadows)),
@@ -112,6 +136,10 @@ impl Work<'_> {
             ("arrived", Binding::Texture(&target)),
         ];
         let key = scene.shader("direct/area_shadows.wgsl", "main").def("SAMPLES", ShaderDef::Uint(self.samples));
-        dispatch_rays(cx, &key, &group, scene, [part.size.x.div_ceil(8), part.size.y.div_ceil(8), 1])
+        let groups = [part.size.x.div_ceil(8), part.size.y.div_ceil(8), 1];
+        let Some((samples, tiles)) = self.before else { return dispatch_rays(cx, &key, &group, scene, groups) };
+        let (samples, tiles) = (cx.view(samples), cx.buffer(tiles).clone());
+        group.extend([("before", Binding::Texture(&samples)), ("tiles", Binding::Buffer(&tiles))]);
+        dispatch_rays(cx, &key.def("FURTHER", ShaderDef::Flag(true)), &group, scene, groups)
     }
 }

@@ -5,6 +5,7 @@
 
 pub(in crate::render) mod area;
 pub(in crate::render) mod area_shadows;
+pub(in crate::render) mod area_tiles;
 pub(in crate::render) mod tiled;
 
 use super::frame::Frame;

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// `Emitter` of `lib/rays.wgsl`.
+/// `Emitter` of `lib/ray_scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Emitter {

@@ -1,4 +1,4 @@
-//! Nodes and triangles in the layouts of `lib/rays.wgsl`.
+//! Nodes and triangles in the layouts of `lib/ray_scene.wgsl`.
 
 use super::RayError;
 use super::boxes::{self, BoxLists, Place};

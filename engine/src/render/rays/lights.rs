@@ -1,4 +1,4 @@
-//! Lights in the layout of `load_light` of `lib/rays.wgsl`.
+//! Lights in the layout of `load_light` of `lib/ray_scene.wgsl`.
 
 use super::words::Texel;
 use crate::render::scene_gpu::light_uniform::LightUniform;

@@ -19,7 +19,7 @@ pub(in crate::render) fn mirror_define() -> (&'static str, ShaderDef) {
     ("MIRRORS", ShaderDef::Uint((MIRROR_ROUGHNESS * 100.0).round() as u32))
 }
 
-/// `Material` of `lib/rays.wgsl`.
+/// `Material` of `lib/ray_scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(crate) struct RayMaterial {

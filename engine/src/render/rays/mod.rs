@@ -213,7 +213,7 @@ impl RayScene {
         self.materials.any_mirror()
     }
 
-    /// The shader with all that this scene needs of `lib/rays.wgsl`, and no more.
+    /// The shader with all that this scene needs of `lib/ray_scene.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
         let flags = [
             ("EXACT_BOXES", self.geometry.exact_boxes),

@@ -7,7 +7,9 @@
 
 #import lightwell::next_event::{BLUR, LightSample, NO_RAY, blurred, bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
-#import lightwell::rays::{NONE, SHADOW, surface_at, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::ray_surfaces::surface_at
+#import lightwell::rays::{SHADOW, trace}
 #import lightwell::sampling::{Sampler, next_pair}
 #import lightwell::sweep::Surfel
 

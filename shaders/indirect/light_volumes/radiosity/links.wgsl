@@ -6,7 +6,7 @@
 // What rays and shadow rays find of emissive surfaces and the sky depends on no light either, and is summed up at once.
 //   RAYS      rays of a surfel
 //   AT_ONCE   those of a dispatch
-//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
+//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::next_event::{EMITTER_CANDIDATES, LightSample, bounded, direction_density, emission_weight, even_reflectance}
 #ifndef UNLIT
@@ -18,7 +18,9 @@
 #endif
 #import lightwell::patches::patch_at
 #import lightwell::radiosity::{RAYS, Link, encode_link, link_start, no_link}
-#import lightwell::rays::{Hit, Ray, Surface, LIGHT, NONE, SHADOW, leave_surface, primitive_of, surface_at, trace}
+#import lightwell::ray_scene::{NONE, primitive_of}
+#import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
+#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
 

@@ -8,7 +8,7 @@
 //   ONE_BOUNCE  patches have no light
 //   MIRRORS   what smooth surfaces mirror is left to another pass, see lib/visible_surface.wgsl
 //   PATHS     rays go on as paths (Kajiya 1986), each with so many rays more at most, and nothing ends in patches
-//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
+//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::gbuffer::{decode_surface, world_position}
 #ifdef POINTS
@@ -27,9 +27,11 @@
 #import lightwell::inverse_distance::{NO_DIFFUSE, encode_inverse_distance, nearness_around}
 #ifndef ONE_BOUNCE
 #import lightwell::patches::{NO_PATCH, patch_at}
-#import lightwell::rays::primitive_of
+#import lightwell::ray_scene::primitive_of
 #endif
-#import lightwell::rays::{Frame, Hit, Ray, Surface, Walk, LIGHT, NONE, SHADOW, begin_walk, go_on, is_over, load_frame, surface_at, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::ray_surfaces::{Surface, surface_at}
+#import lightwell::rays::{Frame, Hit, Ray, Walk, LIGHT, SHADOW, begin_walk, go_on, is_over, load_frame, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View

@@ -9,7 +9,7 @@
 //   RAYS        most rays of a pixel: of what reflects by its specular lobe alone
 //   MIRRORS     roughness up to which surfaces mirror [%]
 //   ONE_BOUNCE  patches have no light
-//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/rays.wgsl
+//   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::gbuffer::{Surface as Drawn, decode_surface, world_position}
 #import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_share}
@@ -18,9 +18,11 @@
 #endif
 #ifndef ONE_BOUNCE
 #import lightwell::patches::{NO_PATCH, patch_at}
-#import lightwell::rays::primitive_of
+#import lightwell::ray_scene::primitive_of
 #endif
-#import lightwell::rays::{Hit, LIGHT, NONE, SHADOW, Surface, surface_at, trace}
+#import lightwell::ray_scene::NONE
+#import lightwell::ray_surfaces::{Surface, surface_at}
+#import lightwell::rays::{Hit, LIGHT, SHADOW, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, basis, hash_pair, next_pair}
 #import lightwell::visible_surface::{SeenRay, VisibleSurface, mirror_surface, number_of, ray_from}
 #import lightwell::view::View

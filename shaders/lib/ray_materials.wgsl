@@ -1,0 +1,132 @@
+#define_import_path lightwell::ray_materials
+
+// Textures and materials at a point of a triangle.
+
+#import lightwell::mesh::{BLENDED, emission_color}
+#import lightwell::ray_scene::{atlas, attributes, materials, triangle_texel}
+#ifndef PLAIN
+#import lightwell::ray_scene::extras
+#endif
+
+fn srgb_decode(c: vec3f) -> vec3f {
+    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+}
+
+fn wrapped(texel: i32, size: i32, wrap: u32) -> i32 {
+    switch wrap {
+        case 0u: { return ((texel % size) + size) % size; }
+        case 1u: {
+            let period = 2 * size;
+            let t = ((texel % period) + period) % period;
+            return select(period - 1 - t, t, t < size);
+        }
+        default: { return clamp(texel, 0, size - 1); }
+    }
+}
+
+fn texel_at(slot: vec4u, at: vec2i) -> vec4f {
+    let size = vec2i(vec2u(slot.y & 0xffffu, slot.y >> 16u));
+    let flags = slot.z >> 16u;
+    let x = wrapped(at.x, size.x, (flags >> 2u) & 3u) + i32(slot.x & 0xffffu);
+    let y = wrapped(at.y, size.y, (flags >> 4u) & 3u) + i32(slot.x >> 16u);
+    let texel = textureLoad(atlas, vec2i(x, y), i32(slot.z & 0xffffu), 0);
+    return select(texel, vec4f(srgb_decode(texel.rgb), texel.a), (flags & 1u) != 0u);
+}
+
+// The texture at full resolution, with its own filter and wrapping.
+fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
+#ifdef UNTEXTURED
+    return neutral;
+#else
+    if slot.w == 0u {
+        return neutral;
+    }
+    // Beyond 10⁴ repeats a float cannot tell the texels apart.
+    let bounded = select(vec2f(0.0), clamp(uv, vec2f(-1e4), vec2f(1e4)), abs(uv) < vec2f(1e30));
+    let at = bounded * vec2f(vec2u(slot.y & 0xffffu, slot.y >> 16u));
+    if ((slot.z >> 17u) & 1u) != 0u {
+        return texel_at(slot, vec2i(floor(at)));
+    }
+    let corner = floor(at - 0.5);
+    let f = at - 0.5 - corner;
+    let low = vec2i(corner);
+    let top = mix(texel_at(slot, low), texel_at(slot, low + vec2i(1, 0)), f.x);
+    let bottom = mix(texel_at(slot, low + vec2i(0, 1)), texel_at(slot, low + vec2i(1, 1)), f.x);
+    return mix(top, bottom, f.y);
+#endif
+}
+
+fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
+    let at = triangle_texel(triangle);
+    let a = bitcast<vec2f>(textureLoad(attributes, at).yz);
+    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 1u)).yz);
+    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 2u)).yz);
+    return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
+}
+
+// Both sets of texture coordinates, and the vertex colour.
+struct Coordinates {
+    uv: vec2f,
+    second_uv: vec2f,
+    color: vec4f,
+}
+
+fn coordinates(triangle: u32, barycentric: vec2f) -> Coordinates {
+    let uv = interpolated_uv(triangle, barycentric);
+#ifdef PLAIN
+    return Coordinates(uv, uv, vec4f(1.0));
+#else
+    let at = triangle_texel(triangle);
+    let a = textureLoad(extras, at, 0);
+    let b = textureLoad(extras, at + vec2u(0u, 1u), 0);
+    let c = textureLoad(extras, at + vec2u(0u, 2u), 0);
+    let w = 1.0 - barycentric.x - barycentric.y;
+    return Coordinates(
+        uv,
+        w * bitcast<vec2f>(a.xy) + barycentric.x * bitcast<vec2f>(b.xy) + barycentric.y * bitcast<vec2f>(c.xy),
+        w * vertex_color(a.zw) + barycentric.x * vertex_color(b.zw) + barycentric.y * vertex_color(c.zw),
+    );
+#endif
+}
+
+fn vertex_color(words: vec2u) -> vec4f {
+    return vec4f(unpack2x16unorm(words.x), unpack2x16unorm(words.y));
+}
+
+// Where the texture of a use (0: base colour, 1: metallic-roughness, …) is sampled.
+fn uv_of_use(material: u32, index: u32, at: Coordinates) -> vec2f {
+#ifdef PLAIN
+    return at.uv;
+#else
+    let row_u = materials[material].uv_rows[2u * index];
+    let row_v = materials[material].uv_rows[2u * index + 1u];
+    let uv = select(at.uv, at.second_uv, row_u.w != 0.0);
+    return vec2f(dot(row_u.xy, uv) + row_u.z, dot(row_v.xy, uv) + row_v.z);
+#endif
+}
+
+// Alpha of a point.
+fn alpha_at(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
+    let at = coordinates(triangle, barycentric);
+    let texel = sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, at), vec4f(1.0));
+    return materials[material].base_color.a * at.color.a * texel.a;
+}
+
+// Share of the rays that meet a point of a surface: alpha where it is blended.
+fn coverage(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
+#ifdef OPAQUE
+    return 1.0;
+#else
+    if materials[material].alpha_cutoff < BLENDED {
+        return 1.0;
+    }
+    return saturate(alpha_at(triangle, material, barycentric));
+#endif
+}
+
+// Emitted radiance of a point of a triangle [W/(m² sr)].
+fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
+    let at = coordinates(triangle, barycentric);
+    let texel = sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, at), vec4f(1.0)).rgb;
+    return materials[material].emissive * emission_color(materials[material].uv_rows[7], at.color) * texel;
+}
