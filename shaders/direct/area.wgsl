@@ -59,7 +59,7 @@ const ROUND: u32 = 16u;
 const END: u32 = 5u;
 // Lights count as no smaller than this share of their distance, and are less bright instead: of the outline of a smaller one
 // rounding would leave nothing.
-const LEAST: f32 = 2e-3;
+const LEAST: f32 = 5e-4;
 
 // The light as it is seen from a point: no smaller than LEAST, and with its radiance.
 struct Seen {
