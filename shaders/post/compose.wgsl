@@ -8,6 +8,9 @@
 struct Compose {
     sky: vec3f,            // radiance [W/(m² sr)]
     sky_turn: f32,         // of the map [rad]
+    sun_toward: vec3f,     // unit
+    sun_cosine: f32,       // of half its angle; above 1: no disc is seen
+    sun_radiance: vec3f,   // [W/(m² sr)]
 }
 
 const TOTAL: u32 = 0u;
@@ -51,7 +54,9 @@ fn sky_at(pixel: vec2u) -> vec3f {
     let at = (vec2f(pixel) + 0.5) / vec2f(view.size);
     let far = view.world_from_clip * vec4f(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0);
     let ahead = select(-view.eye.xyz, far.xyz - view.eye.xyz * far.w, view.eye.w > 0.0);
-    return sky_radiance(sky, normalize(ahead), compose.sky_turn);
+    let d = normalize(ahead);
+    let is_sun = dot(d, compose.sun_toward) >= compose.sun_cosine;
+    return sky_radiance(sky, d, compose.sky_turn) + select(vec3f(0.0), compose.sun_radiance, is_sun);
 #else
     return compose.sky;
 #endif

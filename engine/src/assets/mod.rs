@@ -1,5 +1,6 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
+pub(crate) mod atmosphere;
 mod budget;
 mod clip;
 mod deform;
@@ -40,6 +41,7 @@ pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub(crate) use sky_directions::{SkyDirections, SkySample};
 pub use sky_map::SkyMap;
+pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 

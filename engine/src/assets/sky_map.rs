@@ -67,6 +67,11 @@ impl SkyMap {
 
     /// The same sky, so many times as bright and turned otherwise.
     pub fn varied(&self, factor: f32, turn: f32) -> Self {
+        self.lit(Vec3::splat(factor), turn)
+    }
+
+    /// The same sky, every channel so many times as bright, and turned otherwise.
+    pub(crate) fn lit(&self, factor: Vec3, turn: f32) -> Self {
         Self::new([self.width, self.height], self.texels.iter().map(|texel| *texel * factor).collect(), turn)
     }
 

@@ -106,6 +106,8 @@ pub struct Scene {
     pub sky: Vec3,
     /// Radiance of the sky by direction, if it is not the same everywhere.
     pub sky_map: Option<Arc<SkyMap>>,
+    /// The sun as it is seen in a physical sky, if it has a disc. It is no part of the map: it is a light.
+    pub sun_disc: Option<SunDisc>,
     /// Whether the sky lights the scene where the method of indirect light has no light of it.
     pub sky_light: bool,
     /// Warnings of requests that make no sense, with the entity's name and the consequence.
@@ -114,6 +116,17 @@ pub struct Scene {
     pub settings_names: SettingsNames,
     /// Revisions.
     pub revisions: Revisions,
+}
+
+/// The sun in the sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunDisc {
+    /// Unit direction towards it.
+    pub toward: Vec3,
+    /// Half the angle under which it is seen \[rad\].
+    pub half_angle: f32,
+    /// Radiance [W/(m² sr)].
+    pub radiance: Vec3,
 }
 
 /// Names of the entities that hold the settings of methods; empty where there are none.

@@ -31,10 +31,30 @@ pub enum Environment {
         #[serde(default = "one")]
         intensity: f32,
     },
+    /// The sky of clear or hazy air, lit by a distant light of the scene whose light it dims and colours: that light's
+    /// intensity is the irradiance outside the air. See [`Atmosphere`](crate::assets::Atmosphere).
+    Physical {
+        /// Aerosols, relative to clear air: 0 none, 5 a hazy day, 0..100.
+        #[serde(default = "one")]
+        haze: f32,
+        /// Diffuse reflectance of the ground, 0..1.
+        #[serde(default = "ground")]
+        ground: Vec3,
+        /// Height of the scene above the sea \[m\].
+        #[serde(default)]
+        altitude: f32,
+        /// Name of the light that is the sun; without one it is the first light of kind `Sun` or `Directional`.
+        #[serde(default)]
+        sun: Option<String>,
+    },
 }
 
 fn one() -> f32 {
     1.0
+}
+
+fn ground() -> Vec3 {
+    Vec3::splat(0.3)
 }
 
 /// The sky's image that was loaded, with the environment that asked for it.

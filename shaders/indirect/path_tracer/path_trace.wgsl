@@ -36,6 +36,9 @@ struct Trace {
     seed: u32,
     sky: vec3f,            // radiance [W/(m² sr)]
     root: u32,
+    sun_toward: vec3f,     // unit
+    sun_cosine: f32,       // of half its angle; above 1: no disc is seen
+    sun_radiance: vec3f,   // [W/(m² sr)]
     size: vec2u,           // [pixels]
     jitter: vec2f,         // shift of the pixel grid [pixels]
     first_row: u32,        // of this dispatch
@@ -169,7 +172,10 @@ fn add_sky(path: ptr<function, Path>) {
 #else
     let d = normalize((*path).ray.direction);
     let weight = select(sky_weight(sky, params.sky_turn, d, (*path).density), 1.0, is_direct);
-    add(path, sky_radiance(sky, d, params.sky_turn) * weight, is_direct);
+    // The sun is a light, whose disc the camera alone sees here.
+    let is_sun = is_direct && dot(d, params.sun_toward) >= params.sun_cosine;
+    let light = sky_radiance(sky, d, params.sky_turn) * weight + select(vec3f(0.0), params.sun_radiance, is_sun);
+    add(path, light, is_direct);
 #endif
 }
 

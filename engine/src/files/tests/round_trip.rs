@@ -123,7 +123,7 @@ fn a_failed_write_leaves_the_file() {
 }
 
 /// Scenes that need no models of others.
-pub(super) const SHIPPED: [&str; 11] = [
+pub(super) const SHIPPED: [&str; 12] = [
     "bleeding_gloss",
     "cathedral",
     "cornell",
@@ -133,6 +133,7 @@ pub(super) const SHIPPED: [&str; 11] = [
     "glossy_ring",
     "meeting_room",
     "night_court",
+    "plaza",
     "prefabs",
     "studio",
 ];

@@ -7,6 +7,7 @@ use super::format::*;
 use super::suggest::suggestion;
 use super::tree::Step;
 use crate::assets::AssetError;
+use crate::assets::atmosphere::MAX_ALTITUDE;
 use crate::world::{Environment, SceneSettings};
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
@@ -131,6 +132,11 @@ impl Validator {
             Some(Environment::Image { rotation, intensity, .. }) => {
                 self.number(field, *rotation, -1e6, 1e6)?;
                 self.number(field, *intensity, 0.0, 1e12)
+            }
+            Some(Environment::Physical { haze, ground, altitude, sun: _ }) => {
+                self.number(field, *haze, 0.0, 100.0)?;
+                self.color(field, *ground, 1.0)?;
+                self.number(field, *altitude, 0.0, MAX_ALTITUDE)
             }
         }
     }

@@ -17,6 +17,9 @@ pub const RADIANCE: &str = "radiance";
 pub(crate) struct ComposeUniform {
     sky: Vec3,
     sky_turn: f32,
+    sun_toward: Vec3,
+    sun_cosine: f32,
+    sun_radiance: Vec3,
 }
 
 /// Light that the layer is made of; what is missing counts as zero.
@@ -52,10 +55,15 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
     let map = frame.scene.sky_map.as_deref();
     let sky_turn = map.map_or(0.0, |map| map.turn);
     let has_map = map.is_some();
+    let disc = frame.scene.sun_disc;
+    let sun = disc.map_or([0.0; 3], |sun| sun.radiance.min(Vec3::splat(1e30)).to_array());
+    let toward = disc.map_or([0.0; 3], |sun| sun.toward.to_array());
+    let cosine = disc.map_or(2.0, |sun| sun.half_angle.cos());
     let layer = layer_index(frame.settings.only);
     pass.key(&(
         sky.to_array().map(f32::to_bits),
         map.map(|map| map.id),
+        (sun.map(f32::to_bits), toward.map(f32::to_bits), cosine.to_bits()),
         layer,
         frame.view_key(),
         read.map(|light| light.is_some()),
@@ -70,6 +78,8 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
         let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
+        let (sun_toward, sun_radiance) = (toward.into(), sun.into());
+        let uniform = ComposeUniform { sky, sky_turn, sun_toward, sun_cosine: cosine, sun_radiance };
         cx.counts().texels += u64::from(width) * u64::from(height);
         let mut key = ComputeKey::new("post/compose.wgsl", "main").def("LAYER", ShaderDef::Uint(layer));
         if has_map {
@@ -79,7 +89,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, 
             &key,
             &[
                 ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("compose", Binding::Buffer(&gpu.uniform("compose", &ComposeUniform { sky, sky_turn }))),
+                ("compose", Binding::Buffer(&gpu.uniform("compose", &uniform))),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("emissive", Binding::Texture(&emissive)),

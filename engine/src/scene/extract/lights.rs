@@ -1,5 +1,6 @@
 //! Lights, with parameters that the renderer can rely on.
 
+use super::sky::Air;
 use super::sorted::Elements;
 use super::{Context, Part, name_or_id};
 use crate::scene::{LightShape, MAX_RSM_SIZE, Scene, SceneLight};
@@ -13,9 +14,11 @@ const MAX_MAP_SIZE: u32 = 8192;
 
 type Row =
     (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static Orientation, &'static Light);
+type RowItem<'a> = (Entity, &'a Identity, Option<&'a Name>, &'a GlobalTransform, &'a Orientation, &'a Light);
 type IsChanged = Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Light>, Changed<Name>, Added<Identity>)>;
 type Params = (
     Query<'static, 'static, Row, IsChanged>,
+    Query<'static, 'static, Row>,
     Query<'static, 'static, (), (With<Light>, With<GlobalTransform>, With<Orientation>)>,
     RemovedComponents<'static, 'static, Light>,
     RemovedComponents<'static, 'static, GlobalTransform>,
@@ -25,15 +28,17 @@ type Params = (
 pub(super) struct Lights {
     state: SystemState<Params>,
     elements: Elements<SceneLight>,
+    /// Of the air that the lights were seen through.
+    air: u64,
 }
 
 impl Lights {
     pub fn new(world: &mut World) -> Self {
-        Self { state: SystemState::new(world), elements: Elements::default() }
+        Self { state: SystemState::new(world), elements: Elements::default(), air: 0 }
     }
 
-    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context) {
-        let Ok((changed, living, mut no_light, mut no_place)) = self.state.get_mut(world) else { return };
+    pub fn extract(&mut self, world: &mut World, scene: &mut Scene, context: &mut Context, air: Air) {
+        let Ok((changed, all, living, mut no_light, mut no_place)) = self.state.get_mut(world) else { return };
         let elements = &mut self.elements;
         let mut gone: Vec<Entity> = no_light.read().chain(no_place.read()).filter(|e| !living.contains(*e)).collect();
         if context.is_late {
@@ -43,45 +48,60 @@ impl Lights {
             elements.remove(entity);
             context.log.forget(entity, Part::Light);
         }
-        for (entity, identity, name, place, orientation, light) in &changed {
-            context.log.begin(entity, Part::Light);
-            if !place.0.is_finite() {
-                context.log.warn(
-                    entity,
-                    Part::Light,
-                    name,
-                    "is a light that gives none: its place in the world is not finite",
-                );
-                elements.remove(entity);
-                continue;
-            }
-            let mut new = SceneLight {
-                id: identity.id(),
-                name: name_or_id(entity, name),
-                position: place.relative_to(scene.origin).translation.into(),
-                direction: forward(orientation).into(),
-                axis: right(orientation).into(),
-                ..sanitized(light, |message| context.log.warn(entity, Part::Light, name, message))
-            };
-            match elements.get(&mut scene.lights, entity) {
-                Some(old) => {
-                    // A new name is no new light.
-                    new.revision = old.revision;
-                    old.name.clone_from(&new.name);
-                    if *old != new {
-                        new.revision = context.revisions.next();
-                        scene.revisions.lights = new.revision;
-                        *old = new;
-                    }
-                }
-                None => {
-                    new.revision = context.revisions.next();
-                    elements.add(entity, new);
-                }
-            }
+        let mut take = |row| elements.update(row, scene, context, air);
+        match std::mem::replace(&mut self.air, air.version) == air.version {
+            true => changed.iter().for_each(&mut take),
+            false => all.iter().for_each(&mut take),
         }
         if elements.apply(&mut scene.lights) {
             scene.revisions.lights = context.revisions.next();
+        }
+    }
+}
+
+impl Elements<SceneLight> {
+    /// Updates the scene's light of an entity.
+    fn update(
+        &mut self,
+        (entity, identity, name, place, orientation, light): RowItem,
+        scene: &mut Scene,
+        context: &mut Context,
+        air: Air,
+    ) {
+        context.log.begin(entity, Part::Light);
+        if !place.0.is_finite() {
+            context.log.warn(
+                entity,
+                Part::Light,
+                name,
+                "is a light that gives none: its place in the world is not finite",
+            );
+            return self.remove(entity);
+        }
+        let mut new = SceneLight {
+            id: identity.id(),
+            name: name_or_id(entity, name),
+            position: place.relative_to(scene.origin).translation.into(),
+            direction: forward(orientation).into(),
+            axis: right(orientation).into(),
+            ..sanitized(light, |message| context.log.warn(entity, Part::Light, name, message))
+        };
+        new.intensity *= air.passes(entity, new.direction);
+        match self.get(&mut scene.lights, entity) {
+            Some(old) => {
+                // A new name is no new light.
+                new.revision = old.revision;
+                old.name.clone_from(&new.name);
+                if *old != new {
+                    new.revision = context.revisions.next();
+                    scene.revisions.lights = new.revision;
+                    *old = new;
+                }
+            }
+            None => {
+                new.revision = context.revisions.next();
+                self.add(entity, new);
+            }
         }
     }
 }

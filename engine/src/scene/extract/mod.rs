@@ -9,6 +9,7 @@ mod lights;
 mod motion;
 mod origin;
 mod primitives;
+mod sky;
 mod slc;
 mod sorted;
 #[cfg(test)]
@@ -16,13 +17,10 @@ mod tests;
 mod vpl;
 
 use super::Scene;
-use crate::assets::SkyMap;
-use crate::world::{Environment, EnvironmentImage, GameWorld, Name, SceneSettings, UpdateCount};
+use crate::world::{GameWorld, Name, UpdateCount};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
-use glam::Vec3;
 use std::collections::HashSet;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it restarts.
@@ -46,16 +44,7 @@ struct Source {
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
     slc: slc::LightCullings,
-    environment: Known,
-}
-
-/// The environment that the scene's map was made of, the loaded image that it was made with, and the sky's radiance as
-/// the world has it.
-#[derive(Default)]
-struct Known {
-    sky: Option<[u32; 3]>,
-    environment: Option<Environment>,
-    image: Option<Arc<SkyMap>>,
+    sky: sky::Sky,
 }
 
 impl Source {
@@ -70,7 +59,7 @@ impl Source {
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
             slc: slc::LightCullings::new(world),
-            environment: Known::default(),
+            sky: sky::Sky::new(world),
         }
     }
 }
@@ -216,12 +205,13 @@ impl Extractor {
         source.updates = now;
         let context = &mut Context { log: &mut self.log, revisions: &mut self.revisions, is_late };
         source.primitives.extract(world, scene, context);
-        source.lights.extract(world, scene, context);
+        source.sky.find_sun(world);
+        source.lights.extract(world, scene, context, source.sky.air());
         source.cameras.extract(world, scene, context);
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
         source.slc.extract(world, scene, context);
-        extract_sky(world, scene, &mut source.environment, context);
+        source.sky.extract(world, scene, context);
         self.log.write(scene);
     }
 }
@@ -229,51 +219,4 @@ impl Extractor {
 fn fresh_identity() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
-}
-
-/// Keeps the sky current; a map is rebuilt only if the environment changed.
-fn extract_sky(world: &World, scene: &mut Scene, known: &mut Known, context: &mut Context) {
-    let settings = world.get_resource::<SceneSettings>();
-    scene.sky_light = settings.is_none_or(|s| s.sky_light);
-    let environment = settings.and_then(|s| s.environment.clone());
-    let loaded = world.get_resource::<EnvironmentImage>();
-    let map = environment.as_ref().and_then(|environment| loaded.and_then(|image| image.map_for(environment)));
-    let is_stale = map.is_some_and(|map| known.image.as_ref().is_none_or(|known| !Arc::ptr_eq(map, known)));
-    let revisions = &mut *context.revisions;
-    if known.environment != environment || is_stale {
-        context.log.begin_all(Part::Sky);
-        scene.sky_map = match &environment {
-            Some(Environment::Gradient { zenith, horizon, ground }) => {
-                Some(Arc::new(SkyMap::gradient(*zenith, *horizon, *ground)))
-            }
-            Some(Environment::Image { file, .. }) => {
-                if map.is_none() {
-                    let message = format!("the sky's image {file} is not loaded: load the scene again from its file");
-                    context.log.warn_of_sky(message);
-                }
-                environment.as_ref().and_then(|environment| loaded?.made_for(environment))
-            }
-            None => None,
-        };
-        *known = Known { image: map.cloned(), environment, sky: None };
-        scene.sky = scene.sky_map.as_ref().map_or(Vec3::ZERO, |map| map.mean());
-        scene.revisions.settings = revisions.next();
-    }
-    if scene.sky_map.is_some() {
-        return;
-    }
-    let wanted = settings.map_or(Vec3::ZERO, |s| s.sky);
-    let sky = if wanted.is_finite() && wanted.cmpge(Vec3::ZERO).all() { wanted } else { Vec3::ZERO };
-    let bits = Some(wanted.to_array().map(f32::to_bits));
-    if known.sky != bits {
-        known.sky = bits;
-        context.log.begin_all(Part::Sky);
-        if sky != wanted {
-            context.log.warn_of_sky(format!("the sky's radiance {wanted} is negative or not finite; it is black now"));
-        }
-    }
-    if sky != scene.sky || scene.revisions.settings == 0 {
-        scene.sky = sky;
-        scene.revisions.settings = revisions.next();
-    }
 }

@@ -25,6 +25,10 @@ pub fn content_key(scene: &Scene, view: &SceneView, settings: &TraceSettings) ->
             map.texels.iter().for_each(|texel| hasher.f32s(texel.to_array()));
         }
     }
+    if let Some(sun) = &scene.sun_disc {
+        hasher.f32s(sun.toward.to_array());
+        hasher.f32s(sun.radiance.extend(sun.half_angle).to_array());
+    }
     for primitive in &scene.primitives {
         hasher.f32s(primitive.world_from_object.to_cols_array());
         hasher.u32s([u32::from(primitive.casts_shadow)]);
