@@ -63,9 +63,8 @@ fn by_paths(tables: &AtmosphereTables, direction: DVec3, sun: DVec3, paths: u32)
                 continue;
             }
             weight *= scattering / air.extinction[GREEN];
-            let phase = |cosine: f64| {
-                (air.rayleigh[GREEN] * rayleigh_phase(cosine) + air.mie * mie_phase(cosine)) / scattering
-            };
+            let phase =
+                |cosine: f64| (air.rayleigh[GREEN] * rayleigh_phase(cosine) + air.mie * mie_phase(cosine)) / scattering;
             sum += weight * phase(toward.dot(sun)) * sun_at(place);
             // Paths go on evenly to all sides, weighted by the phase function.
             let next = random.direction();

@@ -35,13 +35,13 @@ pub use self::gltf::{
     Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, Normals, Parts, UpAxis,
 };
 pub use self::pixels::MAX_IMAGE_SIZE;
+pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub(crate) use sky_directions::{SkyDirections, SkySample};
 pub use sky_map::SkyMap;
-pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 

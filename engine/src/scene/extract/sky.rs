@@ -5,7 +5,8 @@ use super::Part;
 use crate::assets::{Atmosphere, AtmosphereTables, SkyMap};
 use crate::scene::{Scene, SunDisc};
 use crate::world::{
-    Environment, EnvironmentImage, GlobalTransform, Identity, Light, LightKind, Name, Orientation, SceneSettings, forward,
+    Environment, EnvironmentImage, GlobalTransform, Identity, Light, LightKind, Name, Orientation, SceneSettings,
+    forward,
 };
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
@@ -242,6 +243,8 @@ fn without_sun(wanted: Option<&str>) -> String {
         Some(name) => format!(
             "the physical sky has no sun: there is no light `{name}` of kind Sun or Directional; the colour `sky` is shown"
         ),
-        None => "the physical sky has no sun: add a light of kind Sun or Directional; the colour `sky` is shown".to_owned(),
+        None => {
+            "the physical sky has no sun: add a light of kind Sun or Directional; the colour `sky` is shown".to_owned()
+        }
     }
 }

@@ -109,7 +109,7 @@ pub const METHODS: [fn(&mut Studio); 11] = [
 const SETTINGS: usize = 12;
 
 const SURFACES: usize = 5;
-const SKIES: usize = 5;
+const SKIES: usize = 7;
 
 /// The world that is edited, and how it is drawn.
 pub struct Studio {
@@ -364,6 +364,8 @@ impl Studio {
                     Some(Environment::Gradient { zenith: blue, horizon: grey, ground: Vec3::ZERO }),
                     Some(Environment::Gradient { zenith: Vec3::ZERO, horizon: grey, ground: blue }),
                     Some(Environment::Gradient { zenith: grey, horizon: blue, ground: grey }),
+                    Some(Environment::Physical { haze: 1.0, ground: grey, altitude: 0.0, sun: None }),
+                    Some(Environment::Physical { haze: 20.0, ground: blue, altitude: 500.0, sun: None }),
                 ][sky]
                     .clone();
             }

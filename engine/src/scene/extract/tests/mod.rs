@@ -3,6 +3,7 @@
 
 mod moving;
 mod ranges;
+mod sky;
 
 use super::Extractor;
 use crate::assets::{Material, Mesh, Vertex};
