@@ -6,7 +6,7 @@ use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
-use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
+use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,6 +45,7 @@ impl Defaults {
         let components = BTreeMap::from([
             ("light", node(&Light::default())?),
             ("camera", node(&Camera::default())?),
+            ("lens", node(&Lens::default())?),
             ("clpv", node(&Clpv::default())?),
             ("vpl", node(&InstantRadiosity::default())?),
             ("slc", node(&StochasticLightCulling::default())?),

@@ -25,6 +25,7 @@ use super::sky::sky_light;
 use super::transparency::blend::{self, Source};
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
+use crate::scene::SceneView;
 
 /// Results of a frame before it is shown.
 pub(super) struct Drawn {
@@ -134,7 +135,7 @@ pub(super) fn finish<'a>(
     settings: &RenderSettings,
     radiance: Handle<Texture>,
     shown: Handle<Texture>,
-    size: [u32; 2],
+    view: &SceneView,
     drawn: Option<(&Frame<'a>, &GBuffer, &'a dyn IndirectMethod)>,
 ) {
     graph.output(radiance);
@@ -142,9 +143,9 @@ pub(super) fn finish<'a>(
         graph.skip("tone map", "no display image is wanted");
         return;
     }
-    let mut display = tone_map::declare(graph, settings, shown, size);
+    let mut display = tone_map::declare(graph, settings, &view.camera.lens, shown, view.size);
     if settings.mlaa {
-        display = mlaa::declare(graph, display, size, settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
+        display = mlaa::declare(graph, display, view.size, settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
     } else {
         graph.skip("mlaa", "anti-aliasing is off");
     }

@@ -252,7 +252,7 @@ impl Renderer {
             _ => radiance,
         };
         let settings = &RenderSettings { mlaa: settings.mlaa && !is_smooth, ..settings.clone() };
-        frame_graph::finish(&mut graph, settings, radiance, shown, view.size, Some((&frame, &gbuffer, method)));
+        frame_graph::finish(&mut graph, settings, radiance, shown, view, Some((&frame, &gbuffer, method)));
         self.has_blended = has_blended;
         self.has_probe_light = graph.latest::<Buffer>(sweep::PROBE_LIGHT).is_some();
         let kept = method.keeps(&frame);
@@ -349,7 +349,7 @@ impl Renderer {
         let mut graph = Graph::new(seed(gpu));
         graph.skip("gbuffer", "the path tracer finds what the camera sees by itself");
         let radiance = path_tracer::declare(&mut graph, tracer, RADIANCE, settings.only, reference);
-        frame_graph::finish(&mut graph, settings, radiance, radiance, view.size, None);
+        frame_graph::finish(&mut graph, settings, radiance, radiance, view, None);
         execute(gpu, graph, &mut self.targets, settings)
     }
 

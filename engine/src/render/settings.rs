@@ -1,6 +1,8 @@
 //! How a frame is to be drawn.
 
 use super::debug_settings::DebugSettings;
+pub use crate::world::ToneMap;
+use crate::world::{Exposure, Lens};
 
 /// A method of indirect light, by the name that the command line and scene tests have for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,18 +77,6 @@ impl Layer {
     }
 }
 
-/// How light becomes what a screen shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ToneMap {
-    /// Khronos PBR Neutral: base colours stay as they are, brighter light is compressed.
-    #[default]
-    Neutral,
-    /// A filmic curve with soft shadows and highlights: the fit of the ACES reference by Narkowicz (2016).
-    Filmic,
-    /// None: what is brighter than white is cut off.
-    Linear,
-}
-
 /// The reference beside the drawn image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
@@ -109,11 +99,12 @@ pub enum Shown {
 /// Choices of the display step. They never touch a measured image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisplaySettings {
-    /// Tone map.
-    pub tone_map: ToneMap,
-    /// Exposure on top of the scene's own, as a power of two.
+    /// Tone map in place of the camera's; none: the camera's.
+    pub tone_map: Option<ToneMap>,
+    /// Exposure on top of the scene's and the camera's, as a power of two.
     pub exposure: f32,
-    /// Exposes the image so that the mean of the logarithm of its luminance is middle grey (0.18), as Reinhard et al. (2002) do.
+    /// Exposes the image so that the mean of the logarithm of its luminance is middle grey (0.18), as Reinhard et al. (2002)
+    /// do, whatever the camera says.
     pub auto_exposure: bool,
 }
 
@@ -168,6 +159,21 @@ pub struct RenderSettings {
     pub beside: Option<Beside>,
     /// What is drawn over the display image.
     pub debug: DebugSettings,
+}
+
+impl RenderSettings {
+    /// Factor of the display on radiance, unless that follows the image: of the scene, the display and the camera. Between
+    /// 2⁻⁶⁰ and 2⁶⁰, which shows anything that a float can hold.
+    pub(super) fn exposure_factor(&self, lens: &Lens) -> f32 {
+        let follows_image = self.is_auto_exposed(lens);
+        let stops = self.show.exposure + if follows_image { 0.0 } else { self.exposure + lens.exposure.stops() };
+        if stops.is_finite() { stops.clamp(-60.0, 60.0).exp2() } else { 1.0 }
+    }
+
+    /// Whether the exposure follows the image.
+    pub(super) fn is_auto_exposed(&self, lens: &Lens) -> bool {
+        self.show.auto_exposure || lens.exposure == Exposure::Automatic
+    }
 }
 
 impl Default for RenderSettings {

@@ -1,6 +1,7 @@
 //! Cameras and the view that a frame is drawn from.
 
 use super::SceneId;
+use crate::world::Lens;
 use glam::{Affine3A, Mat4, Vec3, Vec4};
 
 /// How a view projects, with the parameters that only it has.
@@ -39,6 +40,8 @@ pub struct SceneCamera {
     pub far: Option<f32>,
     /// The camera that is used when none is named (the first such by SceneId, else the first).
     pub primary: bool,
+    /// What it makes of the light that it sees; all values in range.
+    pub lens: Lens,
 }
 
 impl SceneCamera {
@@ -170,8 +173,8 @@ mod tests {
         let place = Vec3::new(1.0, -2.0, 3.0);
         let view_from_world = glam::camera::rh::view::look_at_affine3a(place, Vec3::new(4.0, 1.0, -2.0), Vec3::Y);
         let world_from_view = view_from_world.inverse();
-        let (id, name) = (SceneId(1), "camera".to_owned());
-        let camera = SceneCamera { id, name, world_from_view, projection, near, far, primary: true };
+        let (id, name, lens) = (SceneId(1), "camera".to_owned(), Lens::default());
+        let camera = SceneCamera { id, name, world_from_view, projection, near, far, primary: true, lens };
         SceneView { camera, size: [320, 200], jitter: [0.0; 2] }
     }
 

@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub use super::animation::Animation;
+use super::lens::Lens;
 pub use super::transform::{GlobalTransform, Orientation, Transform};
 
 /// The entity's persistent name: unique among its siblings, shown in the inspector and in errors.
@@ -192,11 +193,20 @@ pub struct Camera {
     pub far: Option<f32>,
     /// The camera that is used when none is named.
     pub primary: bool,
+    /// What the camera makes of the light that it sees.
+    pub lens: Lens,
 }
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { projection: Projection::Perspective, fov: 60.0, near: 0.05, far: None, primary: false }
+        Self {
+            projection: Projection::Perspective,
+            fov: 60.0,
+            near: 0.05,
+            far: None,
+            primary: false,
+            lens: Lens::default(),
+        }
     }
 }
 

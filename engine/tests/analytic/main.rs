@@ -9,6 +9,7 @@ mod formulas;
 mod gather;
 mod half_precision;
 mod instant_radiosity;
+mod lens;
 mod light_culling;
 mod light_volumes;
 mod lpv_transport;

@@ -43,6 +43,7 @@ impl Stage {
             near: 0.01,
             far: None,
             primary: true,
+            lens: Default::default(),
         };
         let scene = Scene {
             identity: 1,

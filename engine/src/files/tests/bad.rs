@@ -84,6 +84,19 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ),
     ("(entities: [(name: \"A\", camera: (fov: ‸180))])", Kind::BadValue, "fov", "180"),
     ("(entities: [(name: \"A\", camera: (near: 1, far: ‸0.5))])", Kind::BadValue, "far", "behind"),
+    (
+        "(entities: [(name: \"A\", camera: (lens: (exposure: ‸Photographic(f_number: 0, shutter: 0.01, iso: 100))))])",
+        Kind::BadValue,
+        "`f_number` is 0",
+        "use 0.1 to 10000",
+    ),
+    (
+        "(entities: [(name: \"A\", camera: (lens: (exposure: ‸Photographic(f_number: 2, shutter: NaN, iso: 100))))])",
+        Kind::BadValue,
+        "`shutter` is NaN",
+        "s",
+    ),
+    ("(entities: [(name: \"A\", camera: (lens: (tone_map: ‸Agx2)))])", Kind::UnknownVariant, "`Agx2`", "`AgX`"),
     ("(entities: [(name: \"A\", camera: (near: ‸0))])", Kind::BadValue, "near", "above zero"),
     (
         "(entities: [(name: \"A\", camera: (projection: ‸Orthographic(height: 0)))])",

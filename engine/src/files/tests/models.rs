@@ -65,6 +65,7 @@ fn a_bare_model_opens_as_a_scene_with_camera_light_and_volumes() {
             near: 0.01,
             far: None,
             primary: true,
+            lens: Default::default(),
         },
         size: [64, 64],
         jitter: [0.0; 2],

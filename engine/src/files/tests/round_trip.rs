@@ -6,9 +6,9 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, Light, LightBounds, LightCulling,
-    LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling, Transform,
-    Transport,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Exposure, GatherRays, Lens, Light, LightBounds,
+    LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling,
+    ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -317,12 +317,20 @@ fn material() -> impl Strategy<Value = MaterialRef> {
     prop_oneof![Just(MaterialRef::Named("a \"b\" \\ ü".into())), inline]
 }
 
+fn lens() -> impl Strategy<Value = Lens> {
+    let photographic = (0.5f32..64.0, 1e-4f32..10.0, 25.0f32..1e5)
+        .prop_map(|(f_number, shutter, iso)| Exposure::Photographic { f_number, shutter, iso });
+    let exposure = prop_oneof![Just(Exposure::Scene), Just(Exposure::Automatic), photographic];
+    let tone_map = proptest::sample::select(ToneMap::ALL.to_vec());
+    (exposure, tone_map).prop_map(|(exposure, tone_map)| Lens { exposure, tone_map })
+}
+
 pub(super) fn entity() -> impl Strategy<Value = EntityFile> {
     let mesh = [0.01f32..10.0, 0.01f32..10.0, 0.01f32..10.0].prop_map(|size| Shape::Box { size });
-    let camera = (1.0f32..179.0, of(0.01f32..100.0), 0.001f32..1.0, of(2.0f32..1e3), any::<bool>()).prop_map(
-        |(fov, height, near, far, primary)| {
+    let camera = (1.0f32..179.0, of(0.01f32..100.0), 0.001f32..1.0, of(2.0f32..1e3), any::<bool>(), lens()).prop_map(
+        |(fov, height, near, far, primary, lens)| {
             let projection = height.map_or(Projection::Perspective, |height| Projection::Orthographic { height });
-            Camera { projection, fov, near, far, primary }
+            Camera { projection, fov, near, far, primary, lens }
         },
     );
     let leaf = (

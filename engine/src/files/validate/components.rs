@@ -136,6 +136,9 @@ impl Validator {
             }
         };
         self.require(c.near.is_finite() && is_in_range, "near", format!("`near` is {}", c.near), help)?;
+        if let Some(fault) = c.lens.fault() {
+            return self.field("lens", |v| Err(v.fault(fault.field, Kind::BadValue, fault.message, fault.help)));
+        }
         let Some(far) = c.far else { return Ok(()) };
         self.require(
             far.is_finite() && far > c.near,

@@ -57,11 +57,10 @@ pub(super) fn declare<'a>(
     let Some((volume, (content, buffer))) = found else {
         return skip(graph, view, "the method of indirect light fills no such volume", display);
     };
-    let exposure = frame.settings.exposure + frame.settings.show.exposure;
     let uniform = CellsUniform {
         volume: volume.uniform(),
         content: content as u32,
-        scale: if exposure.is_finite() { exposure.clamp(-60.0, 60.0).exp2() } else { 1.0 },
+        scale: frame.settings.exposure_factor(&frame.view.camera.lens),
         pad_a: 0,
         pad_b: 0,
     };

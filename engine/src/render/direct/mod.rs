@@ -237,6 +237,7 @@ mod tests {
             near: 0.1,
             far: None,
             primary: true,
+            lens: Default::default(),
         };
         SceneView { camera, size: [128, 64], jitter: [0.0; 2] }
     }

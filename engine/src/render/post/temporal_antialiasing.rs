@@ -37,8 +37,7 @@ pub(in crate::render) fn declare<'a>(
     let mut pass = graph.pass("temporal anti-aliasing");
     [radiance, gbuffer.object, gbuffer.depth].into_iter().for_each(|handle| pass.read(handle));
     let smooth = pass.write(smooth);
-    let exposure = frame.settings.exposure + frame.settings.show.exposure;
-    let exposure = if exposure.is_finite() { exposure.clamp(-60.0, 60.0).exp2() } else { 1.0 };
+    let exposure = frame.settings.exposure_factor(&frame.view.camera.lens);
     pass.key(&(step.row, step.number, frame.view_key(), exposure.to_bits(), colors.is_known()));
     let [width, height] = frame.view.size;
     let is_resting = step.is_still && step.tolerance == f32::MAX;

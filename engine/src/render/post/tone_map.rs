@@ -1,8 +1,9 @@
 //! Exposure, tone map and sRGB encoding: the display image.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::settings::{Beside, Layer, RenderSettings, Shown, ToneMap};
+use crate::world::Lens;
 use encase::ShaderType;
 
 /// Name of the retained display image.
@@ -14,14 +15,13 @@ const TONE_MAPPED: &str = "tone mapped";
 #[derive(ShaderType)]
 pub(crate) struct ToneMapUniform {
     scale: f32,
-    mode: u32,
-    is_auto: u32,
 }
 
 /// Declares the pass; the result is rgba8unorm, sRGB-encoded.
 pub fn declare(
     graph: &mut Graph,
     settings: &RenderSettings,
+    lens: &Lens,
     radiance: Handle<Texture>,
     [width, height]: [u32; 2],
 ) -> Handle<Texture> {
@@ -31,41 +31,27 @@ pub fn declare(
         | wgpu::TextureUsages::RENDER_ATTACHMENT;
     let name = if settings.mlaa { TONE_MAPPED } else { DISPLAY };
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
-    let is_difference = matches!(settings.beside, Some(Beside { shown: Shown::Difference(_), .. }));
-    let automatic = (settings.show.auto_exposure && settings.only.is_light() && !is_difference)
-        .then(|| super::auto_exposure::declare(graph, radiance));
+    let is_light = shows_light(settings);
+    let automatic =
+        (settings.is_auto_exposed(lens) && is_light).then(|| super::auto_exposure::declare(graph, radiance));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
     if let Some(automatic) = automatic {
         pass.read(automatic);
     }
     let display = pass.write(display);
-    // 2^±60 shows anything that a float can hold; beyond, the factor itself would leave the range.
-    let wanted = settings.show.exposure + if automatic.is_some() { 0.0 } else { settings.exposure };
-    let exposure = if wanted.is_finite() { wanted.clamp(-60.0, 60.0) } else { 0.0 };
-    // The constants of `post/tone_map.wgsl`.
-    let (mode, scale) = match settings.only {
-        // Its values are the colours of a scale.
-        _ if is_difference && settings.only.is_light() => (1, 1.0),
-        Layer::Total | Layer::Direct | Layer::Indirect => match settings.show.tone_map {
-            ToneMap::Neutral => (0, exposure.exp2()),
-            ToneMap::Filmic => (3, exposure.exp2()),
-            ToneMap::Linear => (1, exposure.exp2()),
-        },
-        Layer::Albedo | Layer::Normal => (1, 1.0),
-        Layer::Depth => (2, 1.0),
-    };
-    let uniform = ToneMapUniform { scale, mode, is_auto: automatic.is_some().into() };
-    pass.key(&(uniform.scale.to_bits(), uniform.mode, uniform.is_auto));
+    let scale = if is_light { settings.exposure_factor(lens) } else { 1.0 };
+    let mode = mode(settings, lens);
+    pass.key(&(scale.to_bits(), mode, automatic.is_some()));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
-        let uniform = cx.gpu.uniform("tone map", &uniform);
+        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale });
         let automatic = match automatic {
             Some(automatic) => cx.buffer(automatic).clone(),
             None => cx.gpu.constants("no exposure", &[1.0f32]),
         };
         cx.dispatch(
-            &ComputeKey::new("post/tone_map.wgsl", "main"),
+            &ComputeKey::new("post/tone_map.wgsl", "main").def("MODE", ShaderDef::Uint(mode)),
             &[
                 ("automatic", Binding::Buffer(&automatic)),
                 ("tone_map", Binding::Buffer(&uniform)),
@@ -76,4 +62,27 @@ pub fn declare(
         )
     });
     display
+}
+
+/// Whether the image holds light, rather than colours that are shown as they are.
+fn shows_light(settings: &RenderSettings) -> bool {
+    let is_difference = matches!(settings.beside, Some(Beside { shown: Shown::Difference(_), .. }));
+    settings.only.is_light() && !is_difference
+}
+
+/// The constants of `post/tone_map.wgsl`.
+fn mode(settings: &RenderSettings, lens: &Lens) -> u32 {
+    const AS_IT_IS: u32 = 1;
+    match settings.only {
+        Layer::Depth => 2,
+        _ if !shows_light(settings) => AS_IT_IS,
+        _ => match settings.show.tone_map.unwrap_or(lens.tone_map) {
+            ToneMap::Neutral => 0,
+            ToneMap::Linear => AS_IT_IS,
+            ToneMap::Filmic => 3,
+            ToneMap::AgX => 4,
+            ToneMap::Aces => 5,
+            ToneMap::Reinhard => 6,
+        },
+    }
 }

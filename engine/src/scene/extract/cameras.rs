@@ -54,7 +54,17 @@ impl Cameras {
                 elements.remove(entity);
                 continue;
             }
-            let (projection, near, far) = lens(camera, |message| context.log.warn(entity, Part::Camera, name, message));
+            let (projection, near, far) =
+                projection(camera, |message| context.log.warn(entity, Part::Camera, name, message));
+            let (lens, without) = camera.lens.in_range();
+            if !without.is_empty() {
+                context.log.warn(
+                    entity,
+                    Part::Camera,
+                    name,
+                    "is a camera whose lens has values out of range: it does without",
+                );
+            }
             let new = SceneCamera {
                 id: identity.id(),
                 name: name_or_id(entity, name),
@@ -63,6 +73,7 @@ impl Cameras {
                 near,
                 far,
                 primary: camera.primary,
+                lens,
             };
             match elements.get(&mut scene.cameras, entity) {
                 Some(old) if *old != new => {
@@ -80,7 +91,7 @@ impl Cameras {
 }
 
 /// Projection, near and far plane in range. Warns of what had to be changed.
-fn lens(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (ViewProjection, f32, Option<f32>) {
+fn projection(camera: &Camera, mut warn: impl FnMut(&'static str)) -> (ViewProjection, f32, Option<f32>) {
     let default = Camera::default();
     let (projection, is_at_eye) = match camera.projection {
         Projection::Perspective => {

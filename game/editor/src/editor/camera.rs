@@ -138,6 +138,7 @@ mod tests {
             near: 0.1,
             far: None,
             primary: true,
+            lens: Default::default(),
         }
     }
 

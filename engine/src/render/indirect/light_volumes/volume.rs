@@ -148,6 +148,7 @@ mod tests {
             near: 0.1,
             far: None,
             primary: true,
+            lens: Default::default(),
         };
         SceneView { camera, size: [64, 64], jitter: [0.0; 2] }
     }

@@ -8,7 +8,8 @@ use crate::render::error::RenderError;
 use crate::render::rays::{RayError, RayScene};
 use crate::render::scene_gpu::sky::GpuSky;
 use crate::render::settings::{Layer, ReferenceSettings};
-use crate::scene::{Scene, SceneView};
+use crate::scene::{Scene, SceneCamera, SceneView};
+use crate::world::Lens;
 use encase::ShaderType;
 use glam::{UVec2, Vec2, Vec3};
 use std::time::{Duration, Instant};
@@ -126,6 +127,11 @@ struct Piece {
     samples: u32,
 }
 
+/// The view without what only the display makes of its light.
+fn traced_view(view: &SceneView) -> SceneView {
+    SceneView { camera: SceneCamera { lens: Lens::default(), ..view.camera.clone() }, ..view.clone() }
+}
+
 impl PathTracer {
     /// A tracer with nothing traced yet.
     pub fn new(gpu: &Gpu) -> Self {
@@ -146,7 +152,7 @@ impl PathTracer {
         let r = &scene.revisions;
         let subject = Subject {
             scene: [scene.identity, r.geometry, r.materials, r.lights, r.settings],
-            view: view.clone(),
+            view: traced_view(view),
             settings: *settings,
             shaders: gpu.shaders.revision(),
         };

@@ -18,6 +18,7 @@ fn lens(projection: ViewProjection) -> Lens {
         near: 0.1,
         far: None,
         primary: true,
+        lens: Default::default(),
     };
     Lens::new(&camera, Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(400.0, 300.0)))
 }

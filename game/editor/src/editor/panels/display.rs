@@ -31,15 +31,10 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     ui.separator();
     let display = &mut *stage.display;
     let response = ui.add(Slider::new(&mut display.exposure, -10.0..=10.0).text("Exposure [stops]").max_decimals(2));
-    response.on_hover_text("in stops on top of the scene's own exposure; twice as bright each");
+    response.on_hover_text("in stops on top of the exposure of scene and camera; twice as bright each");
     ui.checkbox(&mut display.auto_exposure, "Auto-exposure")
         .on_hover_text("brings the mean of the logarithm of the luminance to middle grey");
-    let shown = format!("{:?}", display.tone_map);
-    choice(ui, "Tone map", &shown, |ui| {
-        for tone_map in [ToneMap::Neutral, ToneMap::Filmic, ToneMap::Linear] {
-            ui.selectable_value(&mut display.tone_map, tone_map, format!("{tone_map:?}"));
-        }
-    });
+    tone_map(ui, &mut display.tone_map);
     let look = &mut *stage.look;
     let mut smooth = !look.no_mlaa;
     ui.checkbox(&mut smooth, "Smooth edges").on_hover_text("smooths edges over frames where those are averaged and nothing is drawn over the picture, or else in each picture by \
@@ -62,6 +57,16 @@ pub fn show(ui: &mut Ui, stage: &mut Stage) {
     if ui.button("Reset").clicked() {
         *display = Default::default();
     }
+}
+
+fn tone_map(ui: &mut Ui, chosen: &mut Option<ToneMap>) {
+    let shown = chosen.map_or_else(|| "the camera's".to_owned(), |tone_map| format!("{tone_map:?}"));
+    choice(ui, "Tone map", &shown, |ui| {
+        ui.selectable_value(chosen, None, "the camera's");
+        for tone_map in ToneMap::ALL {
+            ui.selectable_value(chosen, Some(tone_map), format!("{tone_map:?}"));
+        }
+    });
 }
 
 fn camera(ui: &mut Ui, stage: &mut Stage) {

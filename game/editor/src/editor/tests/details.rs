@@ -166,9 +166,9 @@ fn tone_map_and_settings_of_the_tracer_are_chosen() {
     open(&mut bench, Pane::Display);
     click(&mut bench, "Tone map");
     click(&mut bench, "Filmic");
-    assert_eq!(bench.state().display.tone_map, ToneMap::Filmic);
+    assert_eq!(bench.state().display.tone_map, Some(ToneMap::Filmic));
     click(&mut bench, "Reset");
-    assert_eq!(bench.state().display.tone_map, ToneMap::default());
+    assert_eq!(bench.state().display.tone_map, None);
     open(&mut bench, Pane::PathTracer);
     let before = bench.state().look.trace.clone();
     assert_eq!(before.bounces, None);

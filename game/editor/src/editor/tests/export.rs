@@ -94,7 +94,7 @@ fn an_export_has_all_frames_as_they_are_rendered_without_a_window() {
     let first = std::fs::read(out.join("frame_0001.png")).unwrap();
     assert!(first != std::fs::read(out.join("frame_0003.png")).unwrap(), "something moves");
     // What the display makes of light is exported too.
-    drawn.rendering.display.tone_map = ToneMap::Filmic;
+    drawn.rendering.display.tone_map = Some(ToneMap::Filmic);
     drawn.rendering.display.auto_exposure = true;
     work(&mut Job::new(export), &mut drawn, 1).unwrap();
     assert!(first != std::fs::read(out.join("frame_0001.png")).unwrap(), "tone map and exposure count");

@@ -1,0 +1,133 @@
+//! The lens: what the camera makes of light, against formulas.
+
+#![allow(clippy::unwrap_used)]
+
+use crate::support::{Stage, gpu};
+use glam::{Mat3, Vec3};
+use lightwell::gpu::{Gpu, read_texture};
+use lightwell::measure::srgb_decode;
+use lightwell::render::{DisplaySettings, GiMethod, RenderSettings, Renderer};
+use lightwell::world::{Exposure, LUMENS_A_WATT, Lens, ToneMap};
+
+/// Nothing but a sky of that radiance.
+fn sky(radiance: Vec3, lens: Lens) -> Stage {
+    let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 8);
+    stage.scene.sky = radiance;
+    stage.view.camera.lens = lens;
+    stage
+}
+
+/// What the display shows of it, decoded to linear light.
+fn shown(gpu: &Gpu, stage: &Stage, settings: &RenderSettings) -> Vec3 {
+    let mut renderer = Renderer::new(gpu);
+    let settings = RenderSettings { gi: GiMethod::NONE, ..settings.clone() };
+    stage.render_with(gpu, &mut renderer, &settings);
+    let bytes = read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap();
+    Vec3::from([0, 1, 2].map(|channel| srgb_decode(f32::from(bytes[channel]) / 255.0)))
+}
+
+fn by(gpu: &Gpu, radiance: Vec3, tone_map: ToneMap) -> Vec3 {
+    shown(gpu, &sky(radiance, Lens { tone_map, ..Default::default() }), &RenderSettings::default())
+}
+
+/// A step of the display's 256, at the brightest.
+const STEP: f32 = 0.0095;
+
+fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+#[test]
+fn tone_maps_follow_their_formulas() {
+    let gpu = gpu();
+    for color in [Vec3::splat(0.18), Vec3::new(0.6, 0.2, 0.05), Vec3::new(2.0, 0.5, 1.0), Vec3::new(0.0, 0.01, 30.0)] {
+        let expected = color * (1.0 + luminance(color) / 16.0) / (1.0 + luminance(color));
+        let reinhard = by(&gpu, color, ToneMap::Reinhard);
+        assert!(reinhard.abs_diff_eq(expected.min(Vec3::ONE), STEP), "{color}: {reinhard}, not {expected}");
+        let linear = by(&gpu, color, ToneMap::Linear);
+        assert!(linear.abs_diff_eq(color.min(Vec3::ONE), STEP), "{color}: {linear}");
+        // Hill's fit, with its matrices by rows.
+        let input =
+            Mat3::from_cols_array(&[0.59719, 0.35458, 0.04823, 0.076, 0.90834, 0.01566, 0.0284, 0.13383, 0.83777]);
+        let output = Mat3::from_cols_array(&[
+            1.60475, -0.53108, -0.07367, -0.10208, 1.10813, -0.00605, -0.00327, -0.07276, 1.07602,
+        ]);
+        let x = input.transpose() * color;
+        let fit = (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.432951) + 0.238081);
+        let expected = (output.transpose() * fit).clamp(Vec3::ZERO, Vec3::ONE);
+        let aces = by(&gpu, color, ToneMap::Aces);
+        assert!(aces.abs_diff_eq(expected, STEP), "{color}: {aces}, not {expected}");
+    }
+    // What is 4 times as bright as white becomes white.
+    assert!(by(&gpu, Vec3::splat(4.0), ToneMap::Reinhard).min_element() > 0.99);
+}
+
+/// Grey stays grey, more light is never darker, and black is black. AgX: middle grey comes out at about its own level, and
+/// 2⁴ times white is white.
+#[test]
+fn tone_maps_of_grey_are_grey_and_rise() {
+    let gpu = gpu();
+    for tone_map in ToneMap::ALL {
+        let levels = [0.0, 1e-4, 0.01, 0.05, 0.18, 0.5, 1.0, 3.0, 16.0, 1e5, 1e30];
+        let values = levels.map(|level| by(&gpu, Vec3::splat(level), tone_map));
+        for (level, value) in levels.iter().zip(values) {
+            assert!(value.max_element() - value.min_element() < STEP, "{tone_map:?} of {level}: {value}");
+        }
+        assert!(values[0] == Vec3::ZERO, "{tone_map:?}");
+        assert!(values.windows(2).all(|pair| pair[0].y <= pair[1].y), "{tone_map:?}: {values:?}");
+        assert!(values[10].y > 0.97, "{tone_map:?}: {values:?}");
+        assert!((0.08..0.30).contains(&values[4].y), "{tone_map:?}: {values:?}");
+    }
+}
+
+/// Film fades what is very bright to white; Reinhard's keeps the hue until a channel is cut off.
+#[test]
+fn bright_colours_fade_to_white_in_agx() {
+    let gpu = gpu();
+    let saturation = |color: Vec3| 1.0 - color.min_element() / color.max_element();
+    let red = Vec3::new(1.0, 0.05, 0.05);
+    for tone_map in [ToneMap::AgX, ToneMap::Neutral] {
+        let (dim, bright) = (by(&gpu, 0.2 * red, tone_map), by(&gpu, 60.0 * red, tone_map));
+        assert!(saturation(bright) < 0.5 * saturation(dim), "{tone_map:?}: {dim}, {bright}");
+    }
+    assert!(saturation(by(&gpu, red, ToneMap::Reinhard)) > 0.9);
+}
+
+/// White is what saturates the sensor: 1.2·2^EV₁₀₀ cd/m².
+#[test]
+fn a_photographic_exposure_shows_its_luminance_as_white() {
+    let gpu = gpu();
+    let exposure = Exposure::Photographic { f_number: 8.0, shutter: 1.0 / 125.0, iso: 100.0 };
+    let white = 1.2 * exposure.ev100().unwrap().exp2() / LUMENS_A_WATT;
+    let lens = Lens { exposure, tone_map: ToneMap::Linear, ..Default::default() };
+    for share in [0.2, 0.5, 0.9] {
+        let found = shown(&gpu, &sky(Vec3::splat(share * white), lens.clone()), &RenderSettings::default());
+        assert!(found.abs_diff_eq(Vec3::splat(share), STEP), "{share}: {found}");
+        // The scene's exposure and the window's come on top, in stops.
+        let show = DisplaySettings { exposure: -1.0, ..Default::default() };
+        let settings = RenderSettings { exposure: 0.5, show, ..Default::default() };
+        let found = shown(&gpu, &sky(Vec3::splat(share * white), lens.clone()), &settings);
+        assert!(found.abs_diff_eq(Vec3::splat(share / 2_f32.sqrt()), STEP), "{share}: {found}");
+    }
+}
+
+#[test]
+fn a_camera_may_expose_by_the_image() {
+    let gpu = gpu();
+    let lens = Lens { exposure: Exposure::Automatic, tone_map: ToneMap::Linear, ..Default::default() };
+    for radiance in [1e-3, 1.0, 1e4] {
+        let settings = RenderSettings { exposure: 3.0, ..Default::default() };
+        let found = shown(&gpu, &sky(Vec3::splat(radiance), lens.clone()), &settings);
+        assert!(found.abs_diff_eq(Vec3::splat(0.18), STEP), "{radiance}: {found}");
+    }
+}
+
+/// The window's tone map goes before the camera's.
+#[test]
+fn a_window_may_choose_another_tone_map() {
+    let gpu = gpu();
+    let stage = sky(Vec3::splat(0.9), Lens { tone_map: ToneMap::AgX, ..Default::default() });
+    let show = DisplaySettings { tone_map: Some(ToneMap::Linear), ..Default::default() };
+    let found = shown(&gpu, &stage, &RenderSettings { show, ..Default::default() });
+    assert!(found.abs_diff_eq(Vec3::splat(0.9), STEP), "{found}");
+}
