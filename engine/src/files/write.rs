@@ -6,7 +6,9 @@ use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
-use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling};
+use crate::world::{
+    Animation, Bloom, Camera, Clpv, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,6 +48,7 @@ impl Defaults {
             ("light", node(&Light::default())?),
             ("camera", node(&Camera::default())?),
             ("lens", node(&Lens::default())?),
+            ("bloom", node(&Bloom::default())?),
             ("clpv", node(&Clpv::default())?),
             ("vpl", node(&InstantRadiosity::default())?),
             ("slc", node(&StochasticLightCulling::default())?),

@@ -19,7 +19,7 @@ use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
 use super::post::compose::{self, Lights};
-use super::post::{compare, mlaa, tone_map};
+use super::post::{bloom, compare, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend::{self, Source};
@@ -143,7 +143,16 @@ pub(super) fn finish<'a>(
         graph.skip("tone map", "no display image is wanted");
         return;
     }
-    let mut display = tone_map::declare(graph, settings, &view.camera.lens, shown, view.size);
+    let lens = &view.camera.lens;
+    let shown = match &lens.bloom {
+        Some(bloom) if tone_map::shows_light(settings) => bloom::declare(graph, bloom, shown, view.size),
+        Some(_) => {
+            graph.skip("bloom", "the layer that is shown holds no light");
+            shown
+        }
+        None => shown,
+    };
+    let mut display = tone_map::declare(graph, settings, lens, shown, view.size);
     if settings.mlaa {
         display = mlaa::declare(graph, display, view.size, settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
     } else {

@@ -22,6 +22,7 @@ use super::indirect::light_volumes::{
 use super::indirect::mirror_average::MirrorAverageUniform;
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
 use super::indirect::sky_reflection::ReflectionUniform;
+use super::post::bloom::BloomUniform;
 use super::post::compare::CompareUniform;
 use super::post::compose::ComposeUniform;
 use super::post::temporal_antialiasing::SmoothUniform;
@@ -130,5 +131,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, CoverageUniform::min_size().get(), "debug/coverage.wgsl", "Coverage");
     check(&gpu, PointsUniform::min_size().get(), "debug/points.wgsl", "Points");
     check(&gpu, SmoothUniform::min_size().get(), "post/temporal_antialiasing.wgsl", "Smooth");
+    check(&gpu, BloomUniform::min_size().get(), "post/bloom.wgsl", "Bloom");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

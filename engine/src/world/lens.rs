@@ -1,4 +1,4 @@
-//! What a camera makes of the light that it sees: exposure and tone map. See `docs/lens.md`.
+//! What a camera makes of the light that it sees: exposure, tone map and bloom. See `docs/lens.md`.
 
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -83,6 +83,30 @@ impl Exposure {
     }
 }
 
+/// Light that scatters in the lens, as a halo around all that is bright. None is lost: what a pixel gives to those around it
+/// is taken from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bloom {
+    /// Share of the light that scatters, 0..1.
+    pub scatter: f32,
+    /// Radius of the widest halo, in heights of the image, 0.001 to 1.
+    pub radius: f32,
+}
+
+impl Default for Bloom {
+    fn default() -> Self {
+        Self { scatter: 0.1, radius: 0.25 }
+    }
+}
+
+impl Bloom {
+    fn fault(&self) -> Option<LensFault> {
+        LensFault::unless("bloom", "scatter", self.scatter, 0.0..=1.0, "")
+            .or_else(|| LensFault::unless("bloom", "radius", self.radius, 1e-3..=1.0, ""))
+    }
+}
+
 /// What a camera makes of the light that it sees. Whatever is at its default runs no pass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -91,6 +115,8 @@ pub struct Lens {
     pub exposure: Exposure,
     /// How light becomes what a screen shows.
     pub tone_map: ToneMap,
+    /// Light that scatters in the lens; none: all of it goes where it is focused.
+    pub bloom: Option<Bloom>,
 }
 
 /// A value of a lens that makes no sense.
@@ -121,7 +147,7 @@ impl LensFault {
 impl Lens {
     /// The first value that is out of its range.
     pub fn fault(&self) -> Option<LensFault> {
-        self.exposure.fault()
+        self.exposure.fault().or_else(|| self.bloom.as_ref().and_then(Bloom::fault))
     }
 
     /// The lens without the parts that have values out of their range, and those parts.
@@ -130,6 +156,7 @@ impl Lens {
         while let Some(fault) = lens.fault() {
             match fault.field {
                 "exposure" => lens.exposure = Exposure::default(),
+                "bloom" => lens.bloom = None,
                 _ => return (Self::default(), vec![fault.field]),
             }
             without.push(fault.field);
@@ -171,10 +198,14 @@ mod tests {
             [4.0, 0.01, f32::NAN],
         ] {
             let exposure = Exposure::Photographic { f_number, shutter, iso };
-            let lens = Lens { exposure, tone_map: ToneMap::AgX };
+            let lens = Lens { exposure, tone_map: ToneMap::AgX, ..Lens::default() };
             assert_eq!(lens.fault().map(|fault| fault.field), Some("exposure"), "{exposure:?}");
             let (lens, without) = lens.in_range();
             assert_eq!((lens.exposure, lens.tone_map, without), (Exposure::Scene, ToneMap::AgX, vec!["exposure"]));
+        }
+        for (scatter, radius) in [(-0.1, 0.2), (1.1, 0.2), (f32::NAN, 0.2), (0.2, 0.0), (0.2, f32::INFINITY)] {
+            let lens = Lens { bloom: Some(Bloom { scatter, radius }), ..Lens::default() };
+            assert_eq!(lens.in_range(), (Lens::default(), vec!["bloom"]));
         }
         for (f_number, shutter, iso) in [(0.1, 1e-9, 1e-3), (1e4, 1e6, 1e9), (0.1, 1e6, 1e9), (1e4, 1e-9, 1e-3)] {
             let exposure = Exposure::Photographic { f_number, shutter, iso };

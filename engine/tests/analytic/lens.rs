@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::support::{Stage, gpu};
-use glam::{Mat3, Vec3};
-use lightwell::gpu::{Gpu, read_texture};
+use glam::{Affine3A, Mat3, Vec3};
+use lightwell::assets::{Material, Shape};
+use lightwell::gpu::{Gpu, ImageF32, read_texture, read_texture_f32};
 use lightwell::measure::srgb_decode;
 use lightwell::render::{DisplaySettings, GiMethod, RenderSettings, Renderer};
-use lightwell::world::{Exposure, LUMENS_A_WATT, Lens, ToneMap};
+use lightwell::world::{Bloom, Exposure, LUMENS_A_WATT, Lens, ToneMap};
 
 /// Nothing but a sky of that radiance.
 fn sky(radiance: Vec3, lens: Lens) -> Stage {
@@ -130,4 +131,90 @@ fn a_window_may_choose_another_tone_map() {
     let show = DisplaySettings { tone_map: Some(ToneMap::Linear), ..Default::default() };
     let found = shown(&gpu, &stage, &RenderSettings { show, ..Default::default() });
     assert!(found.abs_diff_eq(Vec3::splat(0.9), STEP), "{found}");
+}
+
+/// Black but for bright squares of that radiance, 128 pixels an edge.
+fn spots(spots: &[(Vec3, f32)], bloom: Option<Bloom>) -> Stage {
+    let mut stage = Stage::new(Vec3::Z, Vec3::ZERO, 128);
+    for (place, radiance) in spots {
+        let material = Material { emissive: Vec3::splat(*radiance), ..Material::diffuse("spot", Vec3::ZERO) };
+        stage.add_material(Shape::Box { size: [0.06, 0.06, 0.01] }, material, Affine3A::from_translation(*place));
+    }
+    stage.view.camera.lens.bloom = bloom;
+    stage
+}
+
+/// The radiance with bloom.
+fn bloomed(gpu: &Gpu, stage: &Stage) -> ImageF32 {
+    let mut renderer = Renderer::new(gpu);
+    stage.render_with(gpu, &mut renderer, &RenderSettings { gi: GiMethod::NONE, ..Default::default() });
+    read_texture_f32(gpu, renderer.target("radiance with bloom").unwrap()).unwrap()
+}
+
+fn sum(image: &ImageF32) -> f64 {
+    image.rgba.iter().map(|pixel| f64::from(pixel[0])).sum()
+}
+
+#[test]
+fn bloom_keeps_the_energy_of_a_spot() {
+    let gpu = gpu();
+    for radiance in [0.1, 1e6] {
+        let stage = spots(&[(Vec3::ZERO, radiance)], None);
+        let before = sum(&stage.render(&gpu, GiMethod::NONE, lightwell::render::Layer::Total));
+        assert!(before > 0.0);
+        for bloom in [Bloom::default(), Bloom { scatter: 1.0, radius: 0.1 }, Bloom { scatter: 0.5, radius: 0.25 }] {
+            let after = bloomed(&gpu, &spots(&[(Vec3::ZERO, radiance)], Some(bloom)));
+            let change = sum(&after) / before - 1.0;
+            println!("{bloom:?} of {radiance}: {change:+.6}");
+            assert!(change.abs() < 1e-3, "{bloom:?}: {change}");
+            // Light arrives where there was none, and everywhere less the farther away it is.
+            let row: Vec<f32> = (64..124).map(|x| after.rgba[64 * 128 + x][0]).collect();
+            assert!(row[12] > 0.0 && row.windows(2).all(|pair| pair[1] <= pair[0] * 1.0001), "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn bloom_is_linear() {
+    let gpu = gpu();
+    let bloom = Some(Bloom { scatter: 0.4, ..Bloom::default() });
+    let [a, b] = [(Vec3::new(-0.3, 0.2, 0.0), 3.0), (Vec3::new(0.4, -0.1, 0.0), 500.0)];
+    let both = bloomed(&gpu, &spots(&[a, b], bloom));
+    let twice = bloomed(&gpu, &spots(&[(a.0, 2.0 * a.1)], bloom));
+    let [a, b] = [a, b].map(|spot| bloomed(&gpu, &spots(&[spot], bloom)));
+    for (((a, b), both), twice) in a.rgba.iter().zip(&b.rgba).zip(&both.rgba).zip(&twice.rgba) {
+        assert!((a[0] + b[0] - both[0]).abs() <= 1e-5 * both[0] + 1e-9, "{a:?} {b:?} {both:?}");
+        assert!((2.0 * a[0] - twice[0]).abs() <= 1e-5 * twice[0], "{a:?} {twice:?}");
+    }
+}
+
+/// An even image stays as it is, bit for bit nearly, up to its borders; and without scatter every image does.
+#[test]
+fn bloom_of_an_even_image_is_the_image() {
+    let gpu = gpu();
+    let lens = Lens { bloom: Some(Bloom { scatter: 0.7, radius: 1.0 }), ..Default::default() };
+    let even = bloomed(&gpu, &sky(Vec3::splat(0.8), lens));
+    assert!(even.rgba.iter().all(|pixel| (pixel[0] - 0.8).abs() < 1e-6));
+    let spot = [(Vec3::new(0.1, 0.0, 0.0), 7.0)];
+    let same = bloomed(&gpu, &spots(&spot, Some(Bloom { scatter: 0.0, ..Bloom::default() })));
+    let plain = spots(&spot, None).render(&gpu, GiMethod::NONE, lightwell::render::Layer::Total);
+    assert!(same.rgba.iter().zip(&plain.rgba).all(|(a, b)| a[..3] == b[..3]));
+}
+
+/// Nothing that is off runs a pass, nothing that rests runs one again, and what is measured stays.
+#[test]
+fn the_lens_runs_passes_only_where_it_is_asked_for() {
+    let gpu = gpu();
+    let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
+    let spot = [(Vec3::ZERO, 7.0)];
+    let (off, report) = spots(&spot, None).render_with(&gpu, &mut Renderer::new(&gpu), &settings);
+    assert!(!report.passes.iter().any(|pass| pass.name.starts_with("bloom")), "{:?}", report.passes);
+    let stage = spots(&spot, Some(Bloom::default()));
+    let mut renderer = Renderer::new(&gpu);
+    renderer.set_audit(true);
+    stage.render_with(&gpu, &mut renderer, &settings);
+    renderer.set_audit(false);
+    let (on, report) = stage.render_with(&gpu, &mut renderer, &settings);
+    assert!(!report.passes.iter().any(|pass| report.ran(&pass.name)), "{:?}", report.passes);
+    assert!(on.rgba == off.rgba, "bloom is for the display alone");
 }

@@ -96,6 +96,7 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
         "`shutter` is NaN",
         "s",
     ),
+    ("(entities: [(name: \"A\", camera: (lens: (bloom: ‸(scatter: 2))))])", Kind::BadValue, "`scatter` is 2", "0 to 1"),
     ("(entities: [(name: \"A\", camera: (lens: (tone_map: ‸Agx2)))])", Kind::UnknownVariant, "`Agx2`", "`AgX`"),
     ("(entities: [(name: \"A\", camera: (near: ‸0))])", Kind::BadValue, "near", "above zero"),
     (

@@ -6,9 +6,9 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Exposure, GatherRays, Lens, Light, LightBounds,
-    LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings, StochasticLightCulling,
-    ToneMap, Transform, Transport,
+    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Exposure, GatherRays, Lens, Light,
+    LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings,
+    StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -322,7 +322,8 @@ fn lens() -> impl Strategy<Value = Lens> {
         .prop_map(|(f_number, shutter, iso)| Exposure::Photographic { f_number, shutter, iso });
     let exposure = prop_oneof![Just(Exposure::Scene), Just(Exposure::Automatic), photographic];
     let tone_map = proptest::sample::select(ToneMap::ALL.to_vec());
-    (exposure, tone_map).prop_map(|(exposure, tone_map)| Lens { exposure, tone_map })
+    let bloom = (0.0f32..1.0, 0.01f32..1.0).prop_map(|(scatter, radius)| Bloom { scatter, radius });
+    (exposure, tone_map, of(bloom)).prop_map(|(exposure, tone_map, bloom)| Lens { exposure, tone_map, bloom })
 }
 
 pub(super) fn entity() -> impl Strategy<Value = EntityFile> {

@@ -2,6 +2,7 @@
 //! display shows of it.
 
 mod auto_exposure;
+pub(in crate::render) mod bloom;
 pub mod compare;
 pub mod compose;
 pub mod mlaa;

@@ -65,7 +65,7 @@ pub fn declare(
 }
 
 /// Whether the image holds light, rather than colours that are shown as they are.
-fn shows_light(settings: &RenderSettings) -> bool {
+pub(in crate::render) fn shows_light(settings: &RenderSettings) -> bool {
     let is_difference = matches!(settings.beside, Some(Beside { shown: Shown::Difference(_), .. }));
     settings.only.is_light() && !is_difference
 }
