@@ -7,7 +7,7 @@ use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
 use crate::world::{
-    Animation, Bloom, Camera, Clpv, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling,
+    Animation, Bloom, Camera, Clpv, DepthOfField, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -48,6 +48,7 @@ impl Defaults {
             ("light", node(&Light::default())?),
             ("camera", node(&Camera::default())?),
             ("lens", node(&Lens::default())?),
+            ("depth_of_field", node(&DepthOfField::default())?),
             ("bloom", node(&Bloom::default())?),
             ("clpv", node(&Clpv::default())?),
             ("vpl", node(&InstantRadiosity::default())?),

@@ -1,7 +1,7 @@
 //! The frame as a list of stages.
 //!
 //! ```text
-//! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ tone map
+//! scene ─ gbuffer ──────────────┬─ direct (a pass a light) ─┬─ compose ─ lens ─ tone map
 //!      ├─ shadow (a map a light) ┘                           │
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
@@ -19,7 +19,7 @@ use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
 use super::post::compose::{self, Lights};
-use super::post::{bloom, compare, mlaa, tone_map};
+use super::post::{bloom, compare, depth_of_field, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend::{self, Source};
@@ -60,7 +60,11 @@ pub(super) fn declare<'a>(
         let source = source_of_blended(graph, &gbuffer, [field, sky.and_then(|sky| sky.field)], &lights);
         lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source));
     }
-    let mut radiance = compose::declare(graph, frame, &gbuffer, lights);
+    let has_focus = depth_of_field::is_wanted(graph, frame);
+    let mut radiance = compose::declare(graph, frame, &gbuffer, lights, !has_focus);
+    if has_focus {
+        radiance = depth_of_field::declare(graph, frame, &gbuffer, radiance);
+    }
     if frame.settings.only.is_light() {
         radiance = method.declare_overlay(graph, frame, &gbuffer, radiance);
     }

@@ -7,6 +7,7 @@ use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
 use crate::gpu::Gpu;
 use crate::scene::{Scene, SceneView};
+use crate::world::DepthOfField;
 use glam::Mat4;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -117,6 +118,8 @@ struct Seen {
     world_from_clip: Mat4,
     /// Without the shift by part of a pixel.
     unshifted: Mat4,
+    /// What the image is focused on.
+    focus: Option<DepthOfField>,
 }
 
 pub(crate) struct Target {
@@ -151,7 +154,7 @@ impl History {
     }
 
     fn go_on(&mut self, last: Seen, seen: Seen, step: Step, jitter: [f32; 2]) {
-        let is_still = last.unshifted == seen.unshifted;
+        let is_still = last.unshifted == seen.unshifted && last.focus == seen.focus;
         self.even = if last.light == seen.light { self.even.saturating_add(1) } else { 0 };
         self.rested = if is_still && self.even > 0 { self.rested.saturating_add(1) } else { 0 };
         if self.is_at_rest() {
@@ -313,6 +316,7 @@ impl Seen {
             clip_from_world: shifted.clip_from_world(),
             world_from_clip: shifted.world_from_clip(),
             unshifted: view.clip_from_world(),
+            focus: view.camera.lens.depth_of_field,
         }
     }
 }

@@ -68,6 +68,12 @@ impl SceneCamera {
         }
     }
 
+    /// Radius of its lens \[m\]; none: all is sharp. An orthographic camera has no lens that focuses.
+    pub fn lens_radius(&self) -> Option<f32> {
+        let depth_of_field = self.lens.depth_of_field.as_ref().filter(|_| !self.is_orthographic())?;
+        Some(depth_of_field.lens_radius(self.half_height()))
+    }
+
     /// Direction of view, a unit vector.
     pub fn forward(&self) -> Vec3 {
         -Vec3::from(self.world_from_view.matrix3.z_axis)

@@ -1,4 +1,4 @@
-//! What a camera makes of the light that it sees: exposure, tone map and bloom. See `docs/lens.md`.
+//! What a camera makes of the light that it sees: focus, bloom, exposure and tone map. See `docs/lens.md`.
 
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -107,6 +107,41 @@ impl Bloom {
     }
 }
 
+/// A thin lens: what does not lie on the plane of focus is spread over a circle. Perspective cameras alone have it; it blurs
+/// what is measured too, in all methods and the path tracer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DepthOfField {
+    /// Distance of the plane of focus along the axis of the view \[m\], 0.001 to 1e9.
+    pub focus: f32,
+    /// Aperture as focal length over diameter, 0.1 to 10000. Small numbers blur more.
+    pub f_number: f32,
+    /// Height of the sensor \[mm\], 0.1 to 10000. With the field of view it gives the focal length.
+    pub sensor_height: f32,
+}
+
+impl Default for DepthOfField {
+    fn default() -> Self {
+        Self { focus: 5.0, f_number: 2.8, sensor_height: 24.0 }
+    }
+}
+
+impl DepthOfField {
+    fn fault(&self) -> Option<LensFault> {
+        let field = "depth_of_field";
+        LensFault::unless(field, "focus", self.focus, 1e-3..=1e9, " m")
+            .or_else(|| LensFault::unless(field, "f_number", self.f_number, F_NUMBERS, ""))
+            .or_else(|| LensFault::unless(field, "sensor_height", self.sensor_height, 0.1..=1e4, " mm"))
+    }
+
+    /// Radius of the lens \[m\] for half the image's height at distance 1: r = f/(2N), with the focal length f of a lens that is
+    /// focused far away, f = height/(2·tan(fov/2)).
+    pub fn lens_radius(&self, half_height: f32) -> f32 {
+        let focal_length = 1e-3 * self.sensor_height / (2.0 * half_height);
+        (focal_length / (2.0 * self.f_number)).min(1e6)
+    }
+}
+
 /// What a camera makes of the light that it sees. Whatever is at its default runs no pass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -115,6 +150,8 @@ pub struct Lens {
     pub exposure: Exposure,
     /// How light becomes what a screen shows.
     pub tone_map: ToneMap,
+    /// A lens with a plane of focus; none: all is sharp.
+    pub depth_of_field: Option<DepthOfField>,
     /// Light that scatters in the lens; none: all of it goes where it is focused.
     pub bloom: Option<Bloom>,
 }
@@ -147,7 +184,10 @@ impl LensFault {
 impl Lens {
     /// The first value that is out of its range.
     pub fn fault(&self) -> Option<LensFault> {
-        self.exposure.fault().or_else(|| self.bloom.as_ref().and_then(Bloom::fault))
+        self.exposure
+            .fault()
+            .or_else(|| self.depth_of_field.as_ref().and_then(DepthOfField::fault))
+            .or_else(|| self.bloom.as_ref().and_then(Bloom::fault))
     }
 
     /// The lens without the parts that have values out of their range, and those parts.
@@ -156,6 +196,7 @@ impl Lens {
         while let Some(fault) = lens.fault() {
             match fault.field {
                 "exposure" => lens.exposure = Exposure::default(),
+                "depth_of_field" => lens.depth_of_field = None,
                 "bloom" => lens.bloom = None,
                 _ => return (Self::default(), vec![fault.field]),
             }
@@ -206,6 +247,11 @@ mod tests {
         for (scatter, radius) in [(-0.1, 0.2), (1.1, 0.2), (f32::NAN, 0.2), (0.2, 0.0), (0.2, f32::INFINITY)] {
             let lens = Lens { bloom: Some(Bloom { scatter, radius }), ..Lens::default() };
             assert_eq!(lens.in_range(), (Lens::default(), vec!["bloom"]));
+        }
+        for (focus, f_number) in [(0.0, 2.0), (-1.0, 2.0), (f32::NAN, 2.0), (2.0, 0.0), (2.0, f32::INFINITY)] {
+            let depth_of_field = Some(DepthOfField { focus, f_number, ..DepthOfField::default() });
+            let lens = Lens { depth_of_field, ..Lens::default() };
+            assert_eq!(lens.in_range(), (Lens::default(), vec!["depth_of_field"]));
         }
         for (f_number, shutter, iso) in [(0.1, 1e-9, 1e-3), (1e4, 1e6, 1e9), (0.1, 1e6, 1e9), (1e4, 1e-9, 1e-3)] {
             let exposure = Exposure::Photographic { f_number, shutter, iso };

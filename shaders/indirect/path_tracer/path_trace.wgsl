@@ -5,7 +5,7 @@
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
 // passes. What a scene does not have is left out of the shader (see lib/ray_scene.wgsl): UNLIT, no surface emits light;
 // DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions; (the other way around) AREA_LIGHTS, a
-// light has a surface; ORTHOGRAPHIC, the lines of sight are parallel. Direct light is what comes straight from the lights to
+// light has a surface; ORTHOGRAPHIC, the lines of sight are parallel; THIN_LENS, the camera has a plane of focus. Direct light is what comes straight from the lights to
 // the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
 // that go on.
 
@@ -23,7 +23,7 @@
 #import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
 #import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace}
 #import lightwell::sky::sky_radiance
-#import lightwell::sampling::{Sampler, hash_pair, next_pair}
+#import lightwell::sampling::{Sampler, TAU, hash_pair, next_pair}
 
 struct Trace {
     eye: vec3f,
@@ -47,6 +47,8 @@ struct Trace {
     light_count: u32,
     emitter_count: u32,
     sky_turn: f32,         // of the sky's map [rad]
+    lens_radius: f32,      // [m]
+    inverse_focus: f32,    // of the distance of the plane of focus along the axis [1/m]
 }
 
 @group(0) @binding(0) var<uniform> params: Trace;
@@ -101,7 +103,17 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
 #else
     let direction = params.forward + at.x * params.right - at.y * params.up;
     // Not of unit length: the near and far planes lie at fixed distances along the axis.
+#ifdef THIN_LENS
+    // From a point of the lens to that of the plane of focus which the pixel's centre ray meets (Cook, Porter and Carpenter
+    // 1984).
+    let on_lens = next_pair(random);
+    let disc = params.lens_radius * sqrt(on_lens.x) * vec2f(cos(TAU * on_lens.y), sin(TAU * on_lens.y));
+    let offset = disc.x * normalize(params.right) + disc.y * normalize(params.up);
+    let bent = direction - offset * params.inverse_focus;
+    (*path).ray = Ray(params.eye + offset + bent * params.near, bent);
+#else
     (*path).ray = Ray(params.eye + direction * params.near, direction);
+#endif
 #endif
     (*path).reach = params.far - params.near;
     (*path).throughput = vec3f(1.0);

@@ -97,6 +97,18 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
         "s",
     ),
     ("(entities: [(name: \"A\", camera: (lens: (bloom: ‸(scatter: 2))))])", Kind::BadValue, "`scatter` is 2", "0 to 1"),
+    (
+        "(entities: [(name: \"A\", camera: (lens: (depth_of_field: ‸(focus: 0))))])",
+        Kind::BadValue,
+        "`focus` is 0",
+        "use 0.001 to 1000000000 m",
+    ),
+    (
+        "(entities: [(name: \"A\", camera: (lens: (depth_of_field: ‸(f_number: inf))))])",
+        Kind::BadValue,
+        "`f_number` is inf",
+        "0.1 to 10000",
+    ),
     ("(entities: [(name: \"A\", camera: (lens: (tone_map: ‸Agx2)))])", Kind::UnknownVariant, "`Agx2`", "`AgX`"),
     ("(entities: [(name: \"A\", camera: (near: ‸0))])", Kind::BadValue, "near", "above zero"),
     (

@@ -6,8 +6,8 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Exposure, GatherRays, Lens, Light,
-    LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings,
+    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, GatherRays, Lens,
+    Light, LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings,
     StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
@@ -323,7 +323,15 @@ fn lens() -> impl Strategy<Value = Lens> {
     let exposure = prop_oneof![Just(Exposure::Scene), Just(Exposure::Automatic), photographic];
     let tone_map = proptest::sample::select(ToneMap::ALL.to_vec());
     let bloom = (0.0f32..1.0, 0.01f32..1.0).prop_map(|(scatter, radius)| Bloom { scatter, radius });
-    (exposure, tone_map, of(bloom)).prop_map(|(exposure, tone_map, bloom)| Lens { exposure, tone_map, bloom })
+    let focus = (0.1f32..1e3, 0.5f32..64.0, 4.0f32..100.0);
+    let depth_of_field =
+        focus.prop_map(|(focus, f_number, sensor_height)| DepthOfField { focus, f_number, sensor_height });
+    (exposure, tone_map, of(depth_of_field), of(bloom)).prop_map(|(exposure, tone_map, depth_of_field, bloom)| Lens {
+        exposure,
+        tone_map,
+        depth_of_field,
+        bloom,
+    })
 }
 
 pub(super) fn entity() -> impl Strategy<Value = EntityFile> {

@@ -37,15 +37,24 @@ pub struct Lights {
     pub blended: Option<Handle<Texture>>,
 }
 
-/// Declares the pass; the result is rgba32float radiance [W/(m² sr)].
-pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, lights: Lights) -> Handle<Texture> {
+/// Declares the pass; the result is rgba32float radiance [W/(m² sr)]. If `is_final`, it is that of the frame.
+pub fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    lights: Lights,
+    is_final: bool,
+) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let mut usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     if frame.settings.particle_paths > 0 {
         usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
     }
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
-    let radiance = graph.retained_texture(RADIANCE, desc);
+    let radiance = match is_final {
+        true => graph.retained_texture(RADIANCE, desc),
+        false => graph.texture("sharp radiance", desc),
+    };
     let mut pass = graph.pass("compose");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
     let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];

@@ -5,6 +5,7 @@ mod auto_exposure;
 pub(in crate::render) mod bloom;
 pub mod compare;
 pub mod compose;
+pub(in crate::render) mod depth_of_field;
 pub mod mlaa;
 pub(in crate::render) mod temporal_antialiasing;
 pub mod tone_map;

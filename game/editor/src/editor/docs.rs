@@ -19,13 +19,14 @@ pub struct Note {
 }
 
 /// Units as the comments write them, and as they are shown.
-const UNITS: [(&str, &str); 13] = [
+const UNITS: [(&str, &str); 14] = [
     ("degrees/s", "°/s"),
     ("degrees", "°"),
     ("W/(m² sr)", "W/(m² sr)"),
     ("W/m²", "W/m²"),
     ("W/sr", "W/sr"),
     ("m/s", "m/s"),
+    ("mm", "mm"),
     ("m", "m"),
     ("s", "s"),
     ("texels", "texels"),

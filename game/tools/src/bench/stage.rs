@@ -64,6 +64,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
+    Stage { name: "DOF", what: "depth of field", passes: &["depth of field"] },
     Stage { name: "TAA", what: "smooth edges over frames", passes: &["temporal anti-aliasing"] },
     Stage { name: "BLM", what: "bloom", passes: &["bloom"] },
     Stage { name: "TON", what: "tone map", passes: &["tone map"] },

@@ -68,6 +68,10 @@ impl Content {
         };
         self.f32s([lens, camera.near, camera.far.unwrap_or(0.0), view.jitter[0], view.jitter[1]]);
         self.u32s(view.size);
+        // Keys of views without a lens are those of versions that had none.
+        if let Some((radius, lens)) = camera.lens_radius().zip(camera.lens.depth_of_field) {
+            self.f32s([radius, lens.focus]);
+        }
     }
 
     fn light(&mut self, light: &SceneLight) {

@@ -109,6 +109,15 @@ impl<'a> HostTracer<'a> {
             true => (self.view.eye() + across, camera.forward()),
             false => (self.view.eye(), across + camera.forward()),
         };
+        let (eye, direction) = match camera.lens_radius().zip(camera.lens.depth_of_field) {
+            Some((radius, lens)) => {
+                let random = random.next_pair();
+                let on_lens = Vec2::from_angle(TAU * random.y) * radius * random.x.sqrt();
+                let offset = on_lens.x * Vec3::from(axes.x_axis) + on_lens.y * Vec3::from(axes.y_axis);
+                (eye + offset, direction - offset / lens.focus)
+            }
+            None => (eye, direction),
+        };
         let ray = Ray::new(eye + direction * camera.near, direction);
         self.follow(ray, camera.far_plane().map_or(3e38, |far| far - camera.near), &mut random)
     }

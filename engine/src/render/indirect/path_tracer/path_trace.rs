@@ -81,6 +81,8 @@ pub(crate) struct TraceUniform {
     light_count: u32,
     emitter_count: u32,
     sky_turn: f32,
+    lens_radius: f32,
+    inverse_focus: f32,
 }
 
 /// `Resolve` of `indirect/path_tracer/resolve.wgsl`.
@@ -129,7 +131,8 @@ struct Piece {
 
 /// The view without what only the display makes of its light.
 fn traced_view(view: &SceneView) -> SceneView {
-    SceneView { camera: SceneCamera { lens: Lens::default(), ..view.camera.clone() }, ..view.clone() }
+    let lens = Lens { depth_of_field: view.camera.lens.depth_of_field, ..Lens::default() };
+    SceneView { camera: SceneCamera { lens, ..view.camera.clone() }, ..view.clone() }
 }
 
 impl PathTracer {
@@ -274,6 +277,8 @@ impl PathTracer {
             light_count: self.scene.light_count,
             emitter_count: self.scene.emitter_count,
             sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+            lens_radius: camera.lens_radius().unwrap_or(0.0),
+            inverse_focus: camera.lens.depth_of_field.map_or(0.0, |lens| lens.focus.recip()),
         }
     }
 
@@ -289,6 +294,9 @@ impl PathTracer {
         let mut key = self.scene.shader("indirect/path_tracer/path_trace.wgsl", "main");
         if progress.subject.view.camera.is_orthographic() {
             key = key.def("ORTHOGRAPHIC", ShaderDef::Flag(true));
+        }
+        if progress.subject.view.camera.lens_radius().is_some() {
+            key = key.def("THIN_LENS", ShaderDef::Flag(true));
         }
         if self.sky.is_map() {
             group.push(("sky", Binding::Texture(self.sky.view())));
