@@ -4,6 +4,7 @@
 
 struct ToneMap {
     scale: f32,            // 2^exposure
+    vignette: f32,         // square of the tangent at the corners
 }
 
 const NEUTRAL: u32 = 0u;
@@ -92,6 +93,18 @@ fn reinhard(color: vec3f) -> vec3f {
     return color * (1.0 + l / (WHITE * WHITE)) / (1.0 + l);
 }
 
+// Share of the light that arrives: cos⁴θ, the law of natural vignetting, with cos²θ = 1/(1 + tan²θ).
+fn falloff(pixel: vec2u) -> f32 {
+#ifdef VIGNETTE
+    let size = vec2f(textureDimensions(radiance));
+    let from_center = vec2f(pixel) + 0.5 - 0.5 * size;
+    let cosine = 1.0 / (1.0 + tone_map.vignette * dot(from_center, from_center) / (0.25 * dot(size, size)));
+    return cosine * cosine;
+#else
+    return 1.0;
+#endif
+}
+
 fn mapped(color: vec3f) -> vec3f {
     switch MODE {
         case COLOR: { return color; }
@@ -116,6 +129,6 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     }
     // Above 1e6 everything is white; the bound keeps the squares above finite.
     let scale = tone_map.scale * automatic[0];
-    let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * scale, vec3f(1e6));
+    let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * scale * falloff(thread.xy), vec3f(1e6));
     textureStore(display, thread.xy, vec4f(encode_srgb(saturate(mapped(exposed))), 1.0));
 }

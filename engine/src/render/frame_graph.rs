@@ -19,7 +19,8 @@ use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
 use super::post::compose::{self, Lights};
-use super::post::{bloom, compare, depth_of_field, mlaa, tone_map};
+use super::post::tone_map::{DISPLAY, TONE_MAPPED};
+use super::post::{bloom, compare, depth_of_field, film, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend::{self, Source};
@@ -156,11 +157,18 @@ pub(super) fn finish<'a>(
         }
         None => shown,
     };
-    let mut display = tone_map::declare(graph, settings, lens, shown, view.size);
+    let has_film = film::is_wanted(lens) && tone_map::shows_light(settings);
+    let is_last = |name| if has_film { name } else { DISPLAY };
+    let name = if settings.mlaa { TONE_MAPPED } else { is_last(TONE_MAPPED) };
+    let mut display = tone_map::declare(graph, settings, lens, shown, view.size, name);
     if settings.mlaa {
-        display = mlaa::declare(graph, display, view.size, settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
+        let (edges, gbuffer) = (settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
+        display = mlaa::declare(graph, display, is_last("smooth display"), view.size, edges, gbuffer);
     } else {
         graph.skip("mlaa", "anti-aliasing is off");
+    }
+    if has_film {
+        display = film::declare(graph, lens, settings.moment, display, view.size);
     }
     match drawn {
         _ if settings.debug.is_empty() => {}

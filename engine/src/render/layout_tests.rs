@@ -26,6 +26,7 @@ use super::post::bloom::BloomUniform;
 use super::post::compare::CompareUniform;
 use super::post::compose::ComposeUniform;
 use super::post::depth_of_field::FocusUniform;
+use super::post::film::FilmUniform;
 use super::post::temporal_antialiasing::SmoothUniform;
 use super::post::tone_map::ToneMapUniform;
 use super::rays::{Emitter, RayMaterial};
@@ -134,5 +135,6 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, SmoothUniform::min_size().get(), "post/temporal_antialiasing.wgsl", "Smooth");
     check(&gpu, BloomUniform::min_size().get(), "post/bloom.wgsl", "Bloom");
     check(&gpu, FocusUniform::min_size().get(), "post/depth_of_field.wgsl", "Focus");
+    check(&gpu, FilmUniform::min_size().get(), "post/film.wgsl", "Film");
     check(&gpu, ToneMapUniform::min_size().get(), "post/tone_map.wgsl", "ToneMap");
 }

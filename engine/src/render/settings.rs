@@ -148,6 +148,8 @@ pub struct RenderSettings {
     pub mlaa_edges: MlaaEdges,
     /// How the display image is made.
     pub show: DisplaySettings,
+    /// The tick of the scene's clock, for what varies with time alone: grain.
+    pub moment: u64,
     /// Averages indirect light with that of the frames before, each with other random numbers: for interactive views. The
     /// image then depends on what was drawn before it. See [`Renderer::is_settling`](super::Renderer::is_settling).
     pub average: bool,
@@ -191,6 +193,7 @@ impl Default for RenderSettings {
             mlaa: false,
             mlaa_edges: MlaaEdges::default(),
             show: DisplaySettings::default(),
+            moment: 0,
             average: false,
             images: 1,
             beside: None,

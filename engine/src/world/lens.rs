@@ -1,4 +1,4 @@
-//! What a camera makes of the light that it sees: focus, bloom, exposure and tone map. See `docs/lens.md`.
+//! What a camera makes of the light that it sees: focus, bloom, exposure, tone map, vignette and film. See `docs/lens.md`.
 
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -154,6 +154,14 @@ pub struct Lens {
     pub depth_of_field: Option<DepthOfField>,
     /// Light that scatters in the lens; none: all of it goes where it is focused.
     pub bloom: Option<Bloom>,
+    /// Share of the light that the corners of the image lose, 0 to 0.99: as natural vignetting does, by the fourth power of a
+    /// cosine.
+    pub vignette: f32,
+    /// How much steeper edges become, 0..1: an unsharp mask that stays in the range of each pixel's neighbours.
+    pub sharpening: f32,
+    /// Grain of film: standard deviation at middle brightness as a share of the display's range, 0 to 0.5. Another one at
+    /// each tick of the scene's clock.
+    pub grain: f32,
 }
 
 /// A value of a lens that makes no sense.
@@ -188,6 +196,9 @@ impl Lens {
             .fault()
             .or_else(|| self.depth_of_field.as_ref().and_then(DepthOfField::fault))
             .or_else(|| self.bloom.as_ref().and_then(Bloom::fault))
+            .or_else(|| LensFault::unless("vignette", "vignette", self.vignette, 0.0..=0.99, ""))
+            .or_else(|| LensFault::unless("sharpening", "sharpening", self.sharpening, 0.0..=1.0, ""))
+            .or_else(|| LensFault::unless("grain", "grain", self.grain, 0.0..=0.5, ""))
     }
 
     /// The lens without the parts that have values out of their range, and those parts.
@@ -198,6 +209,9 @@ impl Lens {
                 "exposure" => lens.exposure = Exposure::default(),
                 "depth_of_field" => lens.depth_of_field = None,
                 "bloom" => lens.bloom = None,
+                "vignette" => lens.vignette = 0.0,
+                "sharpening" => lens.sharpening = 0.0,
+                "grain" => lens.grain = 0.0,
                 _ => return (Self::default(), vec![fault.field]),
             }
             without.push(fault.field);
@@ -248,6 +262,8 @@ mod tests {
             let lens = Lens { bloom: Some(Bloom { scatter, radius }), ..Lens::default() };
             assert_eq!(lens.in_range(), (Lens::default(), vec!["bloom"]));
         }
+        let wild = Lens { vignette: 1.0, sharpening: f32::NAN, grain: -1.0, ..Lens::default() };
+        assert_eq!(wild.in_range(), (Lens::default(), vec!["vignette", "sharpening", "grain"]));
         for (focus, f_number) in [(0.0, 2.0), (-1.0, 2.0), (f32::NAN, 2.0), (2.0, 0.0), (2.0, f32::INFINITY)] {
             let depth_of_field = Some(DepthOfField { focus, f_number, ..DepthOfField::default() });
             let lens = Lens { depth_of_field, ..Lens::default() };

@@ -405,3 +405,72 @@ fn depth_of_field_is_reused_where_nothing_changes() {
         assert!(!report.passes.iter().any(|pass| report.ran(&pass.name)), "{:?}", report.passes);
     }
 }
+
+// ---- Vignette and film ----
+
+/// The display's bytes of an even image of 64 pixels an edge.
+fn even(gpu: &Gpu, lens: Lens, moment: u64) -> Vec<u8> {
+    let mut stage = sky(Vec3::splat(0.2140), Lens { tone_map: ToneMap::Linear, ..lens });
+    stage.view.size = [64, 64];
+    let mut renderer = Renderer::new(gpu);
+    stage.render_with(gpu, &mut renderer, &RenderSettings { gi: GiMethod::NONE, moment, ..Default::default() });
+    read_texture(gpu, renderer.display().unwrap(), 0, 0).unwrap()
+}
+
+#[test]
+fn the_corners_lose_what_the_vignette_says() {
+    let gpu = gpu();
+    for loss in [0.2, 0.5, 0.9] {
+        let bytes = even(&gpu, Lens { vignette: loss, ..Default::default() }, 0);
+        let at = |x: usize, y: usize| srgb_decode(f32::from(bytes[4 * (x + 64 * y)]) / 255.0);
+        let law = |x: f32, y: f32| {
+            let square = ((x - 31.5).powi(2) + (y - 31.5).powi(2)) / (2.0 * 32.0_f32.powi(2));
+            0.214 / (1.0 + ((1.0 - loss).sqrt().recip() - 1.0) * square).powi(2)
+        };
+        for (x, y) in [(0, 0), (31, 31), (63, 0), (10, 50), (32, 0)] {
+            let (found, expected) = (at(x, y), law(x as f32, y as f32));
+            assert!((found - expected).abs() < 0.004, "{loss} at {x}, {y}: {found}, expected {expected}");
+        }
+    }
+}
+
+#[test]
+fn grain_has_its_deviation_and_keeps_the_mean() {
+    let gpu = gpu();
+    // 0.214 is the middle of the display's range.
+    let bytes = even(&gpu, Lens { grain: 0.05, ..Default::default() }, 1);
+    let values: Vec<f64> = bytes.chunks(4).map(|pixel| f64::from(pixel[0]) / 255.0).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+    assert!((mean - 0.5).abs() < 0.004 && (deviation - 0.05).abs() < 0.003, "{mean} {deviation}");
+    let again = even(&gpu, Lens { grain: 0.05, ..Default::default() }, 1);
+    let later = even(&gpu, Lens { grain: 0.05, ..Default::default() }, 2);
+    assert!(bytes == again && bytes != later, "grain is that of the moment");
+    let without = even(&gpu, Lens::default(), 1);
+    assert!(without.iter().all(|byte| *byte == without[0] || *byte == 255));
+}
+
+/// Sharpening makes edges steeper and nothing brighter or darker than it was around them; an even image stays.
+#[test]
+fn sharpening_has_no_halo() {
+    let gpu = gpu();
+    assert!(even(&gpu, Lens { sharpening: 1.0, ..Default::default() }, 0) == even(&gpu, Lens::default(), 0));
+    let bytes = |sharpening| {
+        let mut stage = spots(&[(Vec3::new(0.1, 0.1, 0.0), 0.4), (Vec3::new(-0.2, 0.0, 0.0), 0.1)], None);
+        stage.scene.sky = Vec3::splat(0.02);
+        stage.view.camera.lens = Lens { sharpening, bloom: Some(Bloom::default()), ..Default::default() };
+        let mut renderer = Renderer::new(&gpu);
+        stage.render_with(&gpu, &mut renderer, &RenderSettings { gi: GiMethod::NONE, ..Default::default() });
+        read_texture(&gpu, renderer.display().unwrap(), 0, 0).unwrap()
+    };
+    let (plain, sharp) = (bytes(0.0), bytes(1.0));
+    let at = |bytes: &[u8], x: usize, y: usize| i32::from(bytes[4 * (x + 128 * y)]);
+    let mut steeper = 0;
+    for (x, y) in (1..127).flat_map(|y| (1..127).map(move |x| (x, y))) {
+        let around = [(x, y), (x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)].map(|(i, j)| at(&plain, i, j));
+        let (low, high) = (around.iter().min().unwrap(), around.iter().max().unwrap());
+        assert!((low - 1..=high + 1).contains(&&at(&sharp, x, y)), "{x}, {y}");
+        steeper += usize::from(at(&sharp, x, y) != at(&plain, x, y));
+    }
+    assert!(steeper > 50, "{steeper} pixels changed");
+}

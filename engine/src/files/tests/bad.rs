@@ -109,6 +109,9 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
         "`f_number` is inf",
         "0.1 to 10000",
     ),
+    ("(entities: [(name: \"A\", camera: (lens: (vignette: ‸1)))])", Kind::BadValue, "`vignette` is 1", "0 to 0.99"),
+    ("(entities: [(name: \"A\", camera: (lens: (sharpening: ‸-1)))])", Kind::BadValue, "`sharpening` is -1", "0 to 1"),
+    ("(entities: [(name: \"A\", camera: (lens: (grain: ‸NaN)))])", Kind::BadValue, "`grain` is NaN", "0 to 0.5"),
     ("(entities: [(name: \"A\", camera: (lens: (tone_map: ‸Agx2)))])", Kind::UnknownVariant, "`Agx2`", "`AgX`"),
     ("(entities: [(name: \"A\", camera: (near: ‸0))])", Kind::BadValue, "near", "above zero"),
     (

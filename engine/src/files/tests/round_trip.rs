@@ -326,12 +326,18 @@ fn lens() -> impl Strategy<Value = Lens> {
     let focus = (0.1f32..1e3, 0.5f32..64.0, 4.0f32..100.0);
     let depth_of_field =
         focus.prop_map(|(focus, f_number, sensor_height)| DepthOfField { focus, f_number, sensor_height });
-    (exposure, tone_map, of(depth_of_field), of(bloom)).prop_map(|(exposure, tone_map, depth_of_field, bloom)| Lens {
-        exposure,
-        tone_map,
-        depth_of_field,
-        bloom,
-    })
+    let film = (0.0f32..0.99, 0.0f32..1.0, 0.0f32..0.5);
+    (exposure, tone_map, of(depth_of_field), of(bloom), film).prop_map(
+        |(exposure, tone_map, depth_of_field, bloom, (vignette, sharpening, grain))| Lens {
+            exposure,
+            tone_map,
+            depth_of_field,
+            bloom,
+            vignette,
+            sharpening,
+            grain,
+        },
+    )
 }
 
 pub(super) fn entity() -> impl Strategy<Value = EntityFile> {

@@ -1,7 +1,6 @@
 //! Morphological anti-aliasing (Reshetov 2009; thesis 5.7): edges, blend weights, blend. Edges are found by colour in
 //! the tone-mapped image, or by depth or normal in the G-buffer; colours are mixed in linear light and encoded last.
 
-use super::tone_map::DISPLAY;
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::geometry::gbuffer::GBuffer;
@@ -10,11 +9,12 @@ use wgpu::TextureFormat;
 
 const USAGE: wgpu::TextureUsages = wgpu::TextureUsages::STORAGE_BINDING.union(wgpu::TextureUsages::TEXTURE_BINDING);
 
-/// Declares the three passes; the result is the display image. Pixels that no edge touches keep their bits. Without a
+/// Declares the three passes; the result is an image of that name. Pixels that no edge touches keep their bits. Without a
 /// G-buffer edges are told by colour.
 pub fn declare(
     graph: &mut Graph,
     image: Handle<Texture>,
+    name: &str,
     [width, height]: [u32; 2],
     by: MlaaEdges,
     gbuffer: Option<&GBuffer>,
@@ -25,7 +25,7 @@ pub fn declare(
     let mut shown = desc(TextureFormat::Rgba8Unorm);
     // Overlays are drawn into it.
     shown.usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
-    let display = graph.retained_texture(DISPLAY, shown);
+    let display = graph.retained_texture(name, shown);
     let size = [width, height];
     let (source, define) = match (by, gbuffer) {
         (MlaaEdges::Depth, Some(gbuffer)) => (vec![("depth", gbuffer.depth)], Some("BY_DEPTH")),

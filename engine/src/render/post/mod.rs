@@ -6,6 +6,7 @@ pub(in crate::render) mod bloom;
 pub mod compare;
 pub mod compose;
 pub(in crate::render) mod depth_of_field;
+pub(in crate::render) mod film;
 pub mod mlaa;
 pub(in crate::render) mod temporal_antialiasing;
 pub mod tone_map;

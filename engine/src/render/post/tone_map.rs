@@ -8,28 +8,29 @@ use encase::ShaderType;
 
 /// Name of the retained display image.
 pub const DISPLAY: &str = "display";
-/// Name of the image before its edges are smoothed.
-const TONE_MAPPED: &str = "tone mapped";
+/// Name of the image before its edges are smoothed, or film is added.
+pub(in crate::render) const TONE_MAPPED: &str = "tone mapped";
 
 /// `ToneMap` of `post/tone_map.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct ToneMapUniform {
     scale: f32,
+    vignette: f32,
 }
 
-/// Declares the pass; the result is rgba8unorm, sRGB-encoded.
+/// Declares the pass; the result is an image of that name, rgba8unorm, sRGB-encoded.
 pub fn declare(
     graph: &mut Graph,
     settings: &RenderSettings,
     lens: &Lens,
     radiance: Handle<Texture>,
     [width, height]: [u32; 2],
+    name: &str,
 ) -> Handle<Texture> {
     // Overlays are drawn into it.
     let usage = wgpu::TextureUsages::STORAGE_BINDING
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::RENDER_ATTACHMENT;
-    let name = if settings.mlaa { TONE_MAPPED } else { DISPLAY };
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
     let is_light = shows_light(settings);
     let automatic =
@@ -42,16 +43,21 @@ pub fn declare(
     let display = pass.write(display);
     let scale = if is_light { settings.exposure_factor(lens) } else { 1.0 };
     let mode = mode(settings, lens);
-    pass.key(&(scale.to_bits(), mode, automatic.is_some()));
+    let vignette = if is_light { vignette(lens.vignette) } else { 0.0 };
+    pass.key(&(scale.to_bits(), vignette.to_bits(), mode, automatic.is_some()));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
-        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale });
+        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale, vignette });
         let automatic = match automatic {
             Some(automatic) => cx.buffer(automatic).clone(),
             None => cx.gpu.constants("no exposure", &[1.0f32]),
         };
+        let mut key = ComputeKey::new("post/tone_map.wgsl", "main").def("MODE", ShaderDef::Uint(mode));
+        if vignette > 0.0 {
+            key = key.def("VIGNETTE", ShaderDef::Flag(true));
+        }
         cx.dispatch(
-            &ComputeKey::new("post/tone_map.wgsl", "main").def("MODE", ShaderDef::Uint(mode)),
+            &key,
             &[
                 ("automatic", Binding::Buffer(&automatic)),
                 ("tone_map", Binding::Buffer(&uniform)),
@@ -62,6 +68,11 @@ pub fn declare(
         )
     });
     display
+}
+
+/// Square of the tangent at the corners, tan²θ, for which cos⁴θ leaves all but that share of the light.
+fn vignette(loss: f32) -> f32 {
+    (1.0 - loss).sqrt().recip() - 1.0
 }
 
 /// Whether the image holds light, rather than colours that are shown as they are.

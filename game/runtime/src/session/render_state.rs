@@ -88,6 +88,7 @@ impl RenderState {
                 Edges::Normal => MlaaEdges::Normal,
             },
             show: self.display,
+            moment: world.clock().tick(),
             average: self.look.average == Some(Switch::On),
             images: 1,
             beside: None,

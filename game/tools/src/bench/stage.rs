@@ -68,6 +68,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "TAA", what: "smooth edges over frames", passes: &["temporal anti-aliasing"] },
     Stage { name: "BLM", what: "bloom", passes: &["bloom"] },
     Stage { name: "TON", what: "tone map", passes: &["tone map"] },
+    Stage { name: "FLM", what: "sharpening and grain", passes: &["film"] },
 ];
 
 /// Where passes go that the table does not know; the report names them.

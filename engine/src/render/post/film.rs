@@ -1,0 +1,56 @@
+//! Sharpening and grain of the display image: what is done last, to the values that the display shows. See
+//! `post/film.wgsl`.
+
+use super::tone_map::DISPLAY;
+use crate::gpu::{Binding, ComputeKey};
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::world::Lens;
+use encase::ShaderType;
+use wgpu::{TextureFormat, TextureUsages};
+
+/// `Film` of `post/film.wgsl`.
+#[derive(Clone, Copy, ShaderType)]
+pub(crate) struct FilmUniform {
+    sharpening: f32,
+    grain: f32,
+    seed: u32,
+}
+
+/// Whether the lens asks for it.
+pub(in crate::render) fn is_wanted(lens: &Lens) -> bool {
+    lens.sharpening > 0.0 || lens.grain > 0.0
+}
+
+/// Declares the pass; the result is the display image, rgba8unorm, sRGB-encoded. Grain is another one at each moment.
+pub(in crate::render) fn declare(
+    graph: &mut Graph,
+    lens: &Lens,
+    moment: u64,
+    image: Handle<Texture>,
+    [width, height]: [u32; 2],
+) -> Handle<Texture> {
+    // Overlays are drawn into it.
+    let usage = TextureUsages::STORAGE_BINDING | TextureUsages::TEXTURE_BINDING | TextureUsages::RENDER_ATTACHMENT;
+    let display = graph.retained_texture(DISPLAY, TextureDesc::d2(width, height, TextureFormat::Rgba8Unorm, usage));
+    let seed = if lens.grain > 0.0 { moment as u32 } else { 0 };
+    let film = FilmUniform { sharpening: lens.sharpening, grain: lens.grain, seed };
+    let mut pass = graph.pass("film");
+    pass.read(image);
+    let display = pass.write(display);
+    pass.key(&(film.sharpening.to_bits(), film.grain.to_bits(), film.seed));
+    pass.execute(move |cx| {
+        let (source, target) = (cx.view(image), cx.view(display));
+        let uniform = cx.gpu.uniform("film", &film);
+        cx.counts().texels += u64::from(width) * u64::from(height);
+        cx.dispatch(
+            &ComputeKey::new("post/film.wgsl", "main"),
+            &[
+                ("film", Binding::Buffer(&uniform)),
+                ("image", Binding::Texture(&source)),
+                ("display", Binding::Texture(&target)),
+            ],
+            [width.div_ceil(8), height.div_ceil(8), 1],
+        )
+    });
+    display
+}
