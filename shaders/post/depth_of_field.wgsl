@@ -164,7 +164,7 @@ fn gather_main(@builtin(global_invocation_id) thread: vec3u) {
     let color = layers.near.rgb / max(layers.near.a, 1e-6);
     let near_radius = floor(layers.near_radius / max(layers.near.a, 1e-6));
     textureStore(near_result, pixel, vec4f(coverage * color, 2.0 * near_radius + coverage));
-    textureStore(result, pixel, vec4f(layers.behind.rgb / max(layers.behind.a, 1e-6), max(here, 0.0)));
+    textureStore(result, pixel, vec4f(layers.behind.rgb / max(layers.behind.a, 1e-6), abs(here)));
 }
 
 // ---- Filter ----
@@ -174,9 +174,16 @@ fn share_of(radii: vec2f, is_center: bool) -> f32 {
     return select(saturate(min(radii.x, radii.y) - 1.0), 1.0, is_center);
 }
 
-fn near_at(pixel: vec2i) -> vec4f {
+struct Near {
+    over: vec4f,           // radiance times coverage, and coverage
+    radius: f32,           // without a bound where nothing is near: there a pixel takes part in the borders of what is
+}
+
+fn near_at(pixel: vec2i) -> Near {
     let found = textureLoad(near, pixel, 0);
-    return vec4f(found.rgb, found.a - 2.0 * floor(0.5 * found.a));
+    let radius = floor(0.5 * found.a);
+    let coverage = found.a - 2.0 * radius;
+    return Near(vec4f(found.rgb, coverage), select(radius, 1e6, coverage <= 0.0));
 }
 
 @compute @workgroup_size(8, 8)
@@ -187,7 +194,7 @@ fn filter_main(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let radius = textureLoad(behind, pixel, 0).a;
-    let near_radius = floor(0.5 * textureLoad(near, pixel, 0).a);
+    let near_radius = near_at(pixel).radius;
     var far = vec4f(0.0);
     var over = vec4f(0.0);
     var total = 0.0;
@@ -197,12 +204,9 @@ fn filter_main(@builtin(global_invocation_id) thread: vec3u) {
         let is_center = all(offset == vec2i(0));
         let far_there = textureLoad(behind, there, 0);
         far += share_of(vec2f(radius, far_there.a), is_center) * vec4f(far_there.rgb, 1.0);
-        // Where nothing is near, a pixel takes part in the borders of what is.
-        let over_there = near_at(there);
-        var radii = vec2f(near_radius, floor(0.5 * textureLoad(near, there, 0).a));
-        radii = max(radii, select(vec2f(0.0), radii.yx, radii == vec2f(0.0)));
-        let share = share_of(radii, is_center);
-        over += share * over_there;
+        let near_there = near_at(there);
+        let share = share_of(vec2f(near_radius, near_there.radius), is_center);
+        over += share * near_there.over;
         total += share;
     }
     over /= total;

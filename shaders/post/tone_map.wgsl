@@ -5,6 +5,9 @@
 struct ToneMap {
     scale: f32,            // 2^exposure
     vignette: f32,         // square of the tangent at the corners
+    low: vec3f,            // colour of the table's first entry
+    entries: u32,          // along each of its edges
+    high: vec3f,           // colour of its last entry
 }
 
 const NEUTRAL: u32 = 0u;
@@ -26,6 +29,9 @@ const MODE: u32 = NEUTRAL;
 @group(0) @binding(1) var radiance: texture_2d<f32>;
 @group(0) @binding(2) var display: texture_storage_2d<rgba8unorm, write>;
 @group(0) @binding(3) var<storage, read> automatic: array<f32>;   // factor of the automatic exposure, or 1
+#ifdef GRADING
+@group(0) @binding(4) var<storage, read> grading: array<vec4f>;   // red fastest
+#endif
 
 // Khronos PBR Neutral tone mapper (specification 1.0): base colours below 0.8 keep their hue and saturation,
 // brighter light is compressed and desaturated.
@@ -122,6 +128,32 @@ fn encode_srgb(c: vec3f) -> vec3f {
     return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
 }
 
+#ifdef GRADING
+fn entry(at: vec3u) -> vec3f {
+    return grading[at.x + tone_map.entries * (at.y + tone_map.entries * at.z)].rgb;
+}
+
+// Between the eight entries around a colour, linearly.
+fn graded(color: vec3f) -> vec3f {
+    let last = f32(tone_map.entries - 1u);
+    let place = clamp((color - tone_map.low) / (tone_map.high - tone_map.low), vec3f(0.0), vec3f(1.0)) * last;
+    let a = vec3u(min(floor(place), vec3f(last - 1.0)));
+    let b = a + 1u;
+    let t = place - vec3f(a);
+    let front = mix(
+        mix(entry(a), entry(vec3u(b.x, a.yz)), t.x), mix(entry(vec3u(a.x, b.y, a.z)), entry(vec3u(b.xy, a.z)), t.x), t.y,
+    );
+    let back = mix(
+        mix(entry(vec3u(a.xy, b.z)), entry(vec3u(b.x, a.y, b.z)), t.x), mix(entry(vec3u(a.x, b.yz)), entry(b), t.x), t.y,
+    );
+    return saturate(mix(front, back, t.z));
+}
+#else
+fn graded(color: vec3f) -> vec3f {
+    return color;
+}
+#endif
+
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
     if any(thread.xy >= textureDimensions(radiance)) {
@@ -130,5 +162,5 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     // Above 1e6 everything is white; the bound keeps the squares above finite.
     let scale = tone_map.scale * automatic[0];
     let exposed = min(textureLoad(radiance, thread.xy, 0).rgb * scale * falloff(thread.xy), vec3f(1e6));
-    textureStore(display, thread.xy, vec4f(encode_srgb(saturate(mapped(exposed))), 1.0));
+    textureStore(display, thread.xy, vec4f(graded(encode_srgb(saturate(mapped(exposed)))), 1.0));
 }

@@ -3,6 +3,7 @@
 pub(crate) mod atmosphere;
 mod budget;
 mod clip;
+mod cube_table;
 mod deform;
 mod error;
 mod gltf;
@@ -36,6 +37,7 @@ pub use self::gltf::{
 };
 pub use self::pixels::MAX_IMAGE_SIZE;
 pub use atmosphere::{Atmosphere, AtmosphereTables};
+pub use cube_table::CubeTable;
 pub use library::AssetLibrary;
 pub use material::{AlphaMode, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};

@@ -281,6 +281,20 @@ impl TextureFile {
     }
 }
 
+impl OverrideFile {
+    /// With whole paths where a prefab names files beside itself, so that they mean the same in the scene.
+    pub(super) fn located(mut self, context: &Context) -> Self {
+        let grading = self.camera.as_mut().and_then(|camera| camera.lens.grading.as_mut());
+        if let Some(path) = grading.filter(|_| !context.is_root) {
+            let beside = context.document.folder().join(&*path);
+            if beside.is_file() {
+                *path = std::path::absolute(&beside).unwrap_or(beside).display().to_string();
+            }
+        }
+        self
+    }
+}
+
 impl From<WrapFile> for Wrap {
     fn from(wrap: WrapFile) -> Self {
         match wrap {

@@ -79,6 +79,12 @@ fn put(
     let place = world.ecs.get::<Transform>(entity).copied();
     let rest = world.rest_transform(entity);
     let (light, camera) = (world.ecs.get::<Light>(entity).cloned(), world.ecs.get::<Camera>(entity).cloned());
+    if let (Some(wanted), Some(_)) = (&changes.camera, &camera) {
+        with_loader(world, context, |loader, file| {
+            let at = ["camera", "lens", "grading"].map(|name| Step::Key(name.into()));
+            loader.grading(entity, wanted, file, &at)
+        })?;
+    }
     let plain = OverrideFile {
         transform: None,
         mesh: None,

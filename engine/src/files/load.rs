@@ -113,6 +113,8 @@ pub(super) struct Resolved {
     pub material: (Rc<Context>, Vec<Step>),
     pub surface: (Rc<Context>, Vec<Step>),
     animation: (Rc<Context>, Vec<Step>),
+    /// File and path that give the camera.
+    pub camera: (Rc<Context>, Vec<Step>),
     origin: Origin,
     /// Children that overrides add.
     added: Vec<(Vec<EntityFile>, Rc<Context>, Vec<Step>)>,
@@ -172,8 +174,17 @@ impl Resolved {
     /// Components that one file gives.
     pub fn of(components: OverrideFile, context: &Rc<Context>) -> Self {
         let here = (context.clone(), Vec::new());
-        let (material, surface, animation) = (here.clone(), here.clone(), here);
-        Self { components, material, surface, animation, origin: Origin::File, added: Vec::new(), removed: false }
+        let (material, surface, animation, camera) = (here.clone(), here.clone(), here.clone(), here);
+        Self {
+            components,
+            material,
+            surface,
+            animation,
+            camera,
+            origin: Origin::File,
+            added: Vec::new(),
+            removed: false,
+        }
     }
 }
 
@@ -316,10 +327,11 @@ impl Loader<'_> {
     fn resolve(&mut self, file: &EntityFile, context: &Rc<Context>, at: &[Step]) -> Resolved {
         let here = (context.clone(), at.to_vec());
         let mut resolved = Resolved {
-            components: file.components(),
+            components: file.components().located(context),
             material: here.clone(),
             surface: here.clone(),
-            animation: here,
+            animation: here.clone(),
+            camera: here,
             origin: Origin::File,
             added: Vec::new(),
             removed: false,
@@ -358,7 +370,10 @@ impl Resolved {
         if patch.animation.is_some() {
             self.animation = place.clone();
         }
-        c.replace_with(patch);
+        if patch.camera.is_some() {
+            self.camera = place.clone();
+        }
+        c.replace_with(&patch.clone().located(&place.0));
         if !patch.children.is_empty() {
             self.added.push((patch.children.clone(), place.0, place.1));
         }

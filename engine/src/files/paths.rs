@@ -3,7 +3,7 @@
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::trust::real;
-use crate::world::{Environment, SceneSettings};
+use crate::world::{Camera, Environment, SceneSettings};
 use std::path::{Component, Path, PathBuf};
 
 /// A path that cannot be said from another folder.
@@ -71,6 +71,7 @@ impl Rebase {
     /// An entity with all below it.
     pub fn entity(&self, entity: &mut EntityFile) -> Result {
         self.surface(&mut entity.model, &mut entity.material)?;
+        self.camera(&mut entity.camera)?;
         entity.prefab.iter_mut().try_for_each(|prefab| self.path(prefab))?;
         entity.overrides.values_mut().try_for_each(|patch| self.patch(patch))?;
         entity.children.iter_mut().try_for_each(|child| self.entity(child))
@@ -79,7 +80,16 @@ impl Rebase {
     /// The overrides of an instance.
     pub fn patch(&self, patch: &mut OverrideFile) -> Result {
         self.surface(&mut patch.model, &mut patch.material)?;
+        self.camera(&mut patch.camera)?;
         patch.children.iter_mut().try_for_each(|child| self.entity(child))
+    }
+
+    /// The colour table of a camera.
+    pub fn camera(&self, camera: &mut Option<Camera>) -> Result {
+        match camera.as_mut().and_then(|camera| camera.lens.grading.as_mut()) {
+            Some(table) => self.asset(table),
+            None => Ok(()),
+        }
     }
 
     fn surface(&self, model: &mut Option<ModelFile>, material: &mut Option<MaterialRef>) -> Result {

@@ -9,7 +9,7 @@ use super::save::{saved_file, text_of};
 use super::source::{Origin, SceneInfo, Source};
 use super::write::write_atomically;
 use crate::assets::AssetLibrary;
-use crate::world::{EnvironmentImage, GameWorld};
+use crate::world::{Camera, EnvironmentImage, GameWorld, GradingTable};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::Allow;
 use std::path::Path;
@@ -80,6 +80,7 @@ fn follow(world: &mut GameWorld, rebase: &Rebase, from: &Path) -> Result<(), NoW
         }
         self::source(&mut source, rebase)?;
     }
+    cameras(world, rebase)?;
     let mut settings = world.rest_settings();
     let before = settings.environment.clone();
     rebase.settings(&mut settings)?;
@@ -99,6 +100,21 @@ fn follow(world: &mut GameWorld, rebase: &Rebase, from: &Path) -> Result<(), NoW
     })
 }
 
+/// Rewrites the paths of colour tables, those that are loaded too.
+fn cameras(world: &mut GameWorld, rebase: &Rebase) -> Result<(), NoWay> {
+    let mut cameras = world.ecs.query_filtered::<(&mut Camera, &mut GradingTable), Allow<Disabled>>();
+    for (mut camera, mut table) in cameras.iter_mut(&mut world.ecs) {
+        let mut moved = Some(camera.clone());
+        rebase.camera(&mut moved)?;
+        let Some(moved) = moved.filter(|moved| *moved != *camera) else { continue };
+        if camera.lens.grading.as_ref() == Some(&table.file) {
+            table.file = moved.lens.grading.clone().unwrap_or_default();
+        }
+        *camera = moved;
+    }
+    Ok(())
+}
+
 /// A model that was opened as a scene is named by its whole path; from its own scene on by the way to it.
 fn below(model: &mut ModelDetails, from: &Path) {
     let folder = std::path::absolute(folder_of(from)).unwrap_or_default();
@@ -110,7 +126,7 @@ fn below(model: &mut ModelDetails, from: &Path) {
 /// The scene file's text of the entity; paths of its prefab start at the prefab's folder.
 fn source(source: &mut Source, rebase: &Rebase) -> Result<(), NoWay> {
     source.overrides.values_mut().try_for_each(|patch| rebase.patch(patch))?;
-    let OverrideFile { model, material, .. } = &mut source.components;
+    let OverrideFile { model, material, camera, .. } = &mut source.components;
     match &source.origin {
         Origin::Prefab { base, material_overridden, .. } => {
             if *model != base.model {
@@ -126,5 +142,6 @@ fn source(source: &mut Source, rebase: &Rebase) -> Result<(), NoWay> {
     }
     rebase.model(model)?;
     rebase.material_ref(material)?;
+    rebase.camera(camera)?;
     source.prefab.iter_mut().try_for_each(|prefab| rebase.path(prefab))
 }

@@ -5,9 +5,9 @@ use super::format::*;
 use super::load::{Context, Loader, Resolved};
 use super::steps::{extended, key};
 use super::tree::Step;
-use crate::assets::{Material, Mesh, Texture};
+use crate::assets::{CubeTable, Material, Mesh, Texture};
 use crate::world::animation::Track;
-use crate::world::{MeshRenderer, Transform};
+use crate::world::{Camera, GradingTable, MeshRenderer, Transform};
 use bevy_ecs::prelude::Entity;
 use std::sync::Arc;
 
@@ -44,6 +44,10 @@ impl Loader<'_> {
             let error = r.surface.0.document.error(&at, Kind::BadValue, message);
             return Err(error.with_help("give the clip to the entity that has the `model`"));
         }
+        if let Some(camera) = &c.camera {
+            let (context, at) = &r.camera;
+            self.grading(entity, camera, context, &extended(at, &[key("camera"), key("lens"), key("grading")]))?;
+        }
         let mut target = self.world.ecs.entity_mut(entity);
         if let Some(light) = &c.light {
             target.insert(light.clone());
@@ -68,6 +72,28 @@ impl Loader<'_> {
             r.surface.0.document.error(&extended(&r.surface.1, &[key("components")]), Kind::BadValue, fault)
         })?;
         Ok(material)
+    }
+
+    /// Loads the colour table that a camera asks for, and puts it on its entity.
+    pub(super) fn grading(
+        &mut self,
+        entity: Entity,
+        camera: &Camera,
+        context: &Context,
+        at: &[Step],
+    ) -> Result<(), FileError> {
+        let Some(written) = &camera.lens.grading else { return Ok(()) };
+        if self.world.ecs.get::<GradingTable>(entity).is_some_and(|known| known.file == *written) {
+            return Ok(());
+        }
+        let Some(path) = self.find("colour table", written, &context.document, at)? else {
+            let error = context.document.error(at, Kind::MissingFile, format!("there is no colour table `{written}`"));
+            return Err(error.with_help("name a .cube file; paths start at the folder of this file"));
+        };
+        self.library.note(&path);
+        let table = CubeTable::load(&path).map_err(|fault| context.document.asset_error(at, Kind::Asset, &fault))?;
+        self.world.ecs.entity_mut(entity).insert(GradingTable { file: written.clone(), table: Arc::new(table) });
+        Ok(())
     }
 
     /// The material that the components name.

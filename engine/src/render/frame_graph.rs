@@ -160,7 +160,7 @@ pub(super) fn finish<'a>(
     let has_film = film::is_wanted(lens) && tone_map::shows_light(settings);
     let is_last = |name| if has_film { name } else { DISPLAY };
     let name = if settings.mlaa { TONE_MAPPED } else { is_last(TONE_MAPPED) };
-    let mut display = tone_map::declare(graph, settings, lens, shown, view.size, name);
+    let mut display = tone_map::declare(graph, settings, &view.camera, shown, view.size, name);
     if settings.mlaa {
         let (edges, gbuffer) = (settings.mlaa_edges, drawn.map(|(_, gbuffer, _)| gbuffer));
         display = mlaa::declare(graph, display, is_last("smooth display"), view.size, edges, gbuffer);

@@ -1,8 +1,10 @@
 //! Cameras and the view that a frame is drawn from.
 
 use super::SceneId;
+use crate::assets::CubeTable;
 use crate::world::Lens;
 use glam::{Affine3A, Mat4, Vec3, Vec4};
+use std::sync::Arc;
 
 /// How a view projects, with the parameters that only it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,8 @@ pub struct SceneCamera {
     pub primary: bool,
     /// What it makes of the light that it sees; all values in range.
     pub lens: Lens,
+    /// The colour table of the lens.
+    pub grading: Option<Arc<CubeTable>>,
 }
 
 impl SceneCamera {
@@ -180,7 +184,8 @@ mod tests {
         let view_from_world = glam::camera::rh::view::look_at_affine3a(place, Vec3::new(4.0, 1.0, -2.0), Vec3::Y);
         let world_from_view = view_from_world.inverse();
         let (id, name, lens) = (SceneId(1), "camera".to_owned(), Lens::default());
-        let camera = SceneCamera { id, name, world_from_view, projection, near, far, primary: true, lens };
+        let camera =
+            SceneCamera { id, name, world_from_view, projection, near, far, primary: true, lens, grading: None };
         SceneView { camera, size: [320, 200], jitter: [0.0; 2] }
     }
 

@@ -1,7 +1,10 @@
 //! What a camera makes of the light that it sees: focus, bloom, exposure, tone map, vignette and film. See `docs/lens.md`.
 
+use crate::assets::CubeTable;
+use bevy_ecs::prelude::Component;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// Luminance of white light of one watt [lm/W]: the luminous efficacy of an even spectrum over the visible range, which
 /// Radiance converts by (Ward 1994, "The RADIANCE lighting simulation and rendering system").
@@ -154,6 +157,9 @@ pub struct Lens {
     pub depth_of_field: Option<DepthOfField>,
     /// Light that scatters in the lens; none: all of it goes where it is focused.
     pub bloom: Option<Bloom>,
+    /// A `.cube` file with a colour table of three dimensions, for what the tone map gives, sRGB-encoded; its path starts at
+    /// this file's folder.
+    pub grading: Option<String>,
     /// Share of the light that the corners of the image lose, 0 to 0.99: as natural vignetting does, by the fourth power of a
     /// cosine.
     pub vignette: f32,
@@ -162,6 +168,15 @@ pub struct Lens {
     /// Grain of film: standard deviation at middle brightness as a share of the display's range, 0 to 0.5. Another one at
     /// each tick of the scene's clock.
     pub grain: f32,
+}
+
+/// The colour table that was loaded for a camera, with the path that asked for it.
+#[derive(Component, Clone, Debug)]
+pub struct GradingTable {
+    /// The path, as [`Lens::grading`] has it.
+    pub file: String,
+    /// The table.
+    pub table: Arc<CubeTable>,
 }
 
 /// A value of a lens that makes no sense.

@@ -44,6 +44,7 @@ impl Stage {
             far: None,
             primary: true,
             lens: Default::default(),
+            grading: None,
         };
         let scene = Scene {
             identity: 1,

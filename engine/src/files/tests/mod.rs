@@ -5,6 +5,7 @@ mod bad;
 mod clips;
 mod fields;
 mod former_variants;
+mod grading;
 mod hostile;
 mod instances;
 mod models;

@@ -66,6 +66,7 @@ fn a_bare_model_opens_as_a_scene_with_camera_light_and_volumes() {
             far: None,
             primary: true,
             lens: Default::default(),
+            grading: None,
         },
         size: [64, 64],
         jitter: [0.0; 2],

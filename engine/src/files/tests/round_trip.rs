@@ -333,6 +333,7 @@ fn lens() -> impl Strategy<Value = Lens> {
             tone_map,
             depth_of_field,
             bloom,
+            grading: None,
             vignette,
             sharpening,
             grain,

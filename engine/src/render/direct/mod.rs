@@ -238,6 +238,7 @@ mod tests {
             far: None,
             primary: true,
             lens: Default::default(),
+            grading: None,
         };
         SceneView { camera, size: [128, 64], jitter: [0.0; 2] }
     }

@@ -1,10 +1,13 @@
 //! Exposure, tone map and sRGB encoding: the display image.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::assets::CubeTable;
+use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::settings::{Beside, Layer, RenderSettings, Shown, ToneMap};
+use crate::scene::SceneCamera;
 use crate::world::Lens;
 use encase::ShaderType;
+use glam::Vec3;
 
 /// Name of the retained display image.
 pub const DISPLAY: &str = "display";
@@ -16,17 +19,21 @@ pub(in crate::render) const TONE_MAPPED: &str = "tone mapped";
 pub(crate) struct ToneMapUniform {
     scale: f32,
     vignette: f32,
+    low: Vec3,
+    entries: u32,
+    high: Vec3,
 }
 
 /// Declares the pass; the result is an image of that name, rgba8unorm, sRGB-encoded.
 pub fn declare(
     graph: &mut Graph,
     settings: &RenderSettings,
-    lens: &Lens,
+    camera: &SceneCamera,
     radiance: Handle<Texture>,
     [width, height]: [u32; 2],
     name: &str,
 ) -> Handle<Texture> {
+    let lens = &camera.lens;
     // Overlays are drawn into it.
     let usage = wgpu::TextureUsages::STORAGE_BINDING
         | wgpu::TextureUsages::TEXTURE_BINDING
@@ -44,10 +51,14 @@ pub fn declare(
     let scale = if is_light { settings.exposure_factor(lens) } else { 1.0 };
     let mode = mode(settings, lens);
     let vignette = if is_light { vignette(lens.vignette) } else { 0.0 };
-    pass.key(&(scale.to_bits(), vignette.to_bits(), mode, automatic.is_some()));
+    let table = camera.grading.clone().filter(|_| is_light);
+    let id = table.as_ref().map(|table| table.id);
+    pass.key(&(scale.to_bits(), vignette.to_bits(), mode, automatic.is_some(), id));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
-        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale, vignette });
+        let (entries, [low, high]) = table.as_ref().map_or((0, [Vec3::ZERO; 2]), |table| (table.size, table.domain));
+        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale, vignette, low, entries, high });
+        let grading = table.as_ref().map(|table| entries_of(cx.gpu, table));
         let automatic = match automatic {
             Some(automatic) => cx.buffer(automatic).clone(),
             None => cx.gpu.constants("no exposure", &[1.0f32]),
@@ -56,18 +67,25 @@ pub fn declare(
         if vignette > 0.0 {
             key = key.def("VIGNETTE", ShaderDef::Flag(true));
         }
-        cx.dispatch(
-            &key,
-            &[
-                ("automatic", Binding::Buffer(&automatic)),
-                ("tone_map", Binding::Buffer(&uniform)),
-                ("radiance", Binding::Texture(&source)),
-                ("display", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
+        let mut group = vec![
+            ("automatic", Binding::Buffer(&automatic)),
+            ("tone_map", Binding::Buffer(&uniform)),
+            ("radiance", Binding::Texture(&source)),
+            ("display", Binding::Texture(&target)),
+        ];
+        if let Some(grading) = &grading {
+            key = key.def("GRADING", ShaderDef::Flag(true));
+            group.push(("grading", Binding::Buffer(grading)));
+        }
+        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });
     display
+}
+
+/// The entries of a table on the device.
+fn entries_of(gpu: &Gpu, table: &CubeTable) -> wgpu::Buffer {
+    let entries: Vec<[f32; 4]> = table.entries.iter().map(|entry| entry.extend(0.0).to_array()).collect();
+    gpu.constants("colour table", &entries)
 }
 
 /// Square of the tangent at the corners, tan²θ, for which cos⁴θ leaves all but that share of the light.

@@ -2,15 +2,31 @@
 
 use super::sorted::Elements;
 use super::{Context, Part, name_or_id};
+use crate::assets::CubeTable;
 use crate::scene::{Scene, SceneCamera, ViewProjection};
-use crate::world::{Camera, GlobalTransform, Identity, Name, Orientation, Projection};
+use crate::world::{Camera, GlobalTransform, GradingTable, Identity, Lens, Name, Orientation, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::Affine3A;
+use std::sync::Arc;
 
-type Row =
-    (Entity, &'static Identity, Option<&'static Name>, &'static GlobalTransform, &'static Orientation, &'static Camera);
-type IsChanged = Or<(Changed<GlobalTransform>, Changed<Orientation>, Changed<Camera>, Changed<Name>, Added<Identity>)>;
+type Row = (
+    Entity,
+    &'static Identity,
+    Option<&'static Name>,
+    &'static GlobalTransform,
+    &'static Orientation,
+    &'static Camera,
+    Option<&'static GradingTable>,
+);
+type IsChanged = Or<(
+    Changed<GlobalTransform>,
+    Changed<Orientation>,
+    Changed<Camera>,
+    Changed<GradingTable>,
+    Changed<Name>,
+    Added<Identity>,
+)>;
 type Params = (
     Query<'static, 'static, Row, IsChanged>,
     Query<'static, 'static, (), (With<Camera>, With<GlobalTransform>, With<Orientation>)>,
@@ -40,7 +56,7 @@ impl Cameras {
             elements.remove(entity);
             context.log.forget(entity, Part::Camera);
         }
-        for (entity, identity, name, place, orientation, camera) in &changed {
+        for (entity, identity, name, place, orientation, camera, table) in &changed {
             context.log.begin(entity, Part::Camera);
             let world_from_view =
                 Affine3A { matrix3: orientation.0, translation: place.relative_to(scene.origin).translation };
@@ -73,6 +89,7 @@ impl Cameras {
                 near,
                 far,
                 primary: camera.primary,
+                grading: grading(&lens, table),
                 lens,
             };
             match elements.get(&mut scene.cameras, entity) {
@@ -88,6 +105,12 @@ impl Cameras {
             scene.revisions.cameras = context.revisions.next();
         }
     }
+}
+
+/// The table that the lens asks for, if that is the one that was loaded.
+fn grading(lens: &Lens, table: Option<&GradingTable>) -> Option<Arc<CubeTable>> {
+    let table = table.filter(|table| lens.grading.as_ref() == Some(&table.file))?;
+    Some(table.table.clone())
 }
 
 /// Projection, near and far plane in range. Warns of what had to be changed.

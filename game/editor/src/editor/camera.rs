@@ -139,6 +139,7 @@ mod tests {
             far: None,
             primary: true,
             lens: Default::default(),
+            grading: None,
         }
     }
 

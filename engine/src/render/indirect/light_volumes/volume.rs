@@ -149,6 +149,7 @@ mod tests {
             far: None,
             primary: true,
             lens: Default::default(),
+            grading: None,
         };
         SceneView { camera, size: [64, 64], jitter: [0.0; 2] }
     }

@@ -19,6 +19,7 @@ fn lens(projection: ViewProjection) -> Lens {
         far: None,
         primary: true,
         lens: Default::default(),
+        grading: None,
     };
     Lens::new(&camera, Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(400.0, 300.0)))
 }

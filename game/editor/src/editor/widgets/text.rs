@@ -119,6 +119,8 @@ pub fn endings(name: &str, key: &str) -> &'static [&'static str] {
         &["png", "jpg", "jpeg", "exr", "hdr"]
     } else if name == "model" || key.starts_with("Model") {
         &["gltf", "glb"]
+    } else if name == "grading" {
+        &["cube"]
     } else if name == "prefab" {
         &["prefab.ron"]
     } else {
