@@ -9,13 +9,13 @@ mod seeds;
 
 use clap::Parser;
 use fastrand::Rng;
-use lightwell::assets::{AssetLibrary, Gltf, Sampling, SkyMap};
+use lightwell::assets::{AssetLibrary, CubeTable, Gltf, Sampling, SkyMap};
 use lightwell::files::{LoadOptions, load_scene};
 use lightwell::gpu::{Gpu, GpuOptions};
 use lightwell_program::cli::Cli;
 use lightwell_tests::root;
 use mutate::{mutated, repair_checksums};
-use seeds::{PREFAB, SCENE, glb, gltf_text, pictures_of_all_kinds, skies_of_all_kinds, small_models};
+use seeds::{PREFAB, SCENE, TABLE, glb, gltf_text, pictures_of_all_kinds, skies_of_all_kinds, small_models};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -99,6 +99,7 @@ fn the_seeds_are_valid() {
     let path = folder.path().join("a.scene.ron");
     load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     Gltf::from_bytes(Path::new("a.glb"), &glb()).unwrap_or_else(|e| panic!("{e}"));
+    CubeTable::parse(TABLE).unwrap_or_else(|(line, e)| panic!("line {line}: {e}"));
     for bytes in pictures_of_all_kinds() {
         let path = folder.path().join("picture");
         std::fs::write(&path, bytes).expect("written");
@@ -162,6 +163,16 @@ fn skies() {
         std::fs::write(&path, input).expect("written");
         let _ = SkyMap::load(&path, 1.0, 0.0);
         let _ = lightwell::measure::read_image(&path);
+    });
+}
+
+#[test]
+fn colour_tables() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.cube");
+    fuzz("table.cube", &[TABLE.as_bytes().to_vec()], |input| {
+        std::fs::write(&path, input).expect("written");
+        let _ = CubeTable::load(&path);
     });
 }
 

@@ -10,7 +10,9 @@ pub const SCENE: &str = r#"Scene(
     presets: { "thesis": ["clpv.steps=16", "Lamp.light.intensity=2"] },
     materials: { "red": (color: (0.6, 0.05, 0.05), roughness: 0.4, metallic: 0.1, specular: 0.5, emissive: (1, 0, 0)) },
     entities: [
-        (name: "Camera", transform: (translation: (0, 1, 4), look_at: (0, 0.5, 0)), camera: (fov: 45, near: 0.1, far: 50)),
+        (name: "Camera", transform: (translation: (0, 1, 4), look_at: (0, 0.5, 0)), camera: (fov: 45, near: 0.1, far: 50, lens: (
+            exposure: Photographic(f_number: 2.8, shutter: 0.02, iso: 400), tone_map: AgX, bloom: (scatter: 0.2, radius: 0.1),
+            depth_of_field: (focus: 2, f_number: 1.4, sensor_height: 24), vignette: 0.2, sharpening: 0.1, grain: 0.02))),
         (name: "Plan", camera: (projection: Orthographic(height: 4), near: 0)),
         (name: "Sun", transform: (rotation: (-60, 30, 0)), light: (kind: Directional, intensity: 3, shadow_size: 256)),
         (name: "Spot", light: (kind: Spot(inner: 20, outer: 40), color: (1, 0.9, 0.8), intensity: 3, range: 10)),
@@ -27,6 +29,10 @@ pub const SCENE: &str = r#"Scene(
         (name: "Model", model: "a.gltf"),
     ],
 )"#;
+
+/// A colour table with all keywords that are read.
+pub const TABLE: &str = "# a table\nTITLE \"warm\"\nLUT_3D_SIZE 2\nDOMAIN_MIN 0 0 0\nDOMAIN_MAX 1 1 1\n\
+    0 0 0\n1 0.1 0\n0 1 0\n1 1 0\n0 0 0.8\n1 0 0.8\n0 1 0.8\n1e0 1 .8\n";
 
 /// A prefab that the scene uses.
 pub const PREFAB: &str = r#"Prefab(

@@ -82,7 +82,7 @@ impl Loader<'_> {
         context: &Context,
         at: &[Step],
     ) -> Result<(), FileError> {
-        let Some(written) = &camera.lens.grading else { return Ok(()) };
+        let Some(written) = camera.lens.grading.as_ref().filter(|written| !written.is_empty()) else { return Ok(()) };
         if self.world.ecs.get::<GradingTable>(entity).is_some_and(|known| known.file == *written) {
             return Ok(());
         }

@@ -158,7 +158,7 @@ pub struct Lens {
     /// Light that scatters in the lens; none: all of it goes where it is focused.
     pub bloom: Option<Bloom>,
     /// A `.cube` file with a colour table of three dimensions, for what the tone map gives, sRGB-encoded; its path starts at
-    /// this file's folder.
+    /// this file's folder. An empty path is no table.
     pub grading: Option<String>,
     /// Share of the light that the corners of the image lose, 0 to 0.99: as natural vignetting does, by the fourth power of a
     /// cosine.

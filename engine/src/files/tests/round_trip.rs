@@ -131,6 +131,7 @@ pub(super) const SHIPPED: [&str; 12] = [
     "gallery",
     "glasshouse",
     "glossy_ring",
+    "lens",
     "meeting_room",
     "night_court",
     "plaza",

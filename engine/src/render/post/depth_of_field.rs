@@ -104,6 +104,7 @@ fn declare_circles(
     [circles, nearest]: [Handle<Texture>; 2],
     [across, down]: [u32; 2],
 ) -> [Handle<Texture>; 2] {
+    let [width, height] = graph.texture_desc(circles).map_or([1, 1], |desc| [desc.size[0], desc.size[1]]);
     let mut pass = graph.pass("depth of field circles");
     pass.read(sharp);
     pass.read(depth);
@@ -112,6 +113,7 @@ fn declare_circles(
     pass.execute(move |cx| {
         let [sharp, depth, circles, nearest] = [sharp, depth, circles, nearest].map(|handle| cx.view(handle));
         let uniform = cx.gpu.uniform("focus", &focus);
+        cx.counts().texels += u64::from(width) * u64::from(height);
         cx.dispatch(
             &ComputeKey::new("post/depth_of_field.wgsl", "circles_main"),
             &[
@@ -150,6 +152,7 @@ impl Step {
         pass.execute(move |cx| {
             let views: Vec<_> = inputs.iter().chain(&outputs).map(|&(name, handle)| (name, cx.view(handle))).collect();
             let bindings: Vec<_> = views.iter().map(|(name, view)| (*name, Binding::Texture(view))).collect();
+            cx.counts().texels += 64 * u64::from(self.groups[0]) * u64::from(self.groups[1]);
             let key = ComputeKey::new("post/depth_of_field.wgsl", self.entry).def("TILES", ShaderDef::Uint(tiles));
             cx.dispatch(&key, &bindings, [self.groups[0], self.groups[1], 1])
         });

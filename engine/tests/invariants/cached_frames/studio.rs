@@ -106,7 +106,7 @@ pub const METHODS: [fn(&mut Studio); 11] = [
     },
 ];
 
-const SETTINGS: usize = 12;
+const SETTINGS: usize = 20;
 
 const SURFACES: usize = 5;
 const SKIES: usize = 7;
@@ -280,7 +280,29 @@ impl Studio {
                 let mut settings = self.world.ecs.resource_mut::<SceneSettings>();
                 settings.sky_light = !settings.sky_light;
             }
+            (_, 12..) => self.effect(which - 12),
             _ => {}
+        }
+    }
+
+    /// Something that the lens of the camera does, on or off.
+    fn effect(&mut self, which: usize) {
+        let eye = self.eye;
+        let Some(mut camera) = self.world.ecs.get_mut::<lightwell::world::Camera>(eye) else { return };
+        let lens = &mut camera.lens;
+        let blur = |focus| DepthOfField { focus, f_number: 0.2, ..DepthOfField::default() };
+        match which {
+            0 => lens.depth_of_field = if lens.depth_of_field.is_some() { None } else { Some(blur(1.5)) },
+            1 => lens.depth_of_field = Some(blur(3.0)),
+            2 => lens.bloom = if lens.bloom.is_some() { None } else { Some(Bloom::default()) },
+            3 => lens.tone_map = if lens.tone_map == ToneMap::AgX { ToneMap::Reinhard } else { ToneMap::AgX },
+            4 => {
+                let exposure = Exposure::Photographic { f_number: 2.0, shutter: 0.02, iso: 400.0 };
+                lens.exposure = if lens.exposure == exposure { Exposure::Automatic } else { exposure };
+            }
+            5 => lens.vignette = 0.5 - lens.vignette,
+            6 => lens.sharpening = 0.5 - lens.sharpening,
+            _ => lens.grain = 0.1 - lens.grain,
         }
     }
 

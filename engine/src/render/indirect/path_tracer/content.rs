@@ -2,7 +2,8 @@
 
 use super::TraceSettings;
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, Texture};
-use crate::scene::{LightShape, Scene, SceneLight, SceneView, ViewProjection};
+use crate::scene::{LightShape, Scene, SceneCamera, SceneLight, SceneView, ViewProjection};
+use crate::world::Lens;
 use std::collections::HashMap;
 use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
@@ -38,6 +39,13 @@ pub fn content_key(scene: &Scene, view: &SceneView, settings: &TraceSettings) ->
     hasher.u32s([scene.lights.len() as u32]);
     scene.lights.iter().for_each(|light| hasher.light(light));
     hasher.hash.digest128()
+}
+
+/// The view without what only the display makes of its light.
+pub(super) fn traced_view(view: &SceneView) -> SceneView {
+    let depth_of_field = view.camera.lens.depth_of_field.filter(|_| !view.camera.is_orthographic());
+    let lens = Lens { depth_of_field, ..Lens::default() };
+    SceneView { camera: SceneCamera { lens, grading: None, ..view.camera.clone() }, ..view.clone() }
 }
 
 struct Content {

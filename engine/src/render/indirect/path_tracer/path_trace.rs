@@ -1,5 +1,6 @@
 //! The path tracer on the device: progressive, seeded, and the same bits whatever the pieces it is traced in.
 
+use super::content::traced_view;
 use super::{Estimate, TraceSettings};
 use crate::gpu::{self, Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc, record_dispatch};
@@ -8,8 +9,7 @@ use crate::render::error::RenderError;
 use crate::render::rays::{RayError, RayScene};
 use crate::render::scene_gpu::sky::GpuSky;
 use crate::render::settings::{Layer, ReferenceSettings};
-use crate::scene::{Scene, SceneCamera, SceneView};
-use crate::world::Lens;
+use crate::scene::{Scene, SceneView};
 use encase::ShaderType;
 use glam::{UVec2, Vec2, Vec3};
 use std::time::{Duration, Instant};
@@ -127,12 +127,6 @@ struct Piece {
     rows: u32,
     first_sample: u32,
     samples: u32,
-}
-
-/// The view without what only the display makes of its light.
-fn traced_view(view: &SceneView) -> SceneView {
-    let lens = Lens { depth_of_field: view.camera.lens.depth_of_field, ..Lens::default() };
-    SceneView { camera: SceneCamera { lens, ..view.camera.clone() }, ..view.clone() }
 }
 
 impl PathTracer {

@@ -2,7 +2,7 @@
 
 use super::*;
 use egui::{Key, Modifiers};
-use lightwell::world::{Camera, Clpv, Light, LightKind, Transform};
+use lightwell::world::{Bloom, Camera, Clpv, DepthOfField, Lens, Light, LightKind, Transform};
 
 fn light(desk: &Desk) -> Light {
     desk.world.rest_light(desk.world.find("Lamp").unwrap()).unwrap()
@@ -71,6 +71,31 @@ fn components_come_and_go() {
     assert_eq!(has(&bench), None);
     press(&mut bench, Modifiers::COMMAND, Key::Z);
     assert_eq!(has(&bench), Some(Clpv::default()));
+}
+
+#[test]
+fn the_lens_of_a_camera_is_edited_and_undone() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().select("Camera");
+    bench.run_steps(3);
+    let lens = |bench: &Bench| {
+        let desk = bench.state();
+        desk.world.ecs.get::<Camera>(desk.world.find("Camera").unwrap()).unwrap().lens.clone()
+    };
+    let before = bench.state().text();
+    for part in ["Depth of field on", "Bloom on", "Grading on"] {
+        click(&mut bench, part);
+    }
+    click(&mut bench, "Exposure");
+    click(&mut bench, "Photographic");
+    let found = lens(&bench);
+    assert_eq!((found.depth_of_field, found.bloom), (Some(DepthOfField::default()), Some(Bloom::default())));
+    assert!(found.exposure.ev100().is_some() && found.fault().is_none() && found.grading.is_some(), "{found:?}");
+    assert!(bench.state().editor.problem.is_none(), "{:?}", bench.state().editor.problem);
+    for _ in 0..4 {
+        press(&mut bench, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!((lens(&bench), bench.state().text()), (Lens::default(), before));
 }
 
 #[test]
