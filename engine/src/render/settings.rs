@@ -164,18 +164,25 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// Factor of the display on radiance, unless that follows the image: of the scene, the display and the camera. Between
-    /// 2⁻⁶⁰ and 2⁶⁰, which shows anything that a float can hold.
+    /// Factor of the display on radiance: of the scene, the display and the camera.
     pub(super) fn exposure_factor(&self, lens: &Lens) -> f32 {
-        let follows_image = self.is_auto_exposed(lens);
-        let stops = self.show.exposure + if follows_image { 0.0 } else { self.exposure + lens.exposure.stops() };
-        if stops.is_finite() { stops.clamp(-60.0, 60.0).exp2() } else { 1.0 }
+        power_of_two(self.exposure + self.show.exposure + lens.exposure.stops())
+    }
+
+    /// The same on top of an exposure that follows the image: of the display alone.
+    pub(super) fn correction_factor(&self) -> f32 {
+        power_of_two(self.show.exposure)
     }
 
     /// Whether the exposure follows the image.
     pub(super) fn is_auto_exposed(&self, lens: &Lens) -> bool {
         self.show.auto_exposure || lens.exposure == Exposure::Automatic
     }
+}
+
+/// Between 2⁻⁶⁰ and 2⁶⁰, which shows anything that a float can hold.
+fn power_of_two(stops: f32) -> f32 {
+    if stops.is_finite() { stops.clamp(-60.0, 60.0).exp2() } else { 1.0 }
 }
 
 impl Default for RenderSettings {

@@ -1,6 +1,6 @@
 //! Exposure, tone map and sRGB encoding: the display image.
 
-use crate::assets::CubeTable;
+use crate::assets::{AssetId, CubeTable};
 use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::settings::{Beside, Layer, RenderSettings, Shown, ToneMap};
@@ -8,6 +8,7 @@ use crate::scene::SceneCamera;
 use crate::world::Lens;
 use encase::ShaderType;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Name of the retained display image.
 pub const DISPLAY: &str = "display";
@@ -33,53 +34,80 @@ pub fn declare(
     [width, height]: [u32; 2],
     name: &str,
 ) -> Handle<Texture> {
-    let lens = &camera.lens;
     // Overlays are drawn into it.
     let usage = wgpu::TextureUsages::STORAGE_BINDING
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::RENDER_ATTACHMENT;
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
-    let is_light = shows_light(settings);
-    let automatic =
-        (settings.is_auto_exposed(lens) && is_light).then(|| super::auto_exposure::declare(graph, radiance));
+    let is_automatic = settings.is_auto_exposed(&camera.lens) && shows_light(settings);
+    let automatic = is_automatic.then(|| super::auto_exposure::declare(graph, radiance));
     let mut pass = graph.pass("tone map");
     pass.read(radiance);
     if let Some(automatic) = automatic {
         pass.read(automatic);
     }
     let display = pass.write(display);
-    let scale = if is_light { settings.exposure_factor(lens) } else { 1.0 };
-    let mode = mode(settings, lens);
-    let vignette = if is_light { vignette(lens.vignette) } else { 0.0 };
-    let table = camera.grading.clone().filter(|_| is_light);
-    let id = table.as_ref().map(|table| table.id);
-    pass.key(&(scale.to_bits(), vignette.to_bits(), mode, automatic.is_some(), id));
+    let curve = Curve::of(settings, camera, is_automatic);
+    pass.key(&(curve.key(), is_automatic));
     pass.execute(move |cx| {
         let (source, target) = (cx.view(radiance), cx.view(display));
-        let (entries, [low, high]) = table.as_ref().map_or((0, [Vec3::ZERO; 2]), |table| (table.size, table.domain));
-        let uniform = cx.gpu.uniform("tone map", &ToneMapUniform { scale, vignette, low, entries, high });
-        let grading = table.as_ref().map(|table| entries_of(cx.gpu, table));
+        let uniform = cx.gpu.uniform("tone map", &curve.uniform());
+        let grading = curve.table.as_ref().map(|table| entries_of(cx.gpu, table));
         let automatic = match automatic {
             Some(automatic) => cx.buffer(automatic).clone(),
             None => cx.gpu.constants("no exposure", &[1.0f32]),
         };
-        let mut key = ComputeKey::new("post/tone_map.wgsl", "main").def("MODE", ShaderDef::Uint(mode));
-        if vignette > 0.0 {
-            key = key.def("VIGNETTE", ShaderDef::Flag(true));
-        }
         let mut group = vec![
             ("automatic", Binding::Buffer(&automatic)),
             ("tone_map", Binding::Buffer(&uniform)),
             ("radiance", Binding::Texture(&source)),
             ("display", Binding::Texture(&target)),
         ];
-        if let Some(grading) = &grading {
-            key = key.def("GRADING", ShaderDef::Flag(true));
-            group.push(("grading", Binding::Buffer(grading)));
-        }
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
+        group.extend(grading.as_ref().map(|grading| ("grading", Binding::Buffer(grading))));
+        cx.dispatch(&curve.shader(), &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });
     display
+}
+
+/// What becomes of radiance.
+struct Curve {
+    scale: f32,
+    vignette: f32,
+    mode: u32,
+    table: Option<Arc<CubeTable>>,
+}
+
+impl Curve {
+    fn of(settings: &RenderSettings, camera: &SceneCamera, is_automatic: bool) -> Self {
+        let lens = &camera.lens;
+        let mode = mode(settings, lens);
+        if !shows_light(settings) {
+            return Self { scale: 1.0, vignette: 0.0, mode, table: None };
+        }
+        let scale = if is_automatic { settings.correction_factor() } else { settings.exposure_factor(lens) };
+        Self { scale, vignette: vignette(lens.vignette), mode, table: camera.grading.clone() }
+    }
+
+    fn key(&self) -> ([u32; 3], Option<AssetId>) {
+        ([self.scale.to_bits(), self.vignette.to_bits(), self.mode], self.table.as_ref().map(|table| table.id))
+    }
+
+    fn uniform(&self) -> ToneMapUniform {
+        let (entries, [low, high]) =
+            self.table.as_ref().map_or((0, [Vec3::ZERO; 2]), |table| (table.size, table.domain));
+        ToneMapUniform { scale: self.scale, vignette: self.vignette, low, entries, high }
+    }
+
+    fn shader(&self) -> ComputeKey {
+        let mut key = ComputeKey::new("post/tone_map.wgsl", "main").def("MODE", ShaderDef::Uint(self.mode));
+        if self.vignette > 0.0 {
+            key = key.def("VIGNETTE", ShaderDef::Flag(true));
+        }
+        if self.table.is_some() {
+            key = key.def("GRADING", ShaderDef::Flag(true));
+        }
+        key
+    }
 }
 
 /// The entries of a table on the device.

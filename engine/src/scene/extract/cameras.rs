@@ -34,6 +34,10 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
+/// What is said of a lens with such values.
+const LENS_OUT_OF_RANGE: &str =
+    "is a camera whose lens has values out of their range: it does without what they are for";
+
 /// The state of the world's cameras as of the last extraction.
 pub(super) struct Cameras {
     state: SystemState<Params>,
@@ -74,12 +78,7 @@ impl Cameras {
                 projection(camera, |message| context.log.warn(entity, Part::Camera, name, message));
             let (lens, without) = camera.lens.in_range();
             if !without.is_empty() {
-                context.log.warn(
-                    entity,
-                    Part::Camera,
-                    name,
-                    "is a camera whose lens has values out of range: it does without",
-                );
+                context.log.warn(entity, Part::Camera, name, LENS_OUT_OF_RANGE);
             }
             let new = SceneCamera {
                 id: identity.id(),
