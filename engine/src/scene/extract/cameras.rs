@@ -34,9 +34,18 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
-/// What is said of a lens with such values.
-const LENS_OUT_OF_RANGE: &str =
-    "is a camera whose lens has values out of their range: it does without what they are for";
+/// What is said of a lens whose value in that field is out of its range.
+fn out_of_range(field: &str) -> &'static str {
+    match field {
+        "exposure" => "is a camera without `exposure`: its `f_number`, `shutter` or `iso` is out of its range",
+        "depth_of_field" => "is a camera without `depth_of_field`: one of its values is out of its range",
+        "bloom" => "is a camera without `bloom`: its `scatter` or `radius` is out of its range",
+        "vignette" => "is a camera without `vignette`: it is not in 0..=0.99",
+        "sharpening" => "is a camera without `sharpening`: it is not in 0..=1",
+        "grain" => "is a camera without `grain`: it is not in 0..=0.5",
+        _ => "is a camera whose `lens` has a value out of its range: it does without",
+    }
+}
 
 /// The state of the world's cameras as of the last extraction.
 pub(super) struct Cameras {
@@ -77,8 +86,8 @@ impl Cameras {
             let (projection, near, far) =
                 projection(camera, |message| context.log.warn(entity, Part::Camera, name, message));
             let (lens, without) = camera.lens.in_range();
-            if !without.is_empty() {
-                context.log.warn(entity, Part::Camera, name, LENS_OUT_OF_RANGE);
+            for field in without {
+                context.log.warn(entity, Part::Camera, name, out_of_range(field));
             }
             let new = SceneCamera {
                 id: identity.id(),

@@ -85,6 +85,13 @@ fn cameras_and_volumes_come_out_in_range() {
     assert_eq!(s.scene.clpv.as_ref().unwrap().settings, tame);
     assert_eq!(s.scene.sky, Vec3::ZERO);
     assert_eq!(s.changes(|_| {}), NOTHING);
+    let wild =
+        Lens { bloom: Some(Bloom { scatter: 2.0, radius: 0.1 }), grain: f32::NAN, vignette: 0.2, ..Lens::default() };
+    s.insert(s.eye, Camera { lens: wild, ..Camera::default() });
+    s.frame();
+    assert_eq!(s.scene.cameras[0].lens, Lens { vignette: 0.2, ..Lens::default() });
+    let said = |part: &str| s.scene.warnings.iter().any(|warning| warning.contains(part));
+    assert!(said("without `bloom`") && said("without `grain`"), "{:?}", s.scene.warnings);
     for (height, expected) in [(3.0, 3.0), (-3.0, 1.0), (f32::NAN, 1.0)] {
         let projection = Projection::Orthographic { height };
         s.insert(s.eye, Camera { projection, near: 0.0, far: None, ..Camera::default() });
