@@ -132,7 +132,7 @@ struct Sight {
 }
 
 impl AtmosphereTables {
-    /// Computes the tables: some 20 ms.
+    /// Computes the tables.
     pub fn new(atmosphere: Atmosphere) -> Self {
         let mut tables = Self { atmosphere, transmittance: Vec::new(), scattering: Vec::new() };
         let rows: Vec<usize> = (0..HEIGHTS).collect();
