@@ -132,17 +132,18 @@ fn copy_at(target: &mut Value, from: &Value, path: &[&str]) {
 /// Gives a game that plays mouse and keyboard after a click into the view, and takes them back after one elsewhere.
 pub(super) fn capture(ui: &Ui, editor: &mut Editor, stage: &Stage, response: &Response) {
     let runs = stage.facts.playing.is_some_and(|playing| !playing.paused) && editor.dialog.is_none();
-    let had_input = editor.view.has_input;
-    let has_lost = had_input && !response.has_focus();
+    let has_lost = editor.view.has_input && !response.has_focus();
     if response.clicked() {
         editor.view.takes_input = true;
     } else if response.clicked_elsewhere() || has_lost {
         editor.view.takes_input = false;
     }
     editor.view.has_input = runs && editor.view.takes_input;
+    // However the game has ended, the keys are the editor's again.
+    let held_focus = std::mem::replace(&mut editor.view.holds_focus, editor.view.has_input);
     if !editor.view.has_input {
         editor.view.forwarded.clear();
-        if had_input && response.has_focus() {
+        if held_focus && response.has_focus() {
             response.surrender_focus();
         }
         return;

@@ -38,6 +38,8 @@ pub struct View {
     /// Whether a game that plays is to have mouse and keyboard, and whether it has.
     pub takes_input: bool,
     pub has_input: bool,
+    /// Whether it had them when the view was shown last, and the view the focus for it.
+    pub holds_focus: bool,
     /// What the egui of that game is to be told.
     pub forwarded: Vec<egui::Event>,
     /// Where the view lies in the window \[points\].
@@ -66,6 +68,7 @@ impl Default for View {
             signs: true,
             takes_input: false,
             has_input: false,
+            holds_focus: false,
             forwarded: Vec::new(),
             rect: Rect::NOTHING,
         }

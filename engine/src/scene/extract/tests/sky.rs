@@ -30,10 +30,9 @@ fn the_sun_is_dimmed_and_the_sky_follows() {
     let (noon, day) = (intensity(&s, "sun"), s.scene.sky_map.clone().unwrap());
     assert!(noon.max_element() < 2.0 && noon.min_element() > 1.0, "{noon}");
     assert_eq!(intensity(&s, "lamp"), Vec3::ONE * Light::default().intensity, "the lamp is below the air");
-    // The brightest direction of the sky is around the sun, which comes from +Z.
-    let brightest = (0..day.texels.len() as u32)
-        .max_by(|a, b| day.texels[*a as usize].x.total_cmp(&day.texels[*b as usize].x))
-        .unwrap();
+    // The brightest direction high in the sky is around the sun: the horizon is brighter.
+    let high = day.width * day.height / 3;
+    let brightest = (0..high).max_by(|a, b| day.texels[*a as usize].x.total_cmp(&day.texels[*b as usize].x)).unwrap();
     let toward = day.direction(brightest % day.width, brightest / day.width);
     assert!(toward.dot(s.scene.sun_disc.unwrap().toward) > 0.99, "{toward}");
     turn(&mut s, sun, 60.0, 90.0);
