@@ -1,4 +1,5 @@
 //! The sky against what is known of it, and against all orders of scattering by random paths.
+#![allow(clippy::unwrap_used)]
 
 use super::*;
 

@@ -16,7 +16,7 @@ const WORN_OUT: f32 = 1.5;
 /// The triangles of some primitives, with a hierarchy of their own.
 #[derive(Debug, Default)]
 pub struct ScenePart {
-    /// The hierarchy over indices in [`SceneBvh::triangles`].
+    /// The hierarchy over indices in [`SceneBvh::triangles`](super::SceneBvh::triangles).
     pub bvh: Bvh,
     /// Changes with the hierarchy, and with anything that rays meet in it.
     pub(crate) version: u64,

@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec3};
 pub struct SceneTriangle {
     /// Corners in world space \[m\], counter-clockwise seen from outside (whether its object is mirrored or not).
     pub corners: [Vec3; 3],
-    /// Index in [`Scene::primitives`].
+    /// Index in [`Scene::primitives`](crate::scene::Scene::primitives).
     pub primitive: u32,
     /// Index in the primitive's mesh.
     pub triangle: u32,
