@@ -65,7 +65,7 @@ pub fn declare<'a>(
     let sky_turn = map.map_or(0.0, |map| map.turn);
     let has_map = map.is_some();
     let disc = frame.scene.sun_disc;
-    let sun = disc.map_or([0.0; 3], |sun| sun.radiance.min(Vec3::splat(1e30)).to_array());
+    let sun = disc.map_or([0.0; 3], |sun| sun.radiance.to_array());
     let toward = disc.map_or([0.0; 3], |sun| sun.toward.to_array());
     let cosine = disc.map_or(2.0, |sun| sun.half_angle.cos());
     let layer = layer_index(frame.settings.only);

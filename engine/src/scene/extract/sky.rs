@@ -16,6 +16,10 @@ use std::sync::Arc;
 
 /// Steps of the sun's elevation in which the sky changes \[rad\]: a twentieth of a degree.
 const STEP: f32 = 0.05 * PI / 180.0;
+/// Half the angle of the smallest disc \[rad\], as in `direct/area.wgsl`: rounding would make another one of what is smaller.
+const LEAST: f32 = 5e-4;
+/// Radiance of the brightest disc, so that sums with it stay finite [W/(m² sr)].
+const MAX_RADIANCE: f32 = 1e30;
 
 type Row = (Entity, &'static Identity, Option<&'static Name>, &'static Orientation, &'static Light);
 type Suns = Query<'static, 'static, Row, With<GlobalTransform>>;
@@ -96,7 +100,7 @@ impl Sky {
         let (atmosphere, sun) = match &environment {
             Some(Environment::Physical { haze, ground, altitude, sun }) => {
                 let atmosphere = Atmosphere { haze: *haze, ground: *ground, altitude: *altitude }.sanitized();
-                (Some(atmosphere), self.brightest(world, sun.as_deref()))
+                (Some(atmosphere), self.first_sun(world, sun.as_deref()))
             }
             _ => (None, None),
         };
@@ -112,7 +116,7 @@ impl Sky {
     }
 
     /// The first distant light, or the first of them with a name.
-    fn brightest(&mut self, world: &mut World, wanted: Option<&str>) -> Option<Sun> {
+    fn first_sun(&mut self, world: &mut World, wanted: Option<&str>) -> Option<Sun> {
         let (suns,) = self.state.get(world).ok()?;
         let is_wanted = |name: Option<&Name>| wanted.is_none_or(|wanted| name.is_some_and(|name| name.0 == wanted));
         let distant = suns.iter().filter(|(_, _, name, _, light)| {
@@ -197,9 +201,11 @@ impl Sky {
     /// The sun as it is seen in the sky.
     fn extract_disc(&self, scene: &mut Scene, context: &mut Context) {
         let disc = self.sun.zip(self.tables.as_ref()).filter(|(sun, _)| sun.half_angle > 0.0).map(|(sun, tables)| {
-            let sine = sun.half_angle.sin();
+            let half_angle = sun.half_angle.max(LEAST);
+            let sine = half_angle.sin();
             let irradiance = sun.irradiance * tables.sunlight(sun.toward.y);
-            SunDisc { toward: sun.toward, half_angle: sun.half_angle, radiance: irradiance / (PI * sine * sine) }
+            let radiance = (irradiance / (PI * sine * sine)).min(Vec3::splat(MAX_RADIANCE));
+            SunDisc { toward: sun.toward, half_angle, radiance }
         });
         if scene.sun_disc != disc {
             scene.sun_disc = disc;

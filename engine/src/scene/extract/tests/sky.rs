@@ -89,4 +89,14 @@ fn values_out_of_range_give_a_finite_sky() {
         turn(&mut s, sun, 20.0, 0.0);
         assert!(s.scene.sky.is_finite() && intensity(&s, "sun").is_finite(), "{value}");
     }
+    s.world.ecs.resource_mut::<SceneSettings>().environment =
+        Some(Environment::Physical { haze: 1.0, ground: Vec3::ZERO, altitude: 0.0, sun: None });
+    for (angle, intensity) in [(1e-30, 1.0), (1e-5, 1e30), (0.5, 1e38), (1e30, 1.0)] {
+        let light = Light { kind: LightKind::Sun { angle }, intensity, ..Light::default() };
+        s.world.ecs.entity_mut(sun).insert(light);
+        s.frame();
+        let disc = s.scene.sun_disc.unwrap();
+        assert!(disc.radiance.is_finite() && disc.half_angle.cos() < 1.0, "{angle}°, {intensity}: {disc:?}");
+        assert!(s.scene.sky.is_finite());
+    }
 }
