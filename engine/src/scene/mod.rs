@@ -6,6 +6,7 @@
 mod bounds;
 mod extract;
 mod light;
+mod medium;
 mod probe;
 mod surfels;
 mod view;
@@ -13,6 +14,7 @@ mod view;
 pub use bounds::{Aabb, Frustum};
 pub use extract::Extractor;
 pub use light::{LightShape, MAX_RSM_SIZE, SceneLight};
+pub use medium::{MAX_MEDIA, MediumShape, SceneMedium};
 pub use probe::ProbePoint;
 pub use surfels::{MAX_SURFELS, NO_PATCH, Patches, Surfel, SurfelCloud, cells_from_world};
 pub(crate) use surfels::{texel, wall_extent};
@@ -60,6 +62,8 @@ pub struct Revisions {
     pub materials: u64,
     /// Any light.
     pub lights: u64,
+    /// Any medium.
+    pub media: u64,
     /// Any camera.
     pub cameras: u64,
     /// The CLPV settings.
@@ -92,6 +96,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Lights.
     pub lights: Vec<SceneLight>,
+    /// Participating media, at most [`MAX_MEDIA`].
+    pub media: Vec<SceneMedium>,
     /// Cameras.
     pub cameras: Vec<SceneCamera>,
     /// Light propagation volumes, if the world asks for them. The first by SceneId wins.

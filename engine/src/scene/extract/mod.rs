@@ -6,6 +6,7 @@
 mod cameras;
 mod clpv;
 mod lights;
+mod media;
 mod motion;
 mod origin;
 mod primitives;
@@ -40,6 +41,7 @@ struct Source {
     anchor: origin::Anchor,
     primitives: primitives::Primitives,
     lights: lights::Lights,
+    media: media::Media,
     cameras: cameras::Cameras,
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
@@ -55,6 +57,7 @@ impl Source {
             anchor: origin::Anchor::new(world),
             primitives: primitives::Primitives::new(world),
             lights: lights::Lights::new(world),
+            media: media::Media::new(world),
             cameras: cameras::Cameras::new(world),
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
@@ -84,6 +87,7 @@ impl Counter {
 enum Part {
     Primitive,
     Light,
+    Medium,
     Camera,
     Clpv,
     Vpl,
@@ -207,6 +211,7 @@ impl Extractor {
         source.primitives.extract(world, scene, context);
         source.sky.find_sun(world);
         source.lights.extract(world, scene, context, source.sky.air());
+        source.media.extract(world, scene, context);
         source.cameras.extract(world, scene, context);
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
