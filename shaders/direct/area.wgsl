@@ -10,9 +10,10 @@
 #import lightwell::area_lights::{Cone, arc_of, cone_of, third_axis}
 #import lightwell::bilateral::likeness
 #import lightwell::brdf::fresnel_schlick
+#import lightwell::direct::through_media
 #import lightwell::environment::lobe_reflectance
 #import lightwell::gbuffer::{Surface, decode_normal, decode_surface, world_position}
-#import lightwell::lights::{Light, SUN, SPHERE, DISC, RECTANGLE, TUBE, light_incidence, range_window}
+#import lightwell::lights::{Incidence, Light, SUN, SPHERE, DISC, RECTANGLE, TUBE, light_incidence, range_window}
 #import lightwell::sampling::{TAU, basis}
 #ifdef SHADOW_RAYS
 #import lightwell::shadow_tiles::{DARK, MIXED, kinds_of, tile_of}
@@ -381,8 +382,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if all(share <= vec2f(0.0)) {
         return;
     }
-    let light = unshadowed(surface, normalize(toward_eye(view, position)));
-    let reflected = light.diffuse * share.x + light.specular * share.y;
+    let shown = unshadowed(surface, normalize(toward_eye(view, position)));
+    // As from its middle.
+    let toward = light_incidence(light, position);
+    let passing = through_media(Incidence(toward.to_light, toward.distance, vec3f(1.0), 0.0), position).irradiance;
+    let reflected = (shown.diffuse * share.x + shown.specular * share.y) * passing;
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

@@ -1,7 +1,7 @@
 // Direct light of one light, added to the radiance of the pixels that it can reach.
 //   SHADOW_RAYS  the scene is there for rays: where the shadow map cannot tell, one ray does
 
-#import lightwell::direct::{is_lit, reflected_light}
+#import lightwell::direct::{is_lit, reflected_light, through_media}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
 #ifdef SHADOW_RAYS
@@ -68,7 +68,7 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let position = world_position(pixel, view.size, z, view.world_from_clip);
-    let incidence = light_incidence(light, position);
+    let incidence = through_media(light_incidence(light, position), position);
     let surface = decode_surface(
         textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );

@@ -2,7 +2,7 @@
 // box around its surfaces (tiled shading, Olsson and Assarsson 2011; the box of the points themselves takes the place of
 // the tile's frustum between two depths), and its pixels add up those.
 
-#import lightwell::direct::{is_lit, reflected_light}
+#import lightwell::direct::{is_lit, reflected_light, through_media}
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, is_distant, light_incidence}
 #import lightwell::view::{View, toward_eye}
@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(local_invocation_
             while bits != 0u {
                 let light = lights[first + 32u * word + firstTrailingBit(bits)];
                 bits &= bits - 1u;
-                let incidence = light_incidence(light, position);
+                let incidence = through_media(light_incidence(light, position), position);
                 if is_lit(surface, incidence) {
                     sum += reflected_light(surface, toward_eye(view, position), incidence);
                 }

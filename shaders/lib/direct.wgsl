@@ -5,6 +5,9 @@
 #import lightwell::brdf::eval_brdf_cosine
 #import lightwell::gbuffer::Surface
 #import lightwell::lights::Incidence
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, transmittance}
+#endif
 
 // Whether any of it reaches the front of the surface.
 fn is_lit(surface: Surface, incidence: Incidence) -> bool {
@@ -18,4 +21,14 @@ fn reflected_light(surface: Surface, to_eye: vec3f, incidence: Incidence) -> vec
         surface.normal, normalize(to_eye), incidence.to_light, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, alpha,
     );
     return response * incidence.irradiance;
+}
+
+// What is left of light on its way through media to a point.
+fn through_media(incidence: Incidence, position: vec3f) -> Incidence {
+    var left = incidence;
+#ifdef MEDIA
+    let distance = select(incidence.distance, FARTHEST, incidence.distance == 0.0);
+    left.irradiance *= transmittance(position, incidence.to_light, distance);
+#endif
+    return left;
 }

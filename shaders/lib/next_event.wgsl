@@ -3,7 +3,9 @@
 // A vertex of a path: directions by the surface's reflection, and next-event estimation towards lights, emissive triangles
 // and the sky. What both ways can find is weighted by the balance heuristic (Veach and Guibas 1995). What a scene does not
 // have is left out: see lib/ray_scene.wgsl; UNLIT, no surface emits light; DIFFUSE, all surfaces are purely so; EVEN_SKY, the
-// sky is alike in all directions; (the other way around) AREA_LIGHTS, a light has a surface.
+// sky is alike in all directions; (the other way around) AREA_LIGHTS, a light has a surface; MEDIA, light passes through media,
+// which weaken it on its way to where it is sampled, and whose points are vertices too.
+//   NOT_ABSORBED  of light from emissive surfaces and the sky only that is lost which media absorb, not what they scatter
 
 #import lightwell::brdf::{eval_brdf_cosine, fresnel_schlick, visible_normal_density}
 #ifndef DIFFUSE
@@ -13,6 +15,9 @@
 #import lightwell::area_lights::{is_area, sample_incidence, meet_light}
 #endif
 #import lightwell::lights::{Incidence, Light, light_incidence}
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, phase, scattered_direction, transmittance, share_not_absorbed}
+#endif
 #import lightwell::ray_materials::{coverage, emitted_at}
 #import lightwell::ray_scene::{NONE, DOUBLE_SIDED, load_triangle, emitters, load_light}
 #import lightwell::ray_surfaces::{Surface, leave_surface}
@@ -46,6 +51,11 @@ fn blurred(surface: Surface, least: f32) -> Surface {
 
 // Chance to sample the specular lobe.
 fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
+#ifdef MEDIA
+    if surface.is_medium {
+        return 0.0;
+    }
+#endif
 #ifdef DIFFUSE
     return 0.0;
 #else
@@ -65,6 +75,11 @@ fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
 
 // Density with which `sample_direction` gives a direction [1/sr].
 fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f32) -> f32 {
+#ifdef MEDIA
+    if surface.is_medium {
+        return phase(surface.anisotropy, -dot(to_eye, direction));
+    }
+#endif
     let diffuse = max(0.0, dot(surface.normal, direction)) * INVERSE_PI;
 #ifdef DIFFUSE
     return diffuse;
@@ -79,6 +94,11 @@ fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f
 }
 
 fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, random: vec2f) -> vec3f {
+#ifdef MEDIA
+    if surface.is_medium {
+        return scattered_direction(surface.anisotropy, -to_eye, random);
+    }
+#endif
 #ifndef DIFFUSE
     if choice < share {
         let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
@@ -90,6 +110,11 @@ fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, ra
 
 // Reflected over incident radiance times n·l [1/sr].
 fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
+#ifdef MEDIA
+    if surface.is_medium {
+        return surface.albedo * phase(surface.anisotropy, -dot(to_eye, direction));
+    }
+#endif
     // What shines through from below the surface itself is none of its light.
     if dot(surface.geometric_normal, direction) <= 0.0 {
         return vec3f(0.0);
@@ -142,6 +167,17 @@ fn no_light() -> LightSample {
 
 // `share` of `sample_light` where no ray goes on that could meet the light.
 const NO_RAY: f32 = -1.0;
+
+#ifdef MEDIA
+// Share of light from an emissive surface or the sky that media let pass to a point.
+fn passing(position: vec3f, direction: vec3f, distance: f32) -> vec3f {
+#ifdef NOT_ABSORBED
+    return share_not_absorbed(position, direction, distance);
+#else
+    return vec3f(transmittance(position, direction, distance));
+#endif
+}
+#endif
 
 // Light from a point of a light, which two random numbers choose if it has a surface.
 fn incidence_of(light: Light, position: vec3f, on_light: vec2f) -> Incidence {
@@ -241,7 +277,12 @@ fn radiance_of_lights(origin: vec3f, direction: vec3f, density: f32, hit_distanc
 #endif
 
 // What a surface reflects of a light if nothing is between them.
-fn toward_light(surface: Surface, incidence: Incidence, reflected_light: vec3f, casts_shadow: bool) -> LightSample {
+fn toward_light(surface: Surface, incidence: Incidence, unweakened: vec3f, casts_shadow: bool) -> LightSample {
+    var reflected_light = unweakened;
+#ifdef MEDIA
+    let distance = select(incidence.distance, FARTHEST, incidence.distance == 0.0);
+    reflected_light *= transmittance(surface.position, incidence.to_light, distance);
+#endif
     // Points that a light with a surface reaches are not drawn from its reflective shadow map, which sees from one point.
     let e = select(incidence.irradiance, vec3f(0.0), incidence.solid_angle > 0.0);
     let irradiance = e.r + e.g + e.b;
@@ -306,7 +347,11 @@ fn sample_emitter(
     let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
         * coverage(emitter.triangle, triangle.material, barycentric);
     let origin = leave_surface(surface, direction);
-    return LightSample(response * emitted * (weight / density), Ray(origin, place_on - origin), 0.9999, 0.0);
+    var light = response * emitted * (weight / density);
+#ifdef MEDIA
+    light *= passing(surface.position, direction, sqrt(distance_squared));
+#endif
+    return LightSample(light, Ray(origin, place_on - origin), 0.9999, 0.0);
 }
 
 // Of several places the one that brings most if nothing is in its way is the likeliest to be chosen (resampling: Talbot,
@@ -367,7 +412,11 @@ fn sample_sky_light(
     let weight = chosen.density / (chosen.density + direction_density(surface, to_eye, chosen.direction, share));
     let radiance = sky_radiance(sky, chosen.direction, turn);
     let ray = Ray(leave_surface(surface, chosen.direction), chosen.direction);
-    return LightSample(response * radiance * (weight / chosen.density), ray, 3e38, 0.0);
+    var light = response * radiance * (weight / chosen.density);
+#ifdef MEDIA
+    light *= passing(surface.position, chosen.direction, FARTHEST);
+#endif
+    return LightSample(light, ray, 3e38, 0.0);
 }
 
 // Weight of the sky's radiance in a direction that was sampled with that density, against `sample_sky_light`.

@@ -5,7 +5,7 @@
 #import lightwell::gbuffer::decode_octahedral
 #import lightwell::mesh::{emission_color, normalize_or_zero}
 #import lightwell::ray_materials::{Coordinates, coordinates, sample_texture, uv_of_use}
-#import lightwell::ray_scene::{DOUBLE_SIDED, attributes, load_triangle, materials, triangle_texel}
+#import lightwell::ray_scene::{DOUBLE_SIDED, NONE, attributes, load_triangle, materials, triangle_texel}
 #import lightwell::rays::Hit
 
 struct Surface {
@@ -20,6 +20,10 @@ struct Surface {
     error: f32,            // how far rounding may have moved the position [m]
     emitter: u32,          // or NONE
     visible: bool,         // false: the back of a single-sided surface
+#ifdef MEDIA
+    is_medium: bool,       // it is a point of a medium, whose albedo this one's is
+    anisotropy: f32,       // of that medium
+#endif
 }
 
 // As `encode_direction` of rays/geometry.rs; zero for no direction.
@@ -110,6 +114,23 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.normal = n;
     return surface;
 }
+
+#ifdef MEDIA
+// A point of a medium, where light is scattered: no surface, but a vertex of a path like one.
+fn point_of_medium(position: vec3f, albedo: vec3f, anisotropy: f32) -> Surface {
+    var point: Surface;
+    point.position = position;
+    point.geometric_normal = vec3f(0.0, 1.0, 0.0);
+    point.normal = point.geometric_normal;
+    point.albedo = albedo;
+    point.alpha = 1.0;
+    point.emitter = NONE;
+    point.visible = true;
+    point.is_medium = true;
+    point.anisotropy = anisotropy;
+    return point;
+}
+#endif
 
 // As `shading_normal` of lib/mesh.wgsl.
 fn bent_normal(n: vec3f, tangent: vec3f, handedness: f32, sampled: vec3f, scale: f32) -> vec3f {

@@ -7,6 +7,9 @@
 
 #import lightwell::gbuffer::decode_surface
 #import lightwell::lights::light_incidence
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, transmittance}
+#endif
 #import lightwell::next_event::{bounded, reflected, direction_density}
 #import lightwell::ray_scene::load_light
 #import lightwell::ray_surfaces::{Surface, leave_surface}
@@ -80,7 +83,12 @@ fn light_from_point(seen: VisibleSurface, point: RsmSample, rays: f32, candidate
     }
     let incidence = light_incidence(load_light(point.light).light, point.surface.position);
     let e = incidence.irradiance;
-    let radiance = bounded(reflected(point.surface, -direction, incidence.to_light) * e);
+    var radiance = bounded(reflected(point.surface, -direction, incidence.to_light) * e);
+#ifdef MEDIA
+    let to_light = select(incidence.distance, FARTHEST, incidence.distance == 0.0);
+    radiance *= transmittance(point.surface.position, incidence.to_light, to_light)
+        * transmittance(seen.surface.position, direction, distance);
+#endif
     let of_points =
         point_density(e.r + e.g + e.b, incidence.to_light, point.surface.normal, point.share, direction, distance);
     let of_rays = direction_density(seen.surface, seen.to_eye, direction, seen.to_specular);

@@ -208,3 +208,45 @@ fn linked_irradiance(volume: Volume, point: vec3f, n: vec3f, link: u32) -> vec3f
     }
     return of_cell(cell_index(volume, vec3u(cell)), n);
 }
+
+// Light around a point, whatever surfaces there are.
+struct Fluence {
+    mean: vec3f,           // radiance, the mean over all directions [W/(m² sr)]
+    flux: mat3x3f,         // net flux along each axis [W/m²]
+}
+
+// Trilinear between the cells whose centres lie around a point [m] and that no wall parts from it. With the irradiance E of the
+// six faces of a cell: J = Σ E/(6π), since Σ |ω·n| over the axes is 3/2 in the mean over all directions, and F = E(−n) − E(n).
+fn fluence_at(volume: Volume, point: vec3f) -> Fluence {
+    let x = clamp((point - volume.origin) / volume.cell, vec3f(0.01), vec3f(volume.cells) - 0.01);
+    let low = floor(x - 0.5);
+    let t = x - 0.5 - low;
+    let base = floor(x);
+    let open = passages(volume, base, low);
+    var sum = Fluence(vec3f(0.0), mat3x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+    var weights = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
+        let cell = select(low, low + 1.0, upper);
+        let w = select(1.0 - t, t, upper);
+        let passed = select(open, vec3f(1.0), cell == base);
+        if !inside(volume, cell) {
+            continue;
+        }
+        let index = cell_index(volume, vec3u(cell));
+        // The point's own cell counts in any case.
+        let least = select(0.0, 1e-4, all(cell == base));
+        let weight = max(w.x * w.y * w.z * passed.x * passed.y * passed.z * clearance(index), least);
+        if weight > 0.0 {
+            weights += weight;
+            for (var axis = 0u; axis < 3u; axis++) {
+                let above = axis_at(index, 2u * axis);
+                let below = axis_at(index, 2u * axis + 1u);
+                sum.mean += weight * (above + below);
+                sum.flux[axis] += weight * (below - above);
+            }
+        }
+    }
+    let scale = 1.0 / max(weights, 1e-30);
+    return Fluence(sum.mean * (scale / 18.849556), sum.flux * scale);
+}

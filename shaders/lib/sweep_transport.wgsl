@@ -1,6 +1,7 @@
 #define_import_path lightwell::sweep_transport
 
 // What the two passes of the sweep share: directions, sources of a cell, and radiance in flight as it is stored.
+//   HAZE  media in the cells absorb light, and scatter that of the lamps
 //   HALF  radiance in flight is stored in half precision; sums stay in single
 
 struct Ordinate {
@@ -69,27 +70,43 @@ fn along(v: vec3f, axis: u32) -> f32 {
     return select(select(v.z, v.y, axis == 1u), v.x, axis == 0u);
 }
 
-// Sources of a cell, by the axis that the normals lie nearest to: F/h² and whether it leaves in all directions alike;
+// Sources of a cell, by the axis that the normals lie nearest to: F/h² and whether it leaves in all directions alike (below 0);
 // the mean normal.
 struct Source {
     flux: mat3x4f,
     normal: mat3x3f,
     is_lit: bool,
+#ifdef HAZE
+    absorbed: vec3f,       // optical depth of what media absorb, over the edge of a cell
+    scattered: vec3f,      // F/h² of what they scatter straight from the lights, to all sides [W/m²]
+#endif
 }
 
 // From the six vectors of a cell's emission.
 fn source_from(a: vec4f, a_normal: vec4f, b: vec4f, b_normal: vec4f, c: vec4f, c_normal: vec4f) -> Source {
-    let any_flux = a.rgb + b.rgb + c.rgb;
+    var any_flux = a.rgb + b.rgb + c.rgb;
+    let normals = mat3x3f(a_normal.xyz, b_normal.xyz, c_normal.xyz);
+#ifdef HAZE
+    let scattered = max(vec3f(a.a, b.a, c.a), vec3f(0.0));
+    any_flux += scattered;
     let is_lit = any_flux.r + any_flux.g + any_flux.b > 0.0;
-    return Source(mat3x4f(a, b, c), mat3x3f(a_normal.xyz, b_normal.xyz, c_normal.xyz), is_lit);
+    return Source(mat3x4f(a, b, c), normals, is_lit, vec3f(a_normal.w, b_normal.w, c_normal.w), scattered);
+#else
+    let is_lit = any_flux.r + any_flux.g + any_flux.b > 0.0;
+    return Source(mat3x4f(a, b, c), normals, is_lit);
+#endif
 }
 
 // Radiance that a cell's own sources add to what leaves it, where `forward` is the direction's part along its axis.
 fn emitted(source: Source, d: vec3f, forward: f32) -> vec3f {
     let cosine = max(vec3f(0.0), d * source.normal) * 0.318309886;
     let isotropic = vec3f(source.flux[0].a, source.flux[1].a, source.flux[2].a);
-    let lobe = select(cosine, vec3f(0.0795774715), isotropic > vec3f(0.5)) / abs(forward);
-    return source.flux[0].rgb * lobe.x + source.flux[1].rgb * lobe.y + source.flux[2].rgb * lobe.z;
+    let lobe = select(cosine, vec3f(0.0795774715), isotropic < vec3f(0.0)) / abs(forward);
+    var light = source.flux[0].rgb * lobe.x + source.flux[1].rgb * lobe.y + source.flux[2].rgb * lobe.z;
+#ifdef HAZE
+    light += source.scattered * (0.0795774715 / abs(forward));
+#endif
+    return light;
 }
 
 // The part of it that surfaces along the way send out, which what arrives from the side does not hold yet.
@@ -99,6 +116,10 @@ fn beside(source: Source, d: vec3f, axis: u32) -> vec3f {
     let ahead = max(vec3f(0.0), forward * normals);
     let cosine = max(vec3f(0.0), max(vec3f(0.0), d * source.normal) - ahead) * 0.318309886;
     let isotropic = vec3f(source.flux[0].a, source.flux[1].a, source.flux[2].a);
-    let lobe = select(cosine, vec3f(0.0397887358), isotropic > vec3f(0.5)) / abs(forward);
-    return source.flux[0].rgb * lobe.x + source.flux[1].rgb * lobe.y + source.flux[2].rgb * lobe.z;
+    let lobe = select(cosine, vec3f(0.0397887358), isotropic < vec3f(0.0)) / abs(forward);
+    var light = source.flux[0].rgb * lobe.x + source.flux[1].rgb * lobe.y + source.flux[2].rgb * lobe.z;
+#ifdef HAZE
+    light += source.scattered * (0.0397887358 / abs(forward));
+#endif
+    return light;
 }

@@ -2,6 +2,9 @@
 // the frame for itself.
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
+#ifdef HAZE
+#import lightwell::haze_lookup::veil
+#endif
 #import lightwell::sky::sky_radiance
 #import lightwell::view::{View, eye_distance}
 
@@ -90,6 +93,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let over = textureLoad(blended, min(thread.xy, textureDimensions(blended) - 1u), 0);
-    let all = shown(thread.xy) * (1.0 - over.a) + over.rgb;
+    var seen = shown(thread.xy);
+#ifdef HAZE
+    let z = textureLoad(depth, thread.xy, 0);
+    let position = world_position(thread.xy, view.size, max(z, 1e-30), view.world_from_clip);
+    let between = veil(view, vec2f(thread.xy) + 0.5, position, z <= 0.0);
+    seen = seen * between.passing + between.added;
+#endif
+    let all = seen * (1.0 - over.a) + over.rgb;
     textureStore(radiance, thread.xy, vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0));
 }

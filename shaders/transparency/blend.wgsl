@@ -4,11 +4,15 @@
 //   FORWARD                      set by the pass, for the bindings of the libraries
 
 #import lightwell::brdf::eval_brdf_cosine
+#import lightwell::direct::through_media
 #import lightwell::lights::{Light, light_incidence}
 #import lightwell::mesh::{Vertex, VertexExtra, OPAQUE_ALPHA}
 #import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
 #import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
 #import lightwell::view::toward_eye
+#ifdef HAZE
+#import lightwell::haze_lookup::veil
+#endif
 #ifdef SWEPT
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::sweep_lookup::{irradiance, irradiance_around}
@@ -72,7 +76,7 @@ fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
     let alpha = max(s.roughness * s.roughness, 1e-3);
     var sum = vec3f(0.0);
     for (var i = 0u; i < blend.light_count; i++) {
-        let incidence = light_incidence(blend.lights[i], position);
+        let incidence = through_media(light_incidence(blend.lights[i], position), position);
         if all(incidence.irradiance <= vec3f(0.0)) || dot(s.normal, incidence.to_light) <= 0.0 {
             continue;
         }
@@ -129,6 +133,11 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     if blend.has_emission != 0u {
         radiance += s.emissive;
     }
+#ifdef HAZE
+    let between = veil(view, in.clip.xy, in.position, false);
+    // What is scattered before it counts once.
+    radiance = radiance * between.passing + select(vec3f(0.0), between.added, blend.is_first != 0u);
+#endif
     var out: Targets;
     out.color = vec4f(min(radiance * s.base.a, vec3f(MAX_RADIANCE)), select(0.0, s.base.a, blend.is_first != 0u));
     out.object = in.id;

@@ -1,5 +1,6 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
+use super::direct::lamps::Lamps;
 use super::history::History;
 use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
@@ -46,6 +47,8 @@ pub struct Frame<'a> {
     pub shadow_rays: Option<&'a RayScene>,
     /// Why there are none for the final gather, if there should be.
     pub refused_rays: Option<&'a str>,
+    /// The lights that reach the view, with their shadow maps, where media scatter their light.
+    pub(in crate::render) lamps: Option<Lamps<'a>>,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.
@@ -91,6 +94,11 @@ impl Frame<'_> {
     /// Changes with anything that a drawn surface depends on.
     pub fn geometry_key(&self) -> (u64, u64, u64) {
         (self.scene.identity, self.scene.revisions.geometry, self.scene.revisions.materials)
+    }
+
+    /// Changes with any participating medium.
+    pub fn media_key(&self) -> (u64, u64) {
+        (self.scene.identity, self.scene.revisions.media)
     }
 
     /// Changes with the camera, the image size and the jitter; equal bits give equal keys.

@@ -5,16 +5,18 @@
 //!      ├─ shadow (a map a light) ┘                           │
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
+//!      ├─ haze scatter ─ haze integrate (where there are media) ─┤
 //!      └─ blend (blended surfaces, over all others) ─────────┘
 //! ```
 //! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
 
 use super::debug;
-use super::direct::{self, DirectLight};
+use super::direct::{self, DirectLight, lamps::Lamps};
 use super::error::RenderError;
 use super::frame::Frame;
 use super::geometry::{GBuffer, gbuffer};
+use super::haze;
 use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
@@ -46,6 +48,8 @@ pub(super) fn declare<'a>(
     let gbuffer = gbuffer::declare(graph, frame);
     let has_blended = blend::is_needed(graph, frame);
     let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
+    let shows_direct = matches!(frame.settings.only, Layer::Total | Layer::Direct);
+    let frame = &Frame { lamps: haze::is_needed(frame).then(|| Lamps::new(&direct_lights)), ..frame.clone() };
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
     let (indirect, mirrored, field) = match indirect {
         Some(light) => {
@@ -56,10 +60,14 @@ pub(super) fn declare<'a>(
     };
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
     let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
-    let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None };
+    let sky_field = sky.and_then(|sky| sky.field);
+    let lamps = frame.lamps.clone().filter(|_| shows_direct);
+    let haze = haze::declare(graph, frame, lamps, field.clone().or_else(|| sky_field.clone()));
+    let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None, haze };
     if has_blended {
-        let source = source_of_blended(graph, &gbuffer, [field, sky.and_then(|sky| sky.field)], &lights);
-        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source));
+        let source = source_of_blended(graph, &gbuffer, [field, sky_field], &lights);
+        let direct_lights = if shows_direct { direct_lights } else { Vec::new() };
+        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source, haze));
     }
     let has_focus = depth_of_field::is_wanted(graph, frame);
     let mut radiance = compose::declare(graph, frame, &gbuffer, lights, !has_focus);
@@ -72,7 +80,7 @@ pub(super) fn declare<'a>(
     Ok(Drawn { gbuffer, radiance, has_blended })
 }
 
-/// Declares the lights' own light, and finds those that blended surfaces need.
+/// Declares the lights' own light, and finds those that blended surfaces and media need.
 fn declare_direct<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -80,12 +88,15 @@ fn declare_direct<'a>(
     method: &'a dyn IndirectMethod,
     has_blended: bool,
 ) -> (Option<Handle<Texture>>, Vec<DirectLight<'a>>) {
+    let has_haze = haze::is_needed(frame);
     if !matches!(frame.settings.only, Layer::Total | Layer::Direct) {
         graph.skip("direct", "the layer that is shown holds no direct light");
-        return (None, Vec::new());
+        let lamps = if has_haze { direct::direct_lights(graph, frame) } else { Vec::new() };
+        return (None, lamps);
     }
     let own = method.declare_direct(graph, frame, gbuffer);
-    let direct_lights = if own.is_none() || has_blended { direct::direct_lights(graph, frame) } else { Vec::new() };
+    let is_needed = own.is_none() || has_blended || has_haze;
+    let direct_lights = if is_needed { direct::direct_lights(graph, frame) } else { Vec::new() };
     let direct = own.unwrap_or_else(|| direct::declare(graph, frame, gbuffer, &direct_lights));
     (Some(direct), direct_lights)
 }

@@ -3,7 +3,7 @@
 //! is one Rust file beside one WGSL file of the same name, in the folder of the same name under `shaders/`.
 //!
 //! ```text
-//! geometry ─ shadows ─ direct ─ indirect (a method) ─ sky ─ transparency ─ post ─ debug
+//! geometry ─ shadows ─ direct ─ indirect (a method) ─ sky ─ haze ─ transparency ─ post ─ debug
 //! ```
 //! [`scene_gpu`] is the scene as rasterization reads it, `rays` the scene as rays meet it.
 
@@ -15,6 +15,7 @@ mod error;
 pub mod frame;
 mod frame_graph;
 mod geometry;
+mod haze;
 mod history;
 pub mod indirect;
 #[cfg(test)]

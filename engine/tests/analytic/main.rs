@@ -14,6 +14,7 @@ mod lens;
 mod light_culling;
 mod light_volumes;
 mod lpv_transport;
+mod media;
 mod orthographic;
 mod path_tracer;
 mod probes;

@@ -10,7 +10,8 @@ use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{
-    LightShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneView, ViewProjection,
+    LightShape, MediumShape, Primitive, Revisions, Scene, SceneCamera, SceneClpv, SceneId, SceneLight, SceneMedium,
+    SceneView, ViewProjection,
 };
 use lightwell::world::Clpv;
 use std::sync::Arc;
@@ -48,7 +49,16 @@ impl Stage {
         };
         let scene = Scene {
             identity: 1,
-            revisions: Revisions { geometry: 1, materials: 1, lights: 1, cameras: 1, clpv: 1, settings: 1, statics: 0 },
+            revisions: Revisions {
+                geometry: 1,
+                materials: 1,
+                lights: 1,
+                media: 1,
+                cameras: 1,
+                clpv: 1,
+                settings: 1,
+                statics: 0,
+            },
             ..Default::default()
         };
         Self { scene, view: SceneView { camera, size: [edge, edge], jitter: [0.0; 2] }, next: 10 }
@@ -129,6 +139,25 @@ impl Stage {
             revision: 1,
         });
         self.scene.lights.last_mut().expect("just added")
+    }
+
+    /// Adds a medium of that extinction \[1/m\] that scatters all light which it takes, to all sides alike.
+    pub fn medium(&mut self, shape: MediumShape, world_from_local: Affine3A, extinction: f32) -> &mut SceneMedium {
+        let id = self.fresh();
+        self.scene.revisions.media += 1;
+        self.scene.media.push(SceneMedium {
+            id,
+            name: "medium".into(),
+            shape,
+            local_from_world: world_from_local.inverse(),
+            base: world_from_local.translation.into(),
+            up: Vec3::Y,
+            extinction,
+            albedo: Vec3::ONE,
+            anisotropy: 0.0,
+            falloff: 0.0,
+        });
+        self.scene.media.last_mut().expect("just added")
     }
 
     /// Ray through the centre of a pixel: unit direction in world space.

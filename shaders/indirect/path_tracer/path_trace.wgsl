@@ -5,7 +5,7 @@
 // find is weighted by the balance heuristic (Veach and Guibas 1995). Materials and lights are those of the raster
 // passes. What a scene does not have is left out of the shader (see lib/ray_scene.wgsl): UNLIT, no surface emits light;
 // DIFFUSE, all surfaces are purely so; EVEN_SKY, the sky is alike in all directions; (the other way around) AREA_LIGHTS, a
-// light has a surface; ORTHOGRAPHIC, the lines of sight are parallel; THIN_LENS, the camera has a plane of focus. Direct light is what comes straight from the lights to
+// light has a surface; MEDIA, light passes through media; ORTHOGRAPHIC, the lines of sight are parallel; THIN_LENS, the camera has a plane of focus. Direct light is what comes straight from the lights to
 // the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
 // that go on.
 
@@ -18,6 +18,10 @@
 #endif
 #ifndef EVEN_SKY
 #import lightwell::next_event::{sample_sky_light, sky_weight}
+#endif
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, MEDIA, depth_of, distance_of_depth, media, span_in}
+#import lightwell::ray_surfaces::point_of_medium
 #endif
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
@@ -204,6 +208,33 @@ fn survives(path: ptr<function, Path>, random: f32) -> bool {
     return random < chance;
 }
 
+#ifdef MEDIA
+// Where a ray that goes on is scattered or absorbed.
+struct Collision {
+    distance: f32,         // [m]
+    medium: u32,           // or NONE
+}
+
+// The nearest of what the media have on its way: collisions are those of independent particles, whose distances are
+// distributed as exp(−optical depth) in each medium.
+fn collide(path: Path, hit: Hit, random: ptr<function, Sampler>) -> Collision {
+    // Before the first surface the direction is not of unit length.
+    let length = length(path.ray.direction);
+    let direction = path.ray.direction / length;
+    let reach = select(hit.t * length, FARTHEST, hit.triangle == NONE);
+    var found = Collision(reach, NONE);
+    for (var i = 0u; i < MEDIA; i++) {
+        let span = span_in(media[i], path.ray.origin, direction, reach);
+        let depth = -log(1.0 - next_pair(random).x);
+        let distance = span.begin + distance_of_depth(media[i], path.ray.origin, direction, span, depth);
+        if distance < min(span.end, found.distance) {
+            found = Collision(distance, i);
+        }
+    }
+    return found;
+}
+#endif
+
 // The ray to the light, or the one that goes on.
 fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
     if in_shadow {
@@ -233,7 +264,15 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
 }
 
 // Goes on from the surface that the path has met; false where it ends.
-fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -> bool {
+fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -> bool {
+    var hit = met;
+#ifdef MEDIA
+    let collision = collide(*path, met, random);
+    if collision.medium != NONE {
+        // A number that is none of a triangle's.
+        hit = Hit(collision.distance / length((*path).ray.direction), NONE - 1u, vec2f(0.0));
+    }
+#endif
 #ifdef AREA_LIGHTS
     add_met_lights(path, hit);
 #endif
@@ -242,7 +281,17 @@ fn extend(path: ptr<function, Path>, hit: Hit, random: ptr<function, Sampler>) -
         return false;
     }
     (*path).vertices += 1u;
+#ifdef MEDIA
+    var surface: Surface;
+    if collision.medium != NONE {
+        let position = (*path).ray.origin + hit.t * (*path).ray.direction;
+        surface = point_of_medium(position, media[collision.medium].albedo, media[collision.medium].anisotropy);
+    } else {
+        surface = surface_at(hit, (*path).ray.direction);
+    }
+#else
     let surface = surface_at(hit, (*path).ray.direction);
+#endif
     if !surface.visible {
         return false;
     }

@@ -63,7 +63,7 @@ pub(super) fn declare<'a>(
         Share::Rays(shadows) => 1 + shadows.radius,
         Share::Map(_) => u32::MAX,
     };
-    pass.key(&(frame.scene.identity, direct_light.light.revision, kind, frame.view_key()));
+    pass.key(&(frame.media_key(), direct_light.light.revision, kind, frame.view_key()));
     let work = Work { frame: frame.clone(), direct_light, share, inputs, radiance };
     pass.execute(move |cx| work.run(cx));
     radiance
@@ -102,7 +102,9 @@ impl Work<'_> {
             ("lobes", Binding::Buffer(&lobes)),
             ("radiance", Binding::Texture(&target)),
         ];
-        let key = ComputeKey::new("direct/area.wgsl", "main");
+        let media = self.frame.gpu_scene.media_binding(gpu);
+        group.extend(media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
+        let key = self.frame.gpu_scene.with_media(ComputeKey::new("direct/area.wgsl", "main"));
         let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
         match &self.share {
             Share::Whole => cx.dispatch(&key, &group, groups),

@@ -6,6 +6,7 @@
 pub(in crate::render) mod area;
 pub(in crate::render) mod area_shadows;
 pub(in crate::render) mod area_tiles;
+pub(in crate::render) mod lamps;
 pub(in crate::render) mod tiled;
 
 use super::frame::Frame;
@@ -124,7 +125,7 @@ fn declare_light<'a>(
         pass.read(shadow.map);
     }
     let radiance = pass.write(radiance);
-    pass.key(&(frame.scene.identity, direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
+    pass.key(&(frame.media_key(), direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
     let casts_rays = frame.shadow_rays.is_some() && direct_light.shadow.is_some();
     pass.key(&casts_rays.then(|| frame.geometry_key()));
     let frame = frame.clone();
@@ -161,7 +162,12 @@ fn declare_light<'a>(
                 let key = rays.shader("direct/direct.wgsl", "add_light").def("SHADOW_RAYS", ShaderDef::Flag(true));
                 dispatch_rays(cx, &key, &group, rays, groups)
             }
-            None => cx.dispatch(&ComputeKey::new("direct/direct.wgsl", "add_light"), &group, groups),
+            None => {
+                let key = frame.gpu_scene.with_media(ComputeKey::new("direct/direct.wgsl", "add_light"));
+                let media = frame.gpu_scene.media_binding(gpu);
+                let media = media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer)));
+                cx.dispatch(&key, &group.into_iter().chain(media).collect::<Vec<_>>(), groups)
+            }
         }
     });
     radiance

@@ -35,7 +35,7 @@ pub(in crate::render) fn declare<'a>(
     }
     let radiance = pass.write(radiance);
     let revisions: Vec<u64> = direct_lights.iter().map(|direct_light| direct_light.light.revision).collect();
-    pass.key(&(frame.scene.identity, revisions, frame.view_key()));
+    pass.key(&(frame.media_key(), revisions, frame.view_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let view = frame.view_uniform(cx.gpu);
@@ -49,20 +49,21 @@ pub(in crate::render) fn declare<'a>(
             let lights = cx.gpu.constants_of("lights without shadows", &lights);
             cx.counts().lights += u64::from(uniform.count);
             cx.counts().texels += u64::from(width) * u64::from(height);
-            cx.dispatch(
-                &ComputeKey::new("direct/tiled.wgsl", "main"),
-                &[
-                    ("view", Binding::Buffer(&view)),
-                    ("some", Binding::Buffer(&cx.gpu.uniform("lights", &uniform))),
-                    ("lights", Binding::Buffer(&lights)),
-                    ("base_color", Binding::Texture(&base_color)),
-                    ("normal", Binding::Texture(&normal)),
-                    ("object", Binding::Texture(&object)),
-                    ("depth", Binding::Texture(&depth)),
-                    ("radiance", Binding::Texture(&target)),
-                ],
-                [width.div_ceil(8), height.div_ceil(8), 1],
-            )?;
+            let some = cx.gpu.uniform("lights", &uniform);
+            let media = frame.gpu_scene.media_binding(cx.gpu);
+            let mut group = vec![
+                ("view", Binding::Buffer(&view)),
+                ("some", Binding::Buffer(&some)),
+                ("lights", Binding::Buffer(&lights)),
+                ("base_color", Binding::Texture(&base_color)),
+                ("normal", Binding::Texture(&normal)),
+                ("object", Binding::Texture(&object)),
+                ("depth", Binding::Texture(&depth)),
+                ("radiance", Binding::Texture(&target)),
+            ];
+            group.extend(media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
+            let key = frame.gpu_scene.with_media(ComputeKey::new("direct/tiled.wgsl", "main"));
+            cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])?;
         }
         Ok(())
     });

@@ -4,6 +4,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::haze::Haze;
 use crate::render::settings::Layer;
 use crate::render::zero_texture::zero_texture;
 use encase::ShaderType;
@@ -23,8 +24,8 @@ pub(crate) struct ComposeUniform {
 }
 
 /// Light that the layer is made of; what is missing counts as zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Lights {
+#[derive(Clone, Copy, Default)]
+pub(in crate::render) struct Lights {
     /// Radiance from the direct passes, channels as layers.
     pub direct: Option<Handle<Texture>>,
     /// Radiance from the indirect method.
@@ -35,10 +36,12 @@ pub struct Lights {
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
     pub blended: Option<Handle<Texture>>,
+    /// What media scatter on the way to the eye.
+    pub haze: Option<Haze>,
 }
 
 /// Declares the pass; the result is rgba32float radiance [W/(m² sr)]. If `is_final`, it is that of the frame.
-pub fn declare<'a>(
+pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
@@ -59,6 +62,7 @@ pub fn declare<'a>(
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
     let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
     inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
+    lights.haze.iter().for_each(|haze| pass.read(haze.buffer()));
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
     let map = frame.scene.sky_map.as_deref();
@@ -77,6 +81,7 @@ pub fn declare<'a>(
         frame.view_key(),
         read.map(|light| light.is_some()),
     ));
+    pass.key(&lights.haze.map(|haze| (haze.key(), frame.media_key())));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let gpu = cx.gpu;
@@ -94,11 +99,14 @@ pub fn declare<'a>(
         if has_map {
             key = key.def("SKY_MAP", ShaderDef::Flag(true));
         }
-        cx.dispatch(
-            &key,
-            &[
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("compose", Binding::Buffer(&gpu.uniform("compose", &uniform))),
+        let haze = lights.haze.map(|haze| haze.bindings(cx, &frame)).unwrap_or_default();
+        for (name, value) in lights.haze.iter().flat_map(|_| Haze::defines(&frame)) {
+            key = key.def(name, value);
+        }
+        let (view, uniform) = (frame.view_uniform(gpu), gpu.uniform("compose", &uniform));
+        let mut group = vec![
+                ("view", Binding::Buffer(&view)),
+                ("compose", Binding::Buffer(&uniform)),
                 ("base_color", Binding::Texture(&base_color)),
                 ("normal", Binding::Texture(&normal)),
                 ("emissive", Binding::Texture(&emissive)),
@@ -110,9 +118,9 @@ pub fn declare<'a>(
                 ("blended", Binding::Texture(&blended)),
                 ("sky", Binding::Texture(frame.gpu_scene.sky())),
                 ("radiance", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
+            ];
+        group.extend(haze.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
+        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });
     radiance
 }

@@ -16,6 +16,7 @@ mod words;
 use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
 use crate::graph::{PassContext, PassError};
+use crate::render::scene_gpu::media::GpuMedia;
 use crate::scene::Scene;
 use atlas::Atlas;
 use emitters::Emitters;
@@ -113,6 +114,9 @@ pub struct RayScene {
     /// Number of triangles that emit light.
     pub emitter_count: u32,
     has_area_lights: bool,
+    media: Option<GpuMedia>,
+    /// Of the scene whose media they are.
+    media_revision: [u64; 2],
 }
 
 impl RayScene {
@@ -130,6 +134,8 @@ impl RayScene {
             light_count: 0,
             emitter_count: 0,
             has_area_lights: false,
+            media: None,
+            media_revision: [0; 2],
         }
     }
 
@@ -139,6 +145,10 @@ impl RayScene {
     /// # Errors
     /// If the scene is larger than the device can bind.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RayError> {
+        let media_revision = [scene.identity, scene.revisions.media];
+        if self.media_revision != media_revision {
+            (self.media, self.media_revision) = (GpuMedia::of(scene), media_revision);
+        }
         let then = self.synced;
         if then.is_some_and(|then| then.revisions == Synced::revisions_of(scene)) {
             return Ok(());
@@ -227,7 +237,11 @@ impl RayScene {
             ("AREA_LIGHTS", self.has_area_lights),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
-        set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)))
+        let key = set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)));
+        match self.media.as_ref().map(GpuMedia::define) {
+            Some((name, count)) => key.def(name, count).def("RAY_MEDIA", ShaderDef::Flag(true)),
+            None => key,
+        }
     }
 
     /// Binds as group 1 what the pipeline uses of the scene.
@@ -235,10 +249,13 @@ impl RayScene {
     /// # Errors
     /// If the shader declares something in that group that is not of the scene.
     pub fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Result<wgpu::BindGroup, BindError> {
-        let used: Vec<_> = self.bindings().into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
+        let mut used: Vec<_> = self.bindings().into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
         for (name, _) in &used {
             gpu.audit.note(name, &self.content(name));
         }
+        // Its content is noted where it is made.
+        let media = self.media.as_ref().filter(|_| pipeline.declares(1, "media")).map(|media| media.buffer(gpu));
+        used.extend(media.iter().map(|media| ("media", Binding::Buffer(media))));
         pipeline.bind(gpu, 1, &used)
     }
 

@@ -12,6 +12,7 @@ mod block;
 mod class;
 pub(super) mod light_uniform;
 mod material;
+pub(in crate::render) mod media;
 mod mesh;
 pub(in crate::render) mod sky;
 mod submit;
@@ -24,7 +25,7 @@ pub use blended::Side;
 pub use class::{MaterialClass, vertex_layout};
 
 use crate::assets::AssetId;
-use crate::gpu::{Binding, Gpu, Pipeline, RasterKey};
+use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Primitive, Scene};
 use batch::{Batch, Member};
@@ -32,6 +33,7 @@ use block::Blocks;
 use bytemuck::{Pod, Zeroable};
 pub(super) use material::alpha_cutoff;
 use material::{GpuMaterial, MaterialStore};
+use media::GpuMedia;
 use mesh::MeshStore;
 use sky::{GpuSky, SkyReflections};
 use std::collections::HashMap;
@@ -83,6 +85,9 @@ pub struct GpuScene {
     /// Bounds of all that does not move.
     still_bounds: Aabb,
     sky: GpuSky,
+    media: Option<GpuMedia>,
+    /// Of the scene whose media they are.
+    media_revision: [u64; 2],
     synced: Option<Synced>,
 }
 
@@ -99,6 +104,8 @@ impl GpuScene {
             movers: Vec::new(),
             still_bounds: Aabb::EMPTY,
             sky: GpuSky::new(gpu),
+            media: None,
+            media_revision: [0; 2],
             synced: None,
         }
     }
@@ -210,6 +217,24 @@ impl GpuScene {
     /// The sky by direction; one black texel if it is the same everywhere.
     pub fn sky(&self) -> &wgpu::TextureView {
         self.sky.view()
+    }
+
+    /// A shader that knows the participating media, if there are any.
+    pub(in crate::render) fn with_media(&self, key: ComputeKey) -> ComputeKey {
+        match self.media_define() {
+            Some((name, count)) => key.def(name, count),
+            None => key,
+        }
+    }
+
+    /// The definition of such a shader.
+    pub(in crate::render) fn media_define(&self) -> Option<(&'static str, ShaderDef)> {
+        self.media.as_ref().map(GpuMedia::define)
+    }
+
+    /// What such a shader binds.
+    pub(in crate::render) fn media_binding(&self, gpu: &Gpu) -> Option<(&'static str, wgpu::Buffer)> {
+        self.media.as_ref().map(|media| ("media", media.buffer(gpu)))
     }
 
     /// Reflections of a sky that differs by direction on glossy surfaces, once [`GpuScene::update_sky_reflections`] made it.

@@ -1,6 +1,7 @@
 //! Bringing the device up to date with the scene: all of it, or only dynamic objects.
 
 use super::material::is_nowhere_opaque;
+use super::media::GpuMedia;
 use super::mesh::{GpuMesh, is_drawable};
 use super::{Batch, Blocks, DrawFilter, GpuScene, Instance, MaterialClass, Member, Motion};
 use crate::assets::AssetId;
@@ -56,6 +57,10 @@ impl GpuScene {
     /// nothing else changed.
     pub fn update(&mut self, gpu: &Gpu, scene: &Scene) {
         self.sky.update(gpu, scene);
+        let media_revision = [scene.identity, scene.revisions.media];
+        if self.media_revision != media_revision {
+            (self.media, self.media_revision) = (GpuMedia::of(scene), media_revision);
+        }
         let now = Synced::of(scene);
         if self.synced == Some(now) {
             return;

@@ -10,6 +10,7 @@ use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, Textu
 use crate::render::direct::{DirectLight, comparison_sampler, layered_view, no_shadow_map};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{GBuffer, depth_state};
+use crate::render::haze::Haze;
 use crate::render::indirect::light_volumes::Field;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Side};
@@ -70,6 +71,7 @@ pub(in crate::render) fn declare<'a>(
     gpu: &Gpu,
     direct_lights: Vec<DirectLight<'a>>,
     source: Option<Source>,
+    haze: Option<Haze>,
 ) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -86,13 +88,15 @@ pub(in crate::render) fn declare<'a>(
         Some(Source::Ambient(ambient)) => pass.read(*ambient),
         None => {}
     }
+    haze.iter().for_each(|haze| pass.read(haze.buffer()));
     let (color, object) = (pass.write(color), pass.write(object));
     let lights: Vec<_> =
         direct_lights.iter().map(|direct_light| (direct_light.light.revision, direct_light.shadow.is_some())).collect();
     let clpv = frame.scene.revisions.clpv;
     let only = frame.settings.only;
     pass.key(&(frame.geometry_key(), frame.view_key(), lights, clpv, frame.settings.gi, only));
-    let work = Work { frame: frame.clone(), direct_lights, source, depth, color, object };
+    pass.key(&haze.map(|haze| (haze.key(), frame.media_key())));
+    let work = Work { frame: frame.clone(), direct_lights, source, haze, depth, color, object };
     pass.execute(move |cx| work.run(cx));
     color
 }
@@ -110,6 +114,7 @@ struct Work<'a> {
     frame: Frame<'a>,
     direct_lights: Vec<DirectLight<'a>>,
     source: Option<Source>,
+    haze: Option<Haze>,
     depth: Handle<Texture>,
     color: Handle<Texture>,
     object: Handle<Texture>,
@@ -164,13 +169,15 @@ impl Work<'_> {
         )
     }
 
-    /// Group 3: what indirect light is looked up in.
+    /// Group 3: what indirect light is looked up in, and haze.
     fn indirect_bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
-        match &self.source {
+        let mut bindings = match &self.source {
             Some(Source::Field(field)) => field.bindings(cx),
             Some(Source::Ambient(ambient)) => vec![("ambient", cx.buffer(*ambient).clone())],
             None => Vec::new(),
-        }
+        };
+        bindings.extend(self.haze.iter().flat_map(|haze| haze.bindings(cx, &self.frame)));
+        bindings
     }
 
     /// Group 2 of each draw of a surface: the lights, a few at a time.
@@ -229,6 +236,7 @@ impl Work<'_> {
             Some(Source::Ambient(_)) => defs.push(("AMBIENT", ShaderDef::Flag(true))),
             None => {}
         }
+        defs.extend(self.haze.iter().flat_map(|_| Haze::defines(&self.frame)));
         RasterKey {
             shader: "transparency/blend.wgsl",
             vertex: "vertex",

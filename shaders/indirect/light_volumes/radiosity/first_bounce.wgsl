@@ -4,7 +4,11 @@
 //   SAMPLES  how many of them are looked at, the first ones
 //   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
 //            others. Without it there are more, and each link chooses one by what it would bring
+//   HAZE     media scatter the lights' light on the way
 
+#ifdef HAZE
+#import lightwell::haze_along::haze_along
+#endif
 #import lightwell::next_event::{BLUR, LightSample, NO_RAY, blurred, bounded, sample_light, sample_one_light}
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::ray_scene::NONE
@@ -66,6 +70,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let direction = hit.direction;
         let surface = blurred(surface_at(hit.hit, direction), BLUR);
         var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
+        var passing = vec3f(1.0);
+#ifdef HAZE
+        let between = haze_along(position, direction, hit.hit.t, next_pair(&random).x);
+        light += bounded(between.added);
+        passing = between.passing;
+#endif
 #ifdef LIGHTS
         var of_all = vec3f(0.0);
         for (var k = 0u; k < LIGHTS; k++) {
@@ -75,14 +85,14 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #endif
             of_all += arriving(sample_one_light(surface, -direction, k, on_light));
         }
-        light += of_all;
+        light += passing * of_all;
 #else
         let pick = next_pair(&random).x;
         var on_light = vec2f(0.0);
 #ifdef AREA_LIGHTS
         on_light = next_pair(&random);
 #endif
-        light += arriving(sample_light(surface, -direction, NO_RAY, light_count, false, pick, on_light));
+        light += passing * arriving(sample_light(surface, -direction, NO_RAY, light_count, false, pick, on_light));
 #endif
     }
     reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);

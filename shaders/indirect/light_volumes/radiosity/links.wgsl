@@ -16,6 +16,9 @@
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #import lightwell::sky::sky_radiance
 #endif
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, share_not_absorbed}
+#endif
 #import lightwell::patches::patch_at
 #import lightwell::radiosity::{RAYS, Link, encode_link, link_start, no_link}
 #import lightwell::ray_scene::{NONE, primitive_of}
@@ -115,16 +118,20 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let density = direction_density(surface, surface.normal, direction, 0.0);
         let hit = trace(links.root, Ray(leave_surface(surface, direction), direction), select(0.0, 3e38, density > 0.0), LIGHT);
         far += select(0u, 1u, hit.t > links.far);
+        var passing = vec3f(1.0);
+#ifdef MEDIA
+        passing = share_not_absorbed(surface.position, direction, select(hit.t, FARTHEST, hit.triangle == NONE));
+#endif
         var link = no_link();
         if density > 0.0 {
             if hit.triangle == NONE {
-                light += bounded(sky_light(direction, density));
+                light += passing * bounded(sky_light(direction, density));
             } else {
                 let met = surface_at(hit, direction);
                 if met.visible {
-                    light += bounded(met.emissive * emission_weight(met, hit, direction, density, f32(EMITTER_CANDIDATES)));
+                    light += passing * bounded(met.emissive * emission_weight(met, hit, direction, density, f32(EMITTER_CANDIDATES)));
                     let seen = patch_at(primitive_of(hit.triangle), met.position, met.geometric_normal);
-                    link = encode_link(seen, even_reflectance(met, -direction), hit);
+                    link = encode_link(seen, passing * even_reflectance(met, -direction), hit);
                 }
             }
         }

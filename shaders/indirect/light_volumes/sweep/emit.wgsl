@@ -3,9 +3,14 @@
 //   COUNTED     the flux of this cascade is the scene's, and is summed up
 //   EXPOSED     the brightest source is found, for the exposure of light that is kept in half precision
 //   NO_OUTER    no coarser cascade lies around this one
+//   HAZE        media absorb light
+//   SCATTERED   and what they scatter straight from the lights is a source
 
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
-#import lightwell::lights::Light
+#import lightwell::lights::{Light, is_distant}
+#ifdef MEDIA
+#import lightwell::media::{FARTHEST, transmittance}
+#endif
 #import lightwell::rsm::{RsmLayer, texel_received}
 #import lightwell::sweep::{Surfel, BEFORE, LINKED, link_way, openness, to_fixed, from_fixed, nearest_axis}
 #import lightwell::coverage::{linked_cell, source_cell}
@@ -34,7 +39,9 @@ struct Emit {
 // Thirty-six a cell, for each axis that a normal may lie nearest to high and low words of: F (RGB), Σ F·n. Behind them the
 // bits of the brightest source, which are in the order of the numbers.
 @group(0) @binding(10) var<storage, read_write> sums: array<atomic<i32>>;
-// Six vectors a cell, for each of those axes: F/h² [W/m²] and whether it leaves in all directions alike; mean normal.
+// Six vectors a cell, for each of those axes: F/h² [W/m²] and whether it leaves in all directions alike (below 0); mean normal.
+// Media have the rest: in the first one's fourth number, by axis a channel of F/h² of what they scatter, in the second's that of
+// the optical depth of what they absorb, over the edge of a cell.
 // One mean for all would send the light of two walls that meet into neither. Behind them, with EXPOSED, the brightest source
 // of this cascade and the coarser ones, and of those alone [W/(m² sr)].
 @group(0) @binding(11) var<storage, read_write> emission: array<vec4f>;
@@ -46,6 +53,10 @@ struct Emit {
 #endif
 // Where each surfel's light goes, see `indirect/light_volumes/sweep/links.wgsl`.
 @group(0) @binding(16) var<storage, read> links: array<u32>;
+#ifdef HAZE
+// See `indirect/light_volumes/sweep/lamp_light.wgsl`.
+@group(0) @binding(17) var<storage, read> lamp_light: array<vec4f>;
+#endif
 // Unit direction and weight [sr] of the sweep that follows.
 @group(0) @binding(15) var<storage, read> directions: array<vec4f>;
 
@@ -95,7 +106,12 @@ fn from_rsm(@builtin(global_invocation_id) thread: vec3u) {
     }
     let n = decode_normal(textureLoad(normal, texel, rsm.layer, 0));
     let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
-    let flux = albedo * texel_received(rsm, light, texel, position).flux;
+    let received = texel_received(rsm, light, texel, position);
+    var flux = albedo * received.flux;
+#ifdef MEDIA
+    let distance = select(distance(light.position, position), FARTHEST, is_distant(light));
+    flux *= transmittance(position, received.to_light, distance);
+#endif
     let p = (position - volume.origin) / volume.cell;
     let cell = floor(p + BEFORE * n);
     if !inside(cell) || all(flux <= vec3f(0.0)) {
@@ -211,10 +227,22 @@ fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         if sum > 0.0 && !isotropic {
             whole = lobe_integral(n);
         }
-        let sent = flux / emit.scale / volume.cell / volume.cell / whole;
-        emission[to] = vec4f(sent, select(0.0, 1.0, isotropic));
-        emission[to + 1u] = vec4f(n, 0.0);
-        bright += max(sent.r, max(sent.g, sent.b));
+        var sent = flux / emit.scale / volume.cell / volume.cell / whole;
+        var scattered = 0.0;
+        var absorbed = 0.0;
+#ifdef HAZE
+        absorbed = lamp_light[3u * index + 2u][axis] * volume.cell;
+#endif
+#ifdef SCATTERED
+        // Radiant intensity over area is that of the cell's depth, to all sides.
+        scattered = 12.5663706 * volume.cell * lamp_light[3u * index + 1u][axis];
+        if isotropic {
+            sent[axis] += scattered;
+        }
+#endif
+        emission[to] = vec4f(sent, select(scattered, -1.0, isotropic));
+        emission[to + 1u] = vec4f(n, absorbed);
+        bright += max(scattered, max(sent.r, max(sent.g, sent.b)));
     }
 #ifdef EXPOSED
     if bright > 0.0 {

@@ -7,6 +7,7 @@
 //   POINTS    points of lit surfaces that a pixel samples beside them, each the better of several
 //   ONE_BOUNCE  patches have no light
 //   MIRRORS   what smooth surfaces mirror is left to another pass, see lib/visible_surface.wgsl
+//   HAZE      media take and scatter light on the way of rays
 //   PATHS     rays go on as paths (Kajiya 1986), each with so many rays more at most, and nothing ends in patches
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
@@ -22,6 +23,10 @@
 #ifndef EVEN_SKY
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #import lightwell::sky::sky_radiance
+#endif
+#ifdef HAZE
+#import lightwell::haze_along::haze_along
+#import lightwell::media::FARTHEST
 #endif
 #import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::inverse_distance::{NO_DIFFUSE, encode_inverse_distance, nearness_around}
@@ -290,12 +295,19 @@ fn survive(vertex: ptr<function, Vertex>, random: ptr<function, Sampler>) {
 // each other than those are large, and what metals reflect depends on its direction: from what is met there `vertex` goes
 // on with a ray more (Jensen 1996, section 4).
 fn arrive(
-    sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, ray: GatherRay, hit: Hit,
+    sums: ptr<function, Sums>, seen: Vertex, vertex: ptr<function, Vertex>, sent: GatherRay, hit: Hit,
     random: ptr<function, Sampler>,
 ) -> Waiting {
     let depth = (*vertex).depth;
     (*vertex).depth = 0u;
+    var ray = sent;
     let direction = ray.ray.direction;
+#ifdef HAZE
+    let reach = select(hit.t, FARTHEST, hit.triangle == NONE);
+    let between = haze_along(ray.ray.origin, direction, reach, next_pair(random).x);
+    add(sums, seen, ray.seen_along, ray.throughput * bounded(between.added));
+    ray.throughput *= between.passing;
+#endif
     if hit.triangle == NONE {
         add(sums, seen, ray.seen_along, ray.throughput * sky_light(ray));
         return Waiting(no_light(), ray.seen_along);

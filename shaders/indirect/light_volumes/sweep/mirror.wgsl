@@ -9,9 +9,13 @@
 //   RAYS        most rays of a pixel: of what reflects by its specular lobe alone
 //   MIRRORS     roughness up to which surfaces mirror [%]
 //   ONE_BOUNCE  patches have no light
+//   HAZE        media take and scatter light on the way of rays
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::gbuffer::{Surface as Drawn, decode_surface, world_position}
+#ifdef HAZE
+#import lightwell::haze_along::haze_along
+#endif
 #import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_share}
 #ifndef EVEN_SKY
 #import lightwell::sky::sky_radiance
@@ -156,6 +160,11 @@ fn reflection_along(first: SeenRay, alpha: f32, random: ptr<function, Sampler>) 
         }
         let direction = ray.ray.direction;
         let hit = trace(mirror.root, ray.ray, 3e38, LIGHT);
+#ifdef HAZE
+        let between = haze_along(ray.ray.origin, direction, hit.t, next_pair(random).x);
+        found.radiance += bounded(ray.throughput * between.added);
+        ray.throughput *= between.passing;
+#endif
         if hit.triangle == NONE {
             found.radiance += bounded(ray.throughput * sky_along(direction));
             break;

@@ -11,6 +11,7 @@
 //
 // Cascades are nested: what leaves the cells of the coarser one that lie around the finer one, its shell, enters the
 // finer one.
+// Where media absorb light (HAZE), L_in is less by exp(−σₐ·h/|d_AXIS|), and what they scatter straight from the lights is a source.
 //   NO_OUTER  no coarser cascade lies around this one
 //   NO_INNER  no finer one lies in it
 
@@ -267,6 +268,9 @@ fn advance(chunk: Chunk, step: i32, u: i32, v: i32, before: u32, after: u32) {
             let alpha = min(1.0, sqrt(max(0.0, squared * trace)) * inverse);
             let entering = open(faces.ahead, d) * arriving;
             var leaving = (1.0 - alpha) * entering;
+#ifdef HAZE
+            leaving *= exp(-own.absorbed * inverse);
+#endif
             if own.is_lit {
                 leaving += emitted(own, d, d[A]);
             }

@@ -2,7 +2,7 @@
 
 use super::TraceSettings;
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, Texture};
-use crate::scene::{LightShape, Scene, SceneCamera, SceneLight, SceneView, ViewProjection};
+use crate::scene::{LightShape, Scene, SceneCamera, SceneLight, SceneMedium, SceneView, ViewProjection};
 use crate::world::Lens;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,6 +38,8 @@ pub fn content_key(scene: &Scene, view: &SceneView, settings: &TraceSettings) ->
     }
     hasher.u32s([scene.lights.len() as u32]);
     scene.lights.iter().for_each(|light| hasher.light(light));
+    // Keys of scenes without media are those of versions that had none.
+    scene.media.iter().for_each(|medium| hasher.medium(medium));
     hasher.hash.digest128()
 }
 
@@ -101,6 +103,15 @@ impl Content {
         self.f32s(light.intensity.to_array());
         self.f32s(light.position.to_array());
         self.f32s(light.direction.to_array());
+    }
+
+    fn medium(&mut self, medium: &SceneMedium) {
+        self.u32s([medium.shape as u32]);
+        self.f32s(medium.local_from_world.to_cols_array());
+        self.f32s(medium.base.to_array());
+        self.f32s(medium.up.to_array());
+        self.f32s(medium.albedo.to_array());
+        self.f32s([medium.extinction, medium.anisotropy, medium.falloff]);
     }
 
     fn asset(&mut self, id: AssetId, bytes: impl FnOnce() -> u128) {

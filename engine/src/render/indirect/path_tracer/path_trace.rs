@@ -97,7 +97,7 @@ pub(crate) struct ResolveUniform {
 /// What an image depends on; tracing goes on as long as it stays the same.
 #[derive(Clone, Debug, PartialEq)]
 struct Subject {
-    scene: [u64; 5],
+    scene: [u64; 6],
     view: SceneView,
     settings: TraceSettings,
     shaders: u64,
@@ -148,7 +148,7 @@ impl PathTracer {
     ) -> Result<(), TraceError> {
         let r = &scene.revisions;
         let subject = Subject {
-            scene: [scene.identity, r.geometry, r.materials, r.lights, r.settings],
+            scene: [scene.identity, r.geometry, r.materials, r.lights, r.settings, r.media],
             view: traced_view(view),
             settings: *settings,
             shaders: gpu.shaders.revision(),

@@ -5,6 +5,7 @@ use super::links::Links;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
 use crate::render::frame::{Frame, linear_groups};
+use crate::render::indirect::light_volumes::sweep::haze_cells::HazeCells;
 use crate::render::rays::dispatch_rays;
 use encase::ShaderType;
 use wgpu::BufferUsages;
@@ -33,14 +34,17 @@ pub(super) fn declare<'a>(
     surfels: Handle<Buffer>,
     links: Links,
     rays: Rays,
+    lamps: Option<HazeCells>,
 ) -> Handle<Buffer> {
     let count = frame.surfels.count();
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE);
     let reflected = graph.retained_buffer("first bounce at surfels", desc);
     let mut pass = graph.pass("first bounce");
-    [surfels, links.links].into_iter().for_each(|handle| pass.read(handle));
+    let lamp_light = lamps.map(|cells| cells.light);
+    [surfels, links.links].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
     let reflected = pass.write(reflected);
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays));
+    pass.key(&(frame.media_key(), HazeCells::key(lamps.as_ref())));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
@@ -57,6 +61,8 @@ pub(super) fn declare<'a>(
         if (1..=FEW_LIGHTS).contains(&lights) {
             key = key.def("LIGHTS", ShaderDef::Uint(lights));
         }
+        let haze = lamps.map(|cells| cells.bindings(cx));
+        key = HazeCells::defined(lamps.as_ref(), key);
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
@@ -69,12 +75,13 @@ pub(super) fn declare<'a>(
                 before: frame.surfels.before(),
             };
             let uniform = cx.gpu.uniform("first_bounce", &uniform);
-            let group = [
+            let mut group = vec![
                 ("first_bounce", Binding::Buffer(&uniform)),
                 ("surfels", Binding::Buffer(&surfels)),
                 ("surfel_links", Binding::Buffer(&links)),
                 ("reflected_light", Binding::Buffer(&reflected)),
             ];
+            group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
             dispatch_rays(cx, &key, &group, scene, linear_groups(surfels_now))?;
         }
         Ok(())

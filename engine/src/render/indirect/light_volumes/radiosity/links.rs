@@ -47,7 +47,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     pass.read(surfels);
     let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
     let scene = frame.scene;
-    pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays));
+    pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays, frame.media_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
@@ -102,7 +102,8 @@ fn dispatch(
     let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
         .def("RAYS", ShaderDef::Uint(rays.count))
-        .def("AT_ONCE", ShaderDef::Uint(rays.at_once()));
+        .def("AT_ONCE", ShaderDef::Uint(rays.at_once()))
+        .def("NOT_ABSORBED", ShaderDef::Flag(true));
     let mut group = vec![
         ("links", Binding::Buffer(&uniform)),
         ("surfels", Binding::Buffer(&surfels)),

@@ -20,6 +20,7 @@ pub(crate) use self::{first_bounce::FirstBounceUniform, links::LinksUniform};
 
 use crate::graph::{Buffer, Graph, Handle};
 use crate::render::frame::{Frame, Kept};
+use crate::render::indirect::light_volumes::sweep::haze_cells::HazeCells;
 use crate::world::{Bounces, Clpv, Quality};
 use glam::Vec3;
 
@@ -145,12 +146,13 @@ impl Rays {
 }
 
 /// Declares all passes. None if there is but one bounce, or the scene is not ready for rays: the reason is in the report then.
-/// `surfels` are those in world space.
+/// `surfels` are those in world space, `lamps` light straight from the lights where media scatter it.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     settings: &Clpv,
     surfels: Handle<Buffer>,
+    lamps: Option<HazeCells>,
 ) -> Option<Radiosity> {
     let bounces = BounceCount::new(settings, frame.surfels.mean_albedo());
     if let Some(why) = frame.refused_rays {
@@ -163,7 +165,7 @@ pub(super) fn declare<'a>(
     }
     let rays = Rays::new(frame, settings);
     let links = links::declare(graph, frame, surfels, rays);
-    let reflected = first_bounce::declare(graph, frame, surfels, links, rays);
+    let reflected = first_bounce::declare(graph, frame, surfels, links, rays, lamps);
     let solved = solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces });
     let change = change::declare(graph, frame, surfels, solved.patches);
     Some(Radiosity { change, ..solved })

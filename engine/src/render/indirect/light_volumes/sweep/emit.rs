@@ -133,7 +133,8 @@ pub(super) fn declare<'a>(
             pass.read(rsm.depth);
         }
     }
-    received.into_iter().chain(outer).for_each(|buffer| pass.read(buffer));
+    let lamp_light = level.lamp_light.filter(|_| !is_white);
+    received.into_iter().chain(outer).chain(lamp_light).for_each(|buffer| pass.read(buffer));
     let totals = totals.filter(|_| is_coarsest).map(|totals| {
         *totals = pass.write(*totals);
         *totals
@@ -142,6 +143,8 @@ pub(super) fn declare<'a>(
         surfels: sources.surfels,
         obstacles,
         received,
+        lamp_light,
+        is_straight,
         sums: pass.write(sums),
         emission: pass.write(level.emission),
         is_exposed,
@@ -162,8 +165,10 @@ pub(super) fn declare<'a>(
         step.bounce,
         directions.key(),
         frame.scene.identity,
-        (is_exposed, is_white),
+        (is_exposed, is_white, lamp_light.is_some()),
     ));
+    // Of what lights shine at, less their light on its way through media.
+    pass.key(&is_straight.then(|| frame.media_key()));
     let in_cells = |point: Vec3| (point - volume.origin) / volume.cell;
     let emit = EmitUniform {
         scale,
@@ -175,12 +180,13 @@ pub(super) fn declare<'a>(
     };
     let rsms = if is_straight { sources.rsms.to_vec() } else { Vec::new() };
     let (surfels, directions) = (frame.surfels, directions.clone());
+    let frame = frame.clone();
     pass.execute(move |cx| {
         let sums = cx.buffer(buffers.sums).clone();
         cx.encoder().clear_buffer(&sums, 0, None);
         let uniforms = Uniforms::new(cx.gpu, &volume, &emit);
         for rsm in &rsms {
-            from_rsm(cx, rsm, &volume, &uniforms, &buffers)?;
+            from_rsm(cx, &frame, rsm, &volume, &uniforms, &buffers)?;
         }
         if is_straight && surfels.is_emissive() {
             from_surfels(cx, "from_emissive", surfels.count(), &uniforms, &buffers, None)?;
@@ -200,6 +206,10 @@ struct Buffers {
     surfels: Handle<Buffer>,
     obstacles: Obstacles,
     received: Option<Handle<Buffer>>,
+    /// What media take and send out of the lights' light.
+    lamp_light: Option<Handle<Buffer>>,
+    /// Whether light comes straight from the lights.
+    is_straight: bool,
     sums: Handle<Buffer>,
     emission: Handle<Buffer>,
     /// Whether the brightest source is asked for.
@@ -222,6 +232,7 @@ impl Uniforms {
 
 fn from_rsm(
     cx: &mut PassContext,
+    frame: &Frame,
     rsm: &Rsm,
     volume: &Volume,
     uniforms: &Uniforms,
@@ -230,13 +241,16 @@ fn from_rsm(
     let handles = [buffers.obstacles.opacity, buffers.obstacles.coverage, buffers.sums];
     let [opacity, coverage, sums] = handles.map(|handle| cx.buffer(handle).clone());
     cx.counts().lights += 1;
-    let more = [
+    let media = frame.gpu_scene.media_binding(cx.gpu);
+    let mut more = vec![
         ("emit", Binding::Buffer(&uniforms.emit)),
         ("opacity", Binding::Buffer(&opacity)),
         ("coverage", Binding::Buffer(&coverage)),
         ("sums", Binding::Buffer(&sums)),
     ];
+    more.extend(media.iter().map(|(name, media)| (*name, Binding::Buffer(media))));
     let key = ComputeKey::new("indirect/light_volumes/sweep/emit.wgsl", "from_rsm");
+    let key = frame.gpu_scene.with_media(key);
     dispatch_rsm(cx, &key, rsm, 0..rsm.views.len(), volume, 1.0, &more)
 }
 
@@ -283,6 +297,14 @@ fn finish(
     ];
     if buffers.is_exposed {
         key = key.def("EXPOSED", ShaderDef::Flag(true));
+    }
+    let lamp_light = buffers.lamp_light.map(|handle| cx.buffer(handle).clone());
+    if let Some(lamp_light) = &lamp_light {
+        key = key.def("HAZE", ShaderDef::Flag(true));
+        if buffers.is_straight {
+            key = key.def("SCATTERED", ShaderDef::Flag(true));
+        }
+        bindings.push(("lamp_light", Binding::Buffer(lamp_light)));
     }
     if let Some(totals) = &totals {
         key = key.def("COUNTED", ShaderDef::Flag(true));

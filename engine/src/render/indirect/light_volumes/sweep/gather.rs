@@ -1,6 +1,7 @@
 //! The final gather: rays from the visible surfaces, to the light of patches. See `indirect/light_volumes/sweep/gather.wgsl`.
 
 use super::gather_filter::{self, Gathered};
+use super::haze_cells::HazeCells;
 use super::interleave::{Interleave, InterleaveUniform};
 use super::mirror;
 use super::rsm_samples::{self, RsmSamples};
@@ -49,13 +50,13 @@ pub(crate) struct GatherUniform {
 }
 
 /// Declares the gather and its filter; the result is reflected radiance. `light` is that of the patches, if
-/// more than one bounce counts and rays end in it.
+/// more than one bounce counts and rays end in it, `haze` that in the air, if there are media.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     settings: &Clpv,
-    light: Option<Handle<Buffer>>,
+    (light, haze): (Option<Handle<Buffer>>, Option<HazeCells>),
     lit: Option<RsmSamples>,
     interleave: Interleave,
 ) -> Handle<Texture> {
@@ -73,7 +74,7 @@ pub(super) fn declare<'a>(
     let mut pass = graph.pass("gather");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
-    light.into_iter().for_each(|light| pass.read(light));
+    light.into_iter().chain(haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
     lit.iter().for_each(|lit| pass.read(lit.points));
     let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
     let scene = frame.scene;
@@ -89,10 +90,12 @@ pub(super) fn declare<'a>(
         (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
     ));
     pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
+    pass.key(&(frame.media_key(), HazeCells::key(haze.as_ref())));
     let work = Work {
         frame: frame.clone(),
         inputs,
         light,
+        haze,
         nearest,
         paths,
         lit,
@@ -110,6 +113,7 @@ struct Work<'a> {
     frame: Frame<'a>,
     inputs: [Handle<Texture>; 4],
     light: Option<Handle<Buffer>>,
+    haze: Option<HazeCells>,
     /// Distance \[m\] from the beginning of a ray within which that is not known.
     nearest: f32,
     paths: Option<u32>,
@@ -162,6 +166,8 @@ impl Work<'_> {
         let lit = self.lit.map(|lit| cx.buffer(lit.points).clone());
         let mut key =
             rays.shader("indirect/light_volumes/sweep/gather.wgsl", "main").def("RAYS", ShaderDef::Uint(self.rays));
+        key = HazeCells::defined(self.haze.as_ref(), key);
+        let haze = self.haze.map(|haze| haze.bindings(cx));
         let mut group = vec![
             ("gather", Binding::Buffer(&uniform)),
             ("diffuse", Binding::Texture(&targets[0])),
@@ -169,6 +175,7 @@ impl Work<'_> {
         ];
         let names = ["base_color", "normal", "object", "depth"];
         group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
         match &light {
             Some(light) => {
                 group.push(("patch_light", Binding::Buffer(light)));

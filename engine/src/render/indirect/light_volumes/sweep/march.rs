@@ -58,6 +58,8 @@ pub(super) struct Buffers {
     pub(super) precision: Precision,
     pub(super) opacity: Handle<Buffer>,
     pub(super) emission: Handle<Buffer>,
+    /// Whether media take light away, and are sources.
+    pub(super) has_media: bool,
     pub(super) bounce: Irradiance,
     /// The sum over all bounces, and the flux of each.
     pub(super) sum: Option<(Irradiance, Handle<Buffer>)>,
@@ -169,15 +171,19 @@ impl Work<'_> {
 
     /// Takes the directions of some workgroups of an axis through the grid.
     fn march(&self, cx: &mut PassContext, axis: usize, groups: Range<u32>, arrivals: u32) -> Result<(), PassError> {
-        let Buffers { precision, opacity, emission, fronts, arrivals: kept, outer, inner, .. } = self.buffers;
+        let Buffers { precision, opacity, emission, has_media, fronts, arrivals: kept, outer, inner, .. } = self.buffers;
         let [opacity, emission, fronts, kept] =
             [opacity, emission, fronts, kept].map(|handle| cx.buffer(*handle).clone());
         let outer = outer.map(|shell| cx.buffer(shell[axis]).clone());
         let inner_shell = inner.map(|shell| cx.buffer(shell.light[axis]).clone());
         let mut key = ComputeKey::new("indirect/light_volumes/sweep/transport.wgsl", "main")
             .def("AXIS", ShaderDef::Int(axis as i32));
-        let flags =
-            [("HALF", *precision == Precision::Half), ("NO_OUTER", outer.is_none()), ("NO_INNER", inner.is_none())];
+        let flags = [
+            ("HALF", *precision == Precision::Half),
+            ("NO_OUTER", outer.is_none()),
+            ("NO_INNER", inner.is_none()),
+            ("HAZE", *has_media),
+        ];
         for (name, _) in flags.into_iter().filter(|(_, set)| *set) {
             key = key.def(name, ShaderDef::Flag(true));
         }
@@ -208,12 +214,15 @@ impl Work<'_> {
 
     /// Sums up what arrived.
     fn collect(&self, cx: &mut PassContext, parts: [PartUniform; 3], is_first: bool) -> Result<(), PassError> {
-        let Buffers { precision, opacity, emission, bounce, arrivals, .. } = self.buffers;
+        let Buffers { precision, opacity, emission, has_media, bounce, arrivals, .. } = self.buffers;
         let handles = [*opacity, *emission, *arrivals, bounce.axes, bounce.facing];
         let [opacity, emission, arrivals, axes, facing] = handles.map(|handle| cx.buffer(handle).clone());
         let mut key = ComputeKey::new("indirect/light_volumes/sweep/collect.wgsl", "main");
         if *precision == Precision::Half {
             key = key.def("HALF", ShaderDef::Flag(true));
+        }
+        if *has_media {
+            key = key.def("HAZE", ShaderDef::Flag(true));
         }
         let (quarter, brightest) = (self.directions.quarter, self.brightest);
         let collect = CollectUniform { parts, quarter, is_first: u32::from(is_first), brightest };

@@ -5,6 +5,7 @@
 //! a roughness of 0.25 show an image, which no filter may blur: theirs are the rays of this pass.
 
 use super::gather;
+use super::haze_cells::HazeCells;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
@@ -41,24 +42,25 @@ pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u3
 }
 
 /// Declares the pass; the result is the radiance \[W/(m² sr)\] that mirrors reflect, with the distance \[m\] of what they
-/// show. `light` is that of the patches, if more than one bounce counts.
+/// show. `light` is that of the patches, if more than one bounce counts, `haze` that in the air, if there are media.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
-    light: Option<Handle<Buffer>>,
+    (light, haze): (Option<Handle<Buffer>>, Option<HazeCells>),
     rays: u32,
 ) -> Handle<Texture> {
     let mirrored = graph.retained_texture("mirrored radiance", frame.image_desc());
     let mut pass = graph.pass("mirror");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
-    light.into_iter().for_each(|light| pass.read(light));
+    light.into_iter().chain(haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
     let mirrored = pass.write(mirrored);
     pass.key(&(rays, frame.seed(), frame.view_key(), light.is_some(), frame.surfels.revision()));
     let revisions = &frame.scene.revisions;
     pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
-    let work = Work { frame: frame.clone(), inputs, light, mirrored, rays };
+    pass.key(&(frame.media_key(), HazeCells::key(haze.as_ref())));
+    let work = Work { frame: frame.clone(), inputs, light, haze, mirrored, rays };
     pass.execute(move |cx| work.run(cx));
     mirrored
 }
@@ -67,6 +69,7 @@ struct Work<'a> {
     frame: Frame<'a>,
     inputs: [Handle<Texture>; 4],
     light: Option<Handle<Buffer>>,
+    haze: Option<HazeCells>,
     mirrored: Handle<Texture>,
     rays: u32,
 }
@@ -104,9 +107,12 @@ impl Work<'_> {
             .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
             .def(name, value);
+        key = HazeCells::defined(self.haze.as_ref(), key);
+        let haze = self.haze.map(|haze| haze.bindings(cx));
         let mut group = vec![("mirror", Binding::Buffer(&uniform)), ("mirrored", Binding::Texture(&target))];
         let names = ["base_color", "normal", "object", "depth"];
         group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
         match &light {
             Some(light) => {
                 group.push(("patch_light", Binding::Buffer(light)));

@@ -25,8 +25,10 @@ pub(in crate::render) mod gather;
 mod gather_filter;
 mod gather_upsample;
 mod grid;
+pub(in crate::render) mod haze_cells;
 mod interleave;
 mod irradiance;
+mod lamp_light;
 mod links;
 mod march;
 mod mirror;
@@ -67,6 +69,7 @@ use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
+use haze_cells::HazeCells;
 use interleave::Interleave;
 use opacity::Obstacles;
 use transport::{Kept, Sky};
@@ -88,6 +91,8 @@ struct Level {
     precision: Precision,
     obstacles: Obstacles,
     emission: Handle<Buffer>,
+    /// Light straight from the lights in its cells, where there are media to scatter it.
+    lamp_light: Option<Handle<Buffer>>,
     /// Irradiance of the bounce that is under way.
     bounce: Irradiance,
     /// Irradiance of all bounces, where several are swept and it is asked for.
@@ -137,15 +142,21 @@ pub(super) fn declare<'a>(
     };
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
-    let radiosity = radiosity::declare(graph, frame, settings, surfels);
+    let names: Vec<String> = (0..volumes.len()).map(|index| format!("cascade {index}")).collect();
+    let lamp_light: Vec<_> =
+        names.iter().zip(&volumes).map(|(name, volume)| lamp_light::declare(graph, frame, name, volume)).collect();
+    let cells_of_lamps = volumes.last().zip(lamp_light.last().copied().flatten());
+    let cells_of_lamps =
+        cells_of_lamps.map(|(volume, light)| HazeCells { volume: *volume, light, are_lamps_alone: true });
+    let radiosity = radiosity::declare(graph, frame, settings, surfels, cells_of_lamps);
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
     let is_swept_at_once = radiosity.is_some() || bounces.swept == 1;
     let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| !is_swept_at_once);
     let kept = if is_swept_at_once || coarser.is_some() { Kept::OneSweep } else { Kept::Sum };
     let mut levels: Vec<Level> = Vec::with_capacity(volumes.len());
-    for (index, volume) in volumes.iter().enumerate() {
-        let name = format!("cascade {index}");
-        levels.push(level(graph, frame, surfels, &name, volume, settings.precision, kept));
+    for ((name, volume), lamp_light) in names.iter().zip(&volumes).zip(lamp_light) {
+        let level = level(graph, frame, surfels, name, volume, settings.precision, kept);
+        levels.push(Level { lamp_light, ..level });
     }
     let scale = emit::scale(frame, &rsms, &levels);
     let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
@@ -162,20 +173,26 @@ pub(super) fn declare<'a>(
         (None, Some(volume)) => {
             let before = BounceCount { swept: bounces.swept - 1, ..bounces };
             let (name, precision) = ("further bounces", settings.precision);
+            let lamp_light = lamp_light::declare(graph, frame, name, &volume);
             let level = level(graph, frame, surfels, name, &volume, precision, Kept::Nothing);
+            let level = Level { lamp_light, ..level };
             let received = further::declare(graph, &work, level, before, further);
             let bounce = Bounce { number: 0, of: once, directions: straight, light: Light::Scene(Some(received)) };
             work.sweep(graph, &mut levels, None, bounce);
         }
         (None, None) => work.sweep_all(graph, &mut levels, bounces, [straight, further]),
     }
+    let haze = levels.last().and_then(|level| {
+        let light = level.light().axes;
+        level.lamp_light.map(|lamps| haze_cells::declare(graph, frame, &level.volume, lamps, light))
+    });
     let mut mirrored = None;
     let radiance = if is_gathered {
         let patches = radiosity.map(|light| light.patches).filter(|_| !gather::are_paths(settings));
         let interleave = Interleave::new(frame, patches.is_some());
-        mirrored = declare_mirrors(graph, frame, gbuffer, settings, patches, interleave);
+        mirrored = declare_mirrors(graph, frame, gbuffer, settings, (patches, haze), interleave);
         let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
-        gather::declare(graph, frame, gbuffer, settings, patches, lit, interleave)
+        gather::declare(graph, frame, gbuffer, settings, (patches, haze), lit, interleave)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
@@ -208,12 +225,12 @@ fn declare_mirrors<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     settings: &Clpv,
-    patches: Option<Handle<Buffer>>,
+    light: (Option<Handle<Buffer>>, Option<HazeCells>),
     interleave: Interleave,
 ) -> Option<Handle<Texture>> {
     match mirror::rays(frame, settings, interleave.is_sparse()) {
         Some(rays) => {
-            let mirrored = mirror::declare(graph, frame, gbuffer, patches, rays);
+            let mirrored = mirror::declare(graph, frame, gbuffer, light, rays);
             Some(mirror_filter::declare(graph, frame, gbuffer, mirrored))
         }
         None => {

@@ -72,7 +72,17 @@ pub(super) fn level(
         Kept::Nothing | Kept::Sum => irradiance(" of a bounce", false),
     };
     let sum = (kept == Kept::Sum).then(|| irradiance("", true));
-    Level { name: name.to_owned(), volume: *volume, precision, obstacles, emission, bounce, sum, shell: None }
+    Level {
+        name: name.to_owned(),
+        volume: *volume,
+        precision,
+        obstacles,
+        emission,
+        lamp_light: None,
+        bounce,
+        sum,
+        shell: None,
+    }
 }
 
 /// Bytes behind the emission of all cells: the brightest sources.
@@ -114,6 +124,7 @@ pub(super) fn declare<'a>(
         precision,
         opacity: level.obstacles.opacity,
         emission: level.emission,
+        has_media: level.lamp_light.is_some(),
         bounce,
         sum: sum.zip(totals),
         fronts: pass.write(fronts),
@@ -133,6 +144,7 @@ pub(super) fn declare<'a>(
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
     let inner_key = inner.map(|inner| inner.key());
     pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces, precision));
+    pass.key(&buffers.has_media);
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
     pass.execute(move |cx| {

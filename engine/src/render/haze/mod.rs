@@ -1,0 +1,83 @@
+//! What participating media do to light on its way to the eye: in come the lights with their shadow maps and the volumes of
+//! light of further bounces, out goes what is scattered towards the eye up to any distance, in a grid of columns and slices
+//! before the camera. The sum of all light and blended surfaces look it up; how much of what lies behind passes they compute
+//! exactly.
+
+mod grid;
+mod integrate;
+mod scatter;
+
+#[cfg(test)]
+pub(crate) use grid::HazeUniform;
+
+use super::direct::lamps::Lamps;
+use super::frame::Frame;
+use super::indirect::light_volumes::Field;
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Buffer, Graph, Handle, PassContext};
+use grid::Grid;
+
+/// Whether the frame shows media.
+pub(in crate::render) fn is_needed(frame: &Frame) -> bool {
+    frame.settings.only.is_light() && !frame.scene.media.is_empty()
+}
+
+/// What media scatter towards the eye.
+#[derive(Clone, Copy)]
+pub(in crate::render) struct Haze {
+    grid: Grid,
+    /// By column and slice.
+    in_scattered: Handle<Buffer>,
+}
+
+/// Declares the passes; the light is that of the lamps, if the frame shows it, and that of the field. None, with the reason in
+/// the report, if there are no media.
+pub(in crate::render) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    lamps: Option<Lamps<'a>>,
+    field: Option<Field>,
+) -> Option<Haze> {
+    if !is_needed(frame) {
+        let reason =
+            if frame.scene.media.is_empty() { "the scene has no fog" } else { "the layer that is shown holds no light" };
+        graph.skip("haze", reason);
+        return None;
+    }
+    let grid = Grid::of(frame);
+    let scattered = scatter::declare(graph, frame, &grid, lamps, field);
+    let in_scattered = integrate::declare(graph, frame, &grid, scattered);
+    Some(Haze { grid, in_scattered })
+}
+
+impl Haze {
+    /// The buffer that passes read which look it up.
+    pub fn buffer(&self) -> Handle<Buffer> {
+        self.in_scattered
+    }
+
+    /// Changes with where the grid lies.
+    pub fn key(&self) -> [u32; 8] {
+        self.grid.key()
+    }
+
+    /// The definitions of shaders that look it up.
+    pub fn defines(frame: &Frame) -> Vec<(&'static str, ShaderDef)> {
+        frame.gpu_scene.media_define().into_iter().chain([("HAZE", ShaderDef::Flag(true))]).collect()
+    }
+
+    /// The buffers of shaders that look it up, by their names.
+    pub fn bindings(&self, cx: &PassContext, frame: &Frame) -> Vec<(&'static str, wgpu::Buffer)> {
+        let mut bindings = vec![
+            ("haze", self.grid.uniform(cx.gpu)),
+            ("in_scattered", cx.buffer(self.in_scattered).clone()),
+        ];
+        bindings.extend(frame.gpu_scene.media_binding(cx.gpu));
+        bindings
+    }
+}
+
+/// Bindings of buffers that are held elsewhere.
+fn as_bindings<'b>(buffers: &'b [(&'static str, wgpu::Buffer)]) -> Vec<(&'static str, Binding<'b>)> {
+    buffers.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))).collect()
+}

@@ -1,0 +1,74 @@
+//! All light in each cell, for media to scatter. See `indirect/light_volumes/sweep/haze_cells.wgsl`.
+
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
+use crate::render::frame::{Frame, linear_groups};
+use crate::render::indirect::light_volumes::volume::Volume;
+use wgpu::BufferUsages;
+
+/// Light in cells that rays look up on their way through media: see `lib/haze_along.wgsl`.
+#[derive(Clone, Copy)]
+pub(in crate::render) struct HazeCells {
+    pub volume: Volume,
+    pub light: Handle<Buffer>,
+    /// Whether it is straight from the lights alone, and light that is scattered once more counts as if it went on.
+    pub are_lamps_alone: bool,
+}
+
+impl HazeCells {
+    /// The definitions of shaders that look it up.
+    pub fn defines(&self) -> impl Iterator<Item = (&'static str, ShaderDef)> {
+        let alone = self.are_lamps_alone.then_some("LAMPS_ALONE");
+        ["HAZE"].into_iter().chain(alone).map(|name| (name, ShaderDef::Flag(true)))
+    }
+
+    /// The shader that looks it up.
+    pub fn defined(cells: Option<&Self>, key: ComputeKey) -> ComputeKey {
+        cells.iter().flat_map(|cells| cells.defines()).fold(key, |key, (name, value)| key.def(name, value))
+    }
+
+    /// Its buffers, by their names.
+    pub fn bindings(&self, cx: &PassContext) -> [(&'static str, wgpu::Buffer); 2] {
+        let volume = cx.gpu.uniform("volume", &self.volume.uniform());
+        [("haze_volume", volume), ("haze_cells", cx.buffer(self.light).clone())]
+    }
+
+    /// Changes with where the cells lie.
+    pub fn key(cells: Option<&Self>) -> Option<([u32; 4], [u32; 3])> {
+        cells.map(|cells| cells.volume.key())
+    }
+}
+
+/// Declares the pass: the light of the lamps, and that of the sweep by axis.
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    volume: &Volume,
+    lamp_light: Handle<Buffer>,
+    axes: Handle<Buffer>,
+) -> HazeCells {
+    let desc = BufferDesc::new(16 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
+    let light = graph.buffer("haze, all light in cells", desc);
+    let mut pass = graph.pass("haze cells");
+    pass.read(lamp_light);
+    pass.read(axes);
+    let light = pass.write(light);
+    pass.key(&(frame.scene.identity, volume.key()));
+    let volume = *volume;
+    pass.execute(move |cx| {
+        let [lamp_light, axes, light] = [lamp_light, axes, light].map(|handle| cx.buffer(handle).clone());
+        let uniform = cx.gpu.uniform("volume", &volume.uniform());
+        cx.counts().cells += u64::from(volume.cell_count());
+        cx.dispatch(
+            &ComputeKey::new("indirect/light_volumes/sweep/haze_cells.wgsl", "main"),
+            &[
+                ("volume", Binding::Buffer(&uniform)),
+                ("lamp_light", Binding::Buffer(&lamp_light)),
+                ("axes", Binding::Buffer(&axes)),
+                ("haze_cells", Binding::Buffer(&light)),
+            ],
+            linear_groups(volume.cell_count()),
+        )
+    });
+    HazeCells { volume, light, are_lamps_alone: false }
+}

@@ -1,0 +1,39 @@
+// What is scattered towards the eye up to each slice: S = Σ T·(1 − exp(−τ))·J over the slices before, with the light J that a
+// slice scatters over its density, its optical depth τ, and the share T of light that passes from it to the eye.
+
+#import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_distance}
+#import lightwell::media::{FARTHEST, optical_depth}
+#import lightwell::view::View
+
+@group(0) @binding(41) var<uniform> view: View;
+@group(0) @binding(39) var<uniform> haze: Haze;
+// Light, and optical depth.
+@group(0) @binding(42) var<storage, read> scattered: array<vec4f>;
+@group(0) @binding(43) var<storage, read_write> in_scattered: array<vec4f>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    if index >= haze.columns.x * haze.columns.y {
+        return;
+    }
+    let column = vec2u(index % haze.columns.x, index / haze.columns.x);
+    var sum = vec3f(0.0);
+    var depth = 0.0;
+    var last = vec3f(0.0);
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let at = haze_index(haze, column, slice);
+        in_scattered[at] = vec4f(sum, 0.0);
+        let here = scattered[at];
+        sum += exp(-depth) * (1.0 - exp(-here.w)) * here.rgb;
+        depth += here.w;
+        last = here.rgb;
+    }
+    in_scattered[haze_index(haze, column, SLICES)] = vec4f(sum, 0.0);
+    // Beyond the last slice light is as it is there.
+    let sight = sight_through(view, (vec2f(column) + 0.5 + haze.shift) * haze.tile);
+    let end = slice_distance(haze, f32(SLICES));
+    let rest = optical_depth(sight.origin + sight.direction * end, sight.direction, FARTHEST);
+    sum += exp(-depth) * (1.0 - exp(-rest)) * last;
+    in_scattered[haze_index(haze, column, SLICES + 1u)] = vec4f(sum, 0.0);
+}

@@ -1,0 +1,164 @@
+// What the media in each slice of each column scatter towards the eye, over their density: Σ τᵢ·ρᵢ·(Σ pᵢ·E + light of further
+// bounces)/Σ τᵢ, with the optical depths τ of the media there, their albedos ρ and phase functions p, and the irradiance E from
+// each light, past shadows and through the media. Light of further bounces is that of the volumes, of which the first
+// harmonics count: J − 3g/(4π)·F·ω of its mean radiance J and its net flux F (Pharr, Jakob and Humphreys 2023, section 11.4).
+//   LIT       light straight from the lights
+//   SWEPT, PROPAGATED   where light of further bounces is looked up; neither: there is none
+
+#import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_distance}
+#ifdef LIT
+#import lightwell::haze_lamps::{arriving, inverse_square_of_part, lamp_count}
+#endif
+#import lightwell::media::{MEDIA, depths, media, phase}
+#ifdef SWEPT
+#import lightwell::sweep_lookup::{Fluence, fluence_at}
+#import lightwell::volume::Volume
+#endif
+#ifdef PROPAGATED
+#import lightwell::relight::propagated_irradiance
+#endif
+#import lightwell::sampling::TAU
+#import lightwell::view::View
+
+@group(0) @binding(41) var<uniform> view: View;
+@group(0) @binding(39) var<uniform> haze: Haze;
+// [W/(m² sr)]
+@group(0) @binding(42) var<storage, read_write> scattered: array<vec4f>;
+#ifdef SWEPT
+@group(0) @binding(43) var<uniform> swept: Volume;
+#endif
+
+const MAX_RADIANCE: f32 = 1e30;
+
+struct Slice {
+    origin: vec3f,         // of the line of sight
+    direction: vec3f,
+    at: f32,               // distance of the point where light is looked up [m]
+    middle: f32,
+    half_length: f32,
+    width: f32,            // half of it, across the line of sight [m]
+    of_media: array<f32, 16>, // optical depth of each
+    depth: f32,            // all of them
+}
+
+fn slice_at(column: vec2u, index: u32) -> Slice {
+    let at = (vec2f(column) + 0.5 + haze.shift) * haze.tile;
+    let sight = sight_through(view, at);
+    let begin = slice_distance(haze, f32(index));
+    let end = slice_distance(haze, f32(index + 1u));
+    var slice: Slice;
+    slice.origin = sight.origin;
+    slice.direction = sight.direction;
+    slice.middle = 0.5 * (begin + end);
+    slice.half_length = 0.5 * (end - begin);
+    slice.of_media = depths(sight.origin + sight.direction * begin, sight.direction, end - begin);
+    for (var i = 0u; i < MEDIA; i++) {
+        slice.depth += slice.of_media[i];
+    }
+    // Half of what is scattered in an even slice is so before that point.
+    let u = 0.5 + haze.depth_shift;
+    let within = select(-log(1.0 - u * (1.0 - exp(-min(slice.depth, 80.0)))) / max(slice.depth, 1e-30), u, slice.depth < 1e-2);
+    slice.at = begin + clamp(within, 0.0, 1.0) * (end - begin);
+    let beside = sight_through(view, at + vec2f(haze.tile, 0.0));
+    let point = sight.origin + sight.direction * slice.at;
+    slice.width = 0.5 * distance(point, beside.origin + beside.direction * slice.at);
+    return slice;
+}
+
+// Albedo times phase function for light from one direction, in the mean over the media.
+fn response(slice: Slice, to_light: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < MEDIA; i++) {
+        sum += slice.of_media[i] * media[i].albedo * phase(media[i].anisotropy, dot(to_light, slice.direction));
+    }
+    return sum / slice.depth;
+}
+
+#ifdef LIT
+fn from_lights(slice: Slice, thread: u32) -> vec3f {
+    let position = slice.origin + slice.direction * slice.at;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < lamp_count(thread); i++) {
+        let light = arriving(i, position);
+        if all(light.irradiance <= vec3f(0.0)) {
+            continue;
+        }
+        var share = 1.0;
+        if light.distance > 0.0 {
+            let foot = dot(light.to_light, slice.direction) * light.distance;
+            let middle = slice.middle - slice.at - foot;
+            share = inverse_square_of_part(light.distance, foot, middle, slice.half_length, slice.width);
+        }
+        sum += response(slice, light.to_light) * light.irradiance * share;
+    }
+    return min(sum, vec3f(MAX_RADIANCE));
+}
+#endif
+
+#ifdef FURTHER
+// Mean radiance, and net flux.
+struct Around {
+    mean: vec3f,
+    flux: mat3x3f,         // by axis: red, green, blue
+}
+
+fn light_around(position: vec3f) -> Around {
+#ifdef SWEPT
+    let found = fluence_at(swept, position);
+    return Around(found.mean, found.flux);
+#endif
+#ifdef PROPAGATED
+    var around = Around(vec3f(0.0), mat3x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+    for (var i = 0u; i < 3u; i++) {
+        var axis = vec3f(0.0);
+        axis[i] = 1.0;
+        let above = propagated_irradiance(position, axis);
+        let below = propagated_irradiance(position, -axis);
+        around.mean += (above + below) / (3.0 * TAU);
+        around.flux[i] = below - above;
+    }
+    return around;
+#endif
+    return Around(vec3f(0.0), mat3x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+}
+
+fn from_further_bounces(slice: Slice) -> vec3f {
+    let around = light_around(slice.origin + slice.direction * slice.at);
+    let d = slice.direction;
+    let along = around.flux[0] * d.x + around.flux[1] * d.y + around.flux[2] * d.z;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < MEDIA; i++) {
+        let g = media[i].anisotropy;
+        // Light travels against the line of sight.
+        let radiance = max(around.mean - along * (3.0 * g / (2.0 * TAU)), vec3f(0.0));
+        sum += slice.of_media[i] * media[i].albedo * radiance;
+    }
+    return min(sum / slice.depth, vec3f(MAX_RADIANCE));
+}
+#endif
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = thread.x + thread.y * groups.x * 64u;
+    let columns = haze.columns.x * haze.columns.y;
+    if index >= columns * SLICES {
+        return;
+    }
+    let number = index / SLICES;
+    let column = vec2u(number % haze.columns.x, number / haze.columns.x);
+    let to = haze_index(haze, column, index % SLICES);
+    let slice = slice_at(column, index % SLICES);
+    var light = vec3f(0.0);
+    if slice.depth > 0.0 {
+#ifdef LIT
+        light += from_lights(slice, index);
+#endif
+#ifdef FURTHER
+        light += from_further_bounces(slice);
+#endif
+    }
+#ifdef MORE
+    light += scattered[to].rgb;
+#endif
+    scattered[to] = vec4f(light, slice.depth);
+}
