@@ -9,7 +9,7 @@
 #ifdef LIT
 #import lightwell::haze_lamps::{arriving, inverse_square_of_part, lamp_count}
 #endif
-#import lightwell::media::{MEDIA, depths, media, phase}
+#import lightwell::media::{MEDIA, Span, depth_of, media, phase, span_in}
 #ifdef SWEPT
 #import lightwell::sweep_lookup::{Fluence, fluence_at}
 #import lightwell::volume::Volume
@@ -37,8 +37,15 @@ struct Slice {
     middle: f32,
     half_length: f32,
     width: f32,            // half of it, across the line of sight [m]
-    of_media: array<f32, 16>, // optical depth of each
-    depth: f32,            // all of them
+    depth: f32,            // optical depth of all media
+}
+
+// Optical depth of a medium. It is computed where it is needed: most scenes have one or two.
+fn depth_of_medium(slice: Slice, index: u32) -> f32 {
+    let begin = slice.middle - slice.half_length;
+    let end = slice.middle + slice.half_length;
+    let whole = span_in(media[index], slice.origin, slice.direction, end);
+    return depth_of(media[index], slice.origin, slice.direction, Span(max(whole.begin, begin), whole.end));
 }
 
 fn slice_at(column: vec2u, index: u32) -> Slice {
@@ -51,9 +58,8 @@ fn slice_at(column: vec2u, index: u32) -> Slice {
     slice.direction = sight.direction;
     slice.middle = 0.5 * (begin + end);
     slice.half_length = 0.5 * (end - begin);
-    slice.of_media = depths(sight.origin + sight.direction * begin, sight.direction, end - begin);
     for (var i = 0u; i < MEDIA; i++) {
-        slice.depth += slice.of_media[i];
+        slice.depth += depth_of_medium(slice, i);
     }
     // Half of what is scattered in an even slice is so before that point.
     let u = 0.5 + haze.depth_shift;
@@ -69,15 +75,16 @@ fn slice_at(column: vec2u, index: u32) -> Slice {
 fn response(slice: Slice, to_light: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < MEDIA; i++) {
-        sum += slice.of_media[i] * media[i].albedo * phase(media[i].anisotropy, dot(to_light, slice.direction));
+        sum += depth_of_medium(slice, i) * media[i].albedo * phase(media[i].anisotropy, dot(to_light, slice.direction));
     }
-    return sum / slice.depth;
+    return sum / max(slice.depth, 1e-30);
 }
 
 #ifdef LIT
 fn from_lights(slice: Slice, thread: u32) -> vec3f {
     let position = slice.origin + slice.direction * slice.at;
     var sum = vec3f(0.0);
+    // Also where there is no medium: a branch around it all makes Mesa's software driver (22.3) crash.
     for (var i = 0u; i < lamp_count(thread); i++) {
         let light = arriving(i, position);
         if all(light.irradiance <= vec3f(0.0)) {
@@ -131,9 +138,9 @@ fn from_further_bounces(slice: Slice) -> vec3f {
         let g = media[i].anisotropy;
         // Light travels against the line of sight.
         let radiance = max(around.mean - along * (3.0 * g / (2.0 * TAU)), vec3f(0.0));
-        sum += slice.of_media[i] * media[i].albedo * radiance;
+        sum += depth_of_medium(slice, i) * media[i].albedo * radiance;
     }
-    return min(sum / slice.depth, vec3f(MAX_RADIANCE));
+    return min(sum / max(slice.depth, 1e-30), vec3f(MAX_RADIANCE));
 }
 #endif
 
@@ -149,14 +156,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     let to = haze_index(haze, column, index % SLICES);
     let slice = slice_at(column, index % SLICES);
     var light = vec3f(0.0);
-    if slice.depth > 0.0 {
 #ifdef LIT
-        light += from_lights(slice, index);
+    light += from_lights(slice, index);
 #endif
 #ifdef FURTHER
-        light += from_further_bounces(slice);
+    light += from_further_bounces(slice);
 #endif
-    }
 #ifdef MORE
     light += scattered[to].rgb;
 #endif

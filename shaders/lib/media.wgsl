@@ -106,15 +106,6 @@ fn depth_of(medium: Medium, origin: vec3f, direction: vec3f, span: Span) -> f32 
     return medium.extinction * (below + above * thinned);
 }
 
-// Optical depth of each medium along a ray in a unit direction.
-fn depths(origin: vec3f, direction: vec3f, distance: f32) -> array<f32, 16> {
-    var found: array<f32, 16>;
-    for (var i = 0u; i < MEDIA; i++) {
-        found[i] = depth_of(media[i], origin, direction, span_in(media[i], origin, direction, distance));
-    }
-    return found;
-}
-
 // Optical depth of all.
 fn optical_depth(origin: vec3f, direction: vec3f, distance: f32) -> f32 {
     var sum = 0.0;
@@ -189,4 +180,60 @@ fn distance_of_depth(medium: Medium, origin: vec3f, direction: vec3f, span: Span
     let downward = select(to_ground + wanted - above, falling, falling <= to_ground);
     let even = wanted / max(density_at(medium, height), 1e-35);
     return select(select(downward, upward, slope > 0.0), even, thinning < 1e-7);
+}
+
+// ---- Points on a ray that are lit by a light ----
+
+// The part of a ray that lies in any medium.
+fn span_of_all(origin: vec3f, direction: vec3f, distance: f32) -> Span {
+    var all = Span(FARTHEST, 0.0);
+    for (var i = 0u; i < MEDIA; i++) {
+        let span = span_in(media[i], origin, direction, distance);
+        if span.end > span.begin {
+            all = Span(min(all.begin, span.begin), max(all.end, span.end));
+        }
+    }
+    return all;
+}
+
+// Equiangular sampling (Kulla and Fajardo 2012): distances along a part of a ray with a density that follows 1/r² of a light.
+struct Equiangular {
+    foot: f32,             // distance along the ray of the light's perpendicular [m]
+    across: f32,           // length of that [m]
+    low: f32,              // angles of the part's ends [rad]
+    high: f32,
+}
+
+fn equiangular(origin: vec3f, direction: vec3f, span: Span, light: vec3f) -> Equiangular {
+    let foot = dot(light - origin, direction);
+    let across = max(length(light - origin - direction * foot), 1e-5);
+    return Equiangular(foot, across, atan((span.begin - foot) / across), atan((span.end - foot) / across));
+}
+
+fn equiangular_distance(e: Equiangular, random: f32) -> f32 {
+    return e.foot + e.across * tan(mix(e.low, e.high, random));
+}
+
+// Its density [1/m].
+fn equiangular_density(e: Equiangular, distance: f32) -> f32 {
+    let along = distance - e.foot;
+    return e.across / (max(e.high - e.low, 1e-9) * (e.across * e.across + along * along));
+}
+
+// Extinction coefficient of all media at a point [1/m].
+fn extinction_of_all(position: vec3f) -> f32 {
+    var sum = 0.0;
+    for (var i = 0u; i < MEDIA; i++) {
+        sum += extinction_at(media[i], position);
+    }
+    return sum;
+}
+
+// What all media at a point scatter of light from one direction into another, over it [1/(m sr)].
+fn scattering_at(position: vec3f, cosine: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < MEDIA; i++) {
+        sum += extinction_at(media[i], position) * media[i].albedo * phase(media[i].anisotropy, cosine);
+    }
+    return sum;
 }

@@ -14,13 +14,16 @@
 #ifdef AREA_LIGHTS
 #import lightwell::area_lights::{is_area, sample_incidence, meet_light}
 #endif
-#import lightwell::lights::{Incidence, Light, light_incidence}
+#import lightwell::lights::{Incidence, Light, is_distant, light_incidence}
 #ifdef MEDIA
-#import lightwell::media::{FARTHEST, phase, scattered_direction, transmittance, share_not_absorbed}
+#import lightwell::media::{FARTHEST, Span, equiangular, equiangular_density, equiangular_distance, extinction_of_all, phase, scattered_direction, scattering_at, share_not_absorbed, transmittance}
 #endif
 #import lightwell::ray_materials::{coverage, emitted_at}
 #import lightwell::ray_scene::{NONE, DOUBLE_SIDED, load_triangle, emitters, load_light}
 #import lightwell::ray_surfaces::{Surface, leave_surface}
+#ifdef MEDIA
+#import lightwell::ray_surfaces::point_of_medium
+#endif
 #import lightwell::rays::{Ray, Hit}
 #import lightwell::sampling::{INVERSE_PI, cosine_direction, is_chosen, visible_ggx_normal}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
@@ -199,6 +202,52 @@ fn light_weight(surface: Surface, to_eye: vec3f, share: f32, incidence: Incidenc
     return 1.0;
 }
 
+#ifdef MEDIA
+// The part of a ray on which a path is scattered, for the lights that a point on it sees. Without density there is none: a point
+// of a medium then counts for all light.
+struct Segment {
+    origin: vec3f,
+    direction: vec3f,      // unit
+    span: Span,
+    distance: f32,         // of the point where the path was scattered [m]
+    density: f32,          // of that distance [1/m]
+    lights: f32,           // of which one is chosen for `sample_segment`
+}
+
+var<private> segment: Segment;
+
+// Weight of the light that a point where a path is scattered has of a light, against `sample_segment` (balance heuristic).
+fn weight_of_collision(surface: Surface, light: Light) -> f32 {
+    if !surface.is_medium || segment.density <= 0.0 || is_distant(light) {
+        return 1.0;
+    }
+    let e = equiangular(segment.origin, segment.direction, segment.span, light.position);
+    return segment.density / (segment.density + equiangular_density(e, segment.distance) / segment.lights);
+}
+
+// Light of one light that media scatter on the way of a ray to its beginning, at a point near that light: where the path itself
+// is scattered, a light is hardly ever near. `passed` is the transmittance with which distances are sampled otherwise.
+fn sample_segment(index: u32, is_direct: bool, random: f32, on_light: vec2f) -> LightSample {
+    let candidate = load_light(index);
+    if is_distant(candidate.light) || (!is_direct && candidate.indirect == 0u) || segment.span.end <= segment.span.begin {
+        return no_light();
+    }
+    let e = equiangular(segment.origin, segment.direction, segment.span, candidate.light.position);
+    let distance = clamp(equiangular_distance(e, random), segment.span.begin, segment.span.end);
+    let position = segment.origin + segment.direction * distance;
+    let incidence = incidence_of(candidate.light, position, on_light);
+    let scattering = scattering_at(position, dot(incidence.to_light, segment.direction));
+    if all(incidence.irradiance <= vec3f(0.0)) || all(scattering <= vec3f(0.0)) {
+        return no_light();
+    }
+    let passing = transmittance(segment.origin, segment.direction, distance);
+    let of_collisions = extinction_of_all(position) * passing;
+    let density = equiangular_density(e, distance) / segment.lights + of_collisions;
+    let light = bounded(scattering * incidence.irradiance * (passing / density));
+    return toward_light(point_of_medium(position, vec3f(0.0), 0.0), incidence, light, candidate.casts_shadow != 0u);
+}
+#endif
+
 // One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
 // Chao 1982): a single light is sampled without noise. Lights that feed no indirect light are left out unless the light
 // is direct.
@@ -220,7 +269,10 @@ fn sample_light(
         if all(incidence.irradiance <= vec3f(0.0)) {
             continue;
         }
-        let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+        var light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+#ifdef MEDIA
+        light *= weight_of_collision(surface, candidate.light);
+#endif
         let weight = light.r + light.g + light.b;
         if weight <= 0.0 {
             continue;

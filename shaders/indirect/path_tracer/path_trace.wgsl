@@ -20,7 +20,8 @@
 #import lightwell::next_event::{sample_sky_light, sky_weight}
 #endif
 #ifdef MEDIA
-#import lightwell::media::{FARTHEST, MEDIA, depth_of, distance_of_depth, media, span_in}
+#import lightwell::media::{FARTHEST, MEDIA, distance_of_depth, extinction_of_all, media, span_in, span_of_all, transmittance}
+#import lightwell::next_event::{Segment, sample_segment, segment}
 #import lightwell::ray_surfaces::point_of_medium
 #endif
 #import lightwell::ray_scene::NONE
@@ -223,6 +224,7 @@ fn collide(path: Path, hit: Hit, random: ptr<function, Sampler>) -> Collision {
     let direction = path.ray.direction / length;
     let reach = select(hit.t * length, FARTHEST, hit.triangle == NONE);
     var found = Collision(reach, NONE);
+    segment = Segment(path.ray.origin, direction, span_of_all(path.ray.origin, direction, reach), 0.0, 0.0, f32(light_count));
     for (var i = 0u; i < MEDIA; i++) {
         let span = span_in(media[i], path.ray.origin, direction, reach);
         let depth = -log(1.0 - next_pair(random).x);
@@ -231,7 +233,30 @@ fn collide(path: Path, hit: Hit, random: ptr<function, Sampler>) -> Collision {
             found = Collision(distance, i);
         }
     }
+    if found.medium != NONE {
+        let position = path.ray.origin + direction * found.distance;
+        segment.distance = found.distance;
+        segment.density = extinction_of_all(position) * transmittance(path.ray.origin, direction, found.distance);
+    }
     return found;
+}
+
+// What media scatter on the way of the last ray, near one of the lights.
+fn add_scattered(path: ptr<function, Path>, random: ptr<function, Sampler>) {
+    let pick = next_pair(random);
+    var on_light = vec2f(0.0);
+#ifdef AREA_LIGHTS
+    on_light = next_pair(random);
+#endif
+    if light_count == 0u {
+        return;
+    }
+    let is_direct = (*path).vertices == 0u;
+    let index = min(u32(pick.x * f32(light_count)), light_count - 1u);
+    let sample = sample_segment(index, is_direct, pick.y, on_light);
+    if sample.reach <= 0.0 || trace(params.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
+        add(path, sample.light, is_direct);
+    }
 }
 #endif
 
@@ -268,6 +293,7 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
     var hit = met;
 #ifdef MEDIA
     let collision = collide(*path, met, random);
+    add_scattered(path, random);
     if collision.medium != NONE {
         // A number that is none of a triangle's.
         hit = Hit(collision.distance / length((*path).ray.direction), NONE - 1u, vec2f(0.0));
