@@ -25,9 +25,9 @@ const KINDS: [LightKind; 8] = [
 ];
 
 /// What a fog may be, no fog at all included.
-const FOGS: [lightwell::world::Fog; 7] = {
+const FOGS: [Fog; 7] = {
     let shape = FogShape::Everywhere;
-    let fog = lightwell::world::Fog { shape, extinction: 0.3, albedo: Vec3::ONE, anisotropy: 0.0, falloff: 0.0 };
+    let fog = Fog { shape, extinction: 0.3, albedo: Vec3::ONE, anisotropy: 0.0, falloff: 0.0 };
     let ball = FogShape::Sphere { radius: 0.8 };
     [
         fog,
