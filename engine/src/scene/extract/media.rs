@@ -76,6 +76,9 @@ fn medium(
     if !is_valid {
         warn("has fog settings out of range; the nearest ones in range are used");
     }
+    if fog.extinction == 0.0 {
+        return None;
+    }
     let (shape, half_size) = match fog.shape {
         FogShape::Everywhere => (MediumShape::Everywhere, Vec3::ONE),
         FogShape::Box { size } => (MediumShape::Box, 0.5 * size),
@@ -95,7 +98,7 @@ fn medium(
         warn("holds fog that is not drawn: it is scaled to nothing");
         return None;
     }
-    (fog.extinction > 0.0).then(|| SceneMedium {
+    Some(SceneMedium {
         id: identity.id(),
         name: name_or_id(entity, name),
         shape,
