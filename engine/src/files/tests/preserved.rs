@@ -102,7 +102,7 @@ fn fog_keeps_what_was_written_of_it() {
     assert_eq!(edit(|_| {}), text);
     assert_eq!(edit(|fog| fog.extinction = 0.1), with(&text, "5e-2", "0.1"));
     assert_eq!(edit(|fog| fog.shape = FogShape::Sphere { radius: 4.0 }), with(&text, "radius: 3.0", "radius: 4.0"));
-    assert_eq!(edit(|fog| fog.anisotropy = 0.5), with(&text, "5e-2", "5e-2, anisotropy: 0.5"));
+    assert_eq!(edit(|fog| fog.anisotropy = 0.5), with(&text, "5e-2 /* thin */", "5e-2, /* thin */ anisotropy: 0.5"));
     let clear = saved(&text, |world| {
         let mist = at(world, "Mist").unwrap();
         world.ecs.entity_mut(mist).remove::<Fog>();
