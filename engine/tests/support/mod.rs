@@ -48,7 +48,16 @@ impl Stage {
         };
         let scene = Scene {
             identity: 1,
-            revisions: Revisions { geometry: 1, materials: 1, lights: 1, cameras: 1, clpv: 1, settings: 1, statics: 0 },
+            revisions: Revisions {
+                geometry: 1,
+                materials: 1,
+                lights: 1,
+                media: 1,
+                cameras: 1,
+                clpv: 1,
+                settings: 1,
+                statics: 0,
+            },
             ..Default::default()
         };
         Self { scene, view: SceneView { camera, size: [edge, edge], jitter: [0.0; 2] }, next: 10 }
