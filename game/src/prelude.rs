@@ -13,4 +13,6 @@ pub use lightwell::game::{
     Actions, Button, Contact, CurrentScene, FixedUpdate, Game, GameCommands, Hit, Input, InputEvent, InputScript, Key,
     LightProbe, MouseButton, NonSolid, OnSceneEnter, PadButton, Persistent, SpatialQuery, Stick, Time, Timer, Update,
 };
-pub use lightwell::world::{Camera, GlobalTransform, Light, LightKind, MeshRenderer, Name, Projection, Transform};
+pub use lightwell::world::{
+    Camera, Fog, FogShape, GlobalTransform, Light, LightKind, MeshRenderer, Name, Projection, Transform,
+};

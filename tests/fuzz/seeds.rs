@@ -22,6 +22,8 @@ pub const SCENE: &str = r#"Scene(
         (name: "Tube", mesh: Cylinder(radius: 1, height: 2), children: [(name: "Box", mesh: Box(size: (1, 2, 3)))]),
         (name: "Volume", clpv: (quality: Medium, precision: Half, cells: (8, 8, 8), cell_size: Meters(0.3), cascades: 2), vpl: (particles: 64),
             slc: (rsm_size: 64)),
+        (name: "Smoke", fog: (shape: Box(size: (4, 3, 4)), extinction: 0.1, albedo: (0.9, 0.9, 0.9), anisotropy: 0.5, falloff: 0.2)),
+        (name: "Haze", fog: (shape: Sphere(radius: 2)), animation: (tracks: [Keys(target: Field("fog.extinction"), keys: [(0, 0), (1, 0.1)])])),
         (name: "Parts", prefab: "a.prefab.ron", repeat: Grid(count: (2, 1, 3), spacing: (3, 0, 2.5)),
             overrides: { "2": (remove: true), "3/Part": (material: "red") }),
         (name: "Ring", prefab: "a.prefab.ron", repeat: Ring(count: 4, radius: 4)),

@@ -61,6 +61,7 @@ impl EntityFile {
             clpv: self.clpv.clone(),
             vpl: self.vpl.clone(),
             slc: self.slc.clone(),
+            fog: self.fog,
             animation: self.animation.clone(),
             components: self.components.clone(),
             ..Default::default()
@@ -82,6 +83,7 @@ impl EntityFile {
             clpv: c.clpv,
             vpl: c.vpl,
             slc: c.slc,
+            fog: c.fog,
             animation: c.animation,
             components: c.components,
             ..Default::default()
@@ -92,7 +94,7 @@ impl EntityFile {
 /// Calls the macro with the names of all component fields.
 macro_rules! for_components {
     ($each:ident) => {
-        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, slc, animation)
+        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, slc, fog, animation)
     };
 }
 
@@ -123,6 +125,7 @@ impl OverrideFile {
             (ComponentKind::Clpv, base.clpv.is_some() && self.clpv.is_none()),
             (ComponentKind::Vpl, base.vpl.is_some() && self.vpl.is_none()),
             (ComponentKind::Slc, base.slc.is_some() && self.slc.is_none()),
+            (ComponentKind::Fog, base.fog.is_some() && self.fog.is_none()),
             (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
         ];
         changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
@@ -179,6 +182,7 @@ impl OverrideFile {
             ComponentKind::Clpv => self.clpv = None,
             ComponentKind::Vpl => self.vpl = None,
             ComponentKind::Slc => self.slc = None,
+            ComponentKind::Fog => self.fog = None,
             ComponentKind::Animation => self.animation = None,
             ComponentKind::Own(name) => drop(self.components.remove(name)),
         }

@@ -2,7 +2,7 @@
 
 /// Texts of the source files whose documentation comments describe components and their fields: one place for help,
 /// units and ranges, whether they are read in the documentation or in an inspector.
-pub const DESCRIBED: [&str; 10] = [
+pub const DESCRIBED: [&str; 11] = [
     include_str!("format.rs"),
     include_str!("parts.rs"),
     include_str!("../assets/shape.rs"),
@@ -13,4 +13,5 @@ pub const DESCRIBED: [&str; 10] = [
     include_str!("../world/lens.rs"),
     include_str!("../world/instant_radiosity.rs"),
     include_str!("../world/light_culling.rs"),
+    include_str!("../world/fog.rs"),
 ];

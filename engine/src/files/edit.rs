@@ -16,7 +16,7 @@ use super::tree::Step;
 use super::validate::Validator;
 use crate::assets::Material;
 use crate::world::{
-    Animation, Camera, Clpv, GameWorld, InstantRadiosity, Light, MeshRenderer, StochasticLightCulling, Transform,
+    Animation, Camera, Clpv, Fog, GameWorld, InstantRadiosity, Light, MeshRenderer, StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::Entity;
 use std::rc::Rc;
@@ -96,7 +96,12 @@ fn put(
         ..changes.clone()
     };
     let own = changes.components.keys().map(String::as_str);
-    let given = [("clpv", changes.clpv.is_some()), ("vpl", changes.vpl.is_some()), ("slc", changes.slc.is_some())];
+    let given = [
+        ("clpv", changes.clpv.is_some()),
+        ("vpl", changes.vpl.is_some()),
+        ("slc", changes.slc.is_some()),
+        ("fog", changes.fog.is_some()),
+    ];
     for name in own.chain(given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name)) {
         world.release_fields(entity, name);
     }
@@ -214,6 +219,7 @@ fn take_away(world: &mut GameWorld, context: &EditContext, entity: Entity, kind:
         ComponentKind::Clpv => entity.remove::<Clpv>(),
         ComponentKind::Vpl => entity.remove::<InstantRadiosity>(),
         ComponentKind::Slc => entity.remove::<StochasticLightCulling>(),
+        ComponentKind::Fog => entity.remove::<Fog>(),
         ComponentKind::Animation => entity.remove::<Animation>(),
         ComponentKind::Own(_) => &mut entity,
     };

@@ -6,7 +6,7 @@ pub use super::custom_components::CustomComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
-use crate::world::{Animation, Camera, Clpv, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
+use crate::world::{Animation, Camera, Clpv, Fog, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -107,6 +107,9 @@ pub struct EntityFile {
     /// Settings of stochastic light culling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slc: Option<StochasticLightCulling>,
+    /// Haze, fog or smoke.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fog: Option<Fog>,
     /// Animation of the transform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -167,6 +170,9 @@ pub struct OverrideFile {
     /// Settings of stochastic light culling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slc: Option<StochasticLightCulling>,
+    /// Haze, fog or smoke.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fog: Option<Fog>,
     /// Animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -196,6 +202,8 @@ pub enum ComponentKind {
     Vpl,
     /// The settings of stochastic light culling.
     Slc,
+    /// The haze, fog or smoke.
+    Fog,
     /// The animation.
     Animation,
     /// A component of the game, by its name.

@@ -11,7 +11,7 @@ use super::tree::Step;
 use super::validate::Validator;
 use super::write::{to_text, write_atomically};
 use crate::world::{
-    Animation, Clpv, GameWorld, InstantRadiosity, MeshRenderer, Name, StochasticLightCulling, Transform,
+    Animation, Clpv, Fog, GameWorld, InstantRadiosity, MeshRenderer, Name, StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::{Entity, World};
 use std::borrow::Cow;
@@ -255,6 +255,7 @@ impl<'a> Writer<'a> {
             clpv: self.world.rest_component::<Clpv>(entity, "clpv"),
             vpl: self.world.rest_component::<InstantRadiosity>(entity, "vpl"),
             slc: self.world.rest_component::<StochasticLightCulling>(entity, "slc"),
+            fog: self.world.rest_component::<Fog>(entity, "fog"),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone().map(|model| self.model(model)),
             ..Default::default()

@@ -64,6 +64,9 @@ impl Loader<'_> {
         if let Some(vpl) = &c.vpl {
             target.insert(vpl.clone());
         }
+        if let Some(fog) = c.fog {
+            target.insert(fog);
+        }
         if let Some(animation) = &c.animation {
             target.insert(animation.clone());
         }

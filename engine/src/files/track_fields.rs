@@ -141,6 +141,7 @@ impl FieldTrack<'_> {
             "clpv" => file.clpv = Some(parsed(text)?),
             "vpl" => file.vpl = Some(parsed(text)?),
             "slc" => file.slc = Some(parsed(text)?),
+            "fog" => file.fog = Some(parsed(text)?),
             own => {
                 let types = self.world.ecs.get_resource::<ComponentTypes>();
                 let known = types.and_then(|types| types.get(own));

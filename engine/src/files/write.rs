@@ -7,7 +7,8 @@ use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
 use crate::world::{
-    Animation, Bloom, Camera, Clpv, DepthOfField, InstantRadiosity, Lens, Light, SceneSettings, StochasticLightCulling,
+    Animation, Bloom, Camera, Clpv, DepthOfField, Fog, InstantRadiosity, Lens, Light, SceneSettings,
+    StochasticLightCulling,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -53,6 +54,7 @@ impl Defaults {
             ("clpv", node(&Clpv::default())?),
             ("vpl", node(&InstantRadiosity::default())?),
             ("slc", node(&StochasticLightCulling::default())?),
+            ("fog", node(&Fog::default())?),
             ("animation", node(&Animation::default())?),
             ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),

@@ -14,12 +14,12 @@ pub enum FogShape {
     Everywhere,
     /// A box around the entity's origin, turned, moved and scaled with it.
     Box {
-        /// Edges \[m\].
+        /// Edges \[m\], 1e-6..1e6.
         size: Vec3,
     },
     /// A ball around the entity's origin; the entity's scale makes it an ellipsoid.
     Sphere {
-        /// Radius \[m\].
+        /// Radius \[m\], 1e-6..1e6.
         radius: f32,
     },
 }
@@ -32,7 +32,7 @@ pub enum FogShape {
 pub struct Fog {
     /// The space that it fills.
     pub shape: FogShape,
-    /// Extinction coefficient σₜ \[1/m\]: the share of light that a thin layer absorbs or scatters, over its thickness. In a fog
+    /// Extinction coefficient σₜ \[1/m\], 0..1e6: the share of light that a thin layer absorbs or scatters, over its thickness. In a fog
     /// of 0.1 one sees 10 m far, up to a contrast of 1/e.
     pub extinction: f32,
     /// Share of that light which is scattered and not absorbed, linear RGB, 0..1: near 1 for mist, less for smoke.
@@ -40,7 +40,7 @@ pub struct Fog {
     /// Mean cosine g of the angle by which light is scattered (Henyey and Greenstein 1941), −0.95..0.95: above 0 onward, as mist
     /// does with about 0.8; 0: to all sides alike.
     pub anisotropy: f32,
-    /// How fast it thins out with the height above the entity's origin, along the entity's Y axis \[1/m\]: the extinction there
+    /// How fast it thins out with the height above the entity's origin, along the entity's Y axis \[1/m\], 0..1e6: the extinction there
     /// is that at the origin times exp(−falloff·height). Below the origin it is even. 0: it is even everywhere.
     pub falloff: f32,
 }

@@ -3,7 +3,7 @@
 use super::fields::{self, FieldTypes};
 use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
-    Animation, Camera, Clock, Clpv, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
+    Animation, Camera, Clock, Clpv, Fog, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
     WorldError, animate, deform, descendants, hierarchy, propagate,
 };
 use crate::scene::SceneId;
@@ -63,6 +63,7 @@ impl GameWorld {
         ecs.register_component::<Camera>();
         ecs.register_component::<Clpv>();
         ecs.register_component::<StochasticLightCulling>();
+        ecs.register_component::<Fog>();
         ecs.register_component::<Animation>();
         ecs.init_resource::<Identities>();
         ecs.init_resource::<DespawnQueue>();

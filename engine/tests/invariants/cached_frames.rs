@@ -1,7 +1,7 @@
 //! Frames that reuse earlier results equal frames drawn from nothing, bit for bit, whatever was edited between them; and
 //! every pass that is reused has a key that holds all that it binds.
 //!
-//! Random edits of a small world (things and lights come, go, move and change, the sky, the camera, the size of the
+//! Random edits of a small world (things, lights and fog come, go, move and change, the sky, the camera, the size of the
 //! image, the method of indirect light and its settings) are drawn by three renderers: one that keeps what it can, a
 //! fresh one for each frame, and one whose keys are audited.
 
@@ -112,6 +112,22 @@ fn skies_by_direction_are_followed() {
 fn a_sky_that_lights_nothing_is_seen() {
     use Edit::*;
     check_edits(&[&[Method(0), Setting(11), Shown(0), Sky(0)], &[Sky(1)], &[Sky(2)], &[Sky(3)], &[Sky(1)]]);
+}
+
+/// Fog comes, is another one at the same place, moves out of sight and goes, under each method.
+#[test]
+fn fog_is_followed() {
+    use Edit::*;
+    for method in 0..METHODS.len() {
+        check_edits(&[
+            &[Method(method), FogComesOrGoes(0), Fog(0, 3), Shown(0)],
+            &[Fog(0, 4)],
+            &[FogComesOrGoes(1), Fog(1, 6)],
+            &[FogMoves(0, 2)],
+            &[FogComesOrGoes(1)],
+            &[FogComesOrGoes(0)],
+        ]);
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::files::{
     ComponentType, ComponentTypes, EditContext, LoadOptions, SceneData, describe_scene, edit_scene, follow_scene,
     read_scene,
 };
-use crate::world::{Clpv, Environment, Light, SceneSettings};
+use crate::world::{Clpv, Environment, Fog, FogShape, Light, SceneSettings};
 use bevy_ecs::prelude::Component;
 use glam::Vec3;
 
@@ -82,6 +82,36 @@ fn settings_volumes_lights_and_components_of_a_game_are_keyed() {
         (gain(&again), again.ecs.resource::<SceneSettings>()),
         (gain(&world), world.ecs.resource::<SceneSettings>())
     );
+}
+
+#[test]
+fn fog_is_keyed_and_saved_at_rest() {
+    let track = |target: &str, keys: &str| format!("Keys(target: Field(\"fog.{target}\"), keys: [{keys}])");
+    let tracks = [
+        track("extinction", "(0, 0), (2, 1)"),
+        track("albedo", "(0, (0, 0, 0)), (2, (1, 0.5, 0))"),
+        track("shape.size", "(0, (2, 2, 2)), (2, (4, 2, 2))"),
+    ];
+    let fog = "fog: (shape: Box(size: (1, 2, 3)), extinction: 0.25)";
+    let scene = format!(r#"(entities: [(name: "Smoke", {fog}, animation: (tracks: [{}]))])"#, tracks.join(", "));
+    let folder = Folder::new(&[("s.scene.ron", &scene)]);
+    let mut world = load(&folder).unwrap();
+    go(&mut world, 1.0);
+    let smoke = at(&world, "Smoke").unwrap();
+    let shape = FogShape::Box { size: Vec3::new(3.0, 2.0, 2.0) };
+    let expected = Fog { shape, extinction: 0.5, albedo: Vec3::new(0.5, 0.25, 0.0), ..Fog::default() };
+    assert_eq!(world.ecs.get::<Fog>(smoke), Some(&expected));
+    let saved = scene_text(&world, &folder.path("s.scene.ron")).unwrap();
+    assert!(saved.contains("extinction: 0.25") && saved.contains("size: (1"), "{saved}");
+    for (right, wrong, said) in [
+        ("fog.extinction", "fog.extinctoin", "did you mean `extinction`?"),
+        ("(2, 1)])", "(2, -1)])", "`fog.extinction` cannot be -1"),
+        ("(2, (4, 2, 2))", "(2, (4, 0, 2))", "`fog.shape.size` cannot be (4.0,0.0,2.0)"),
+    ] {
+        folder.write("s.scene.ron", scene.replacen(right, wrong, 1).as_bytes());
+        let error = load(&folder).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(said), "{wrong}: {error}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::assets::Mesh;
-use crate::world::{Light, MeshRenderer, Transform};
+use crate::world::{Fog, Light, MeshRenderer, Transform};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
@@ -102,6 +102,31 @@ fn edits_inside_an_instance_become_overrides() {
     assert!(at(&again, "Street/Left/Pole/Sign").is_none());
     assert_eq!(*again.ecs.get::<Transform>(at(&again, "Street/Right").unwrap()).unwrap(), turned);
     assert_eq!(intensity(&again, "Street/Right/Pole/Bulb"), Some(5.0));
+}
+
+#[test]
+fn fog_of_a_prefab_is_overridden_and_taken_away() {
+    let scene = r#"(entities: [
+        (name: "A", prefab: "mist.prefab.ron"),
+        (name: "B", prefab: "mist.prefab.ron"),
+        (name: "C", prefab: "mist.prefab.ron"),
+    ])"#;
+    let mist = r#"Prefab(entities: [(name: "Mist", fog: (extinction: 0.5))])"#;
+    let folder = Folder::new(&[("mist.prefab.ron", mist), ("s.scene.ron", scene)]);
+    let mut world = folder.load("s.scene.ron").unwrap();
+    let [b, c] = ["B/Mist", "C/Mist"].map(|path| at(&world, path).unwrap());
+    world.ecs.get_mut::<Fog>(b).unwrap().extinction = 0.25;
+    world.ecs.entity_mut(c).remove::<Fog>();
+    save_scene(&world, &folder.path("s.scene.ron")).unwrap();
+    let text = folder.read("s.scene.ron");
+    assert!(text.contains(r#"overrides: {"Mist": (fog: (extinction: 0.25))}"#), "{text}");
+    assert!(text.contains(r#"overrides: {"Mist": (without: [Fog])}"#), "{text}");
+    let again = folder.load("s.scene.ron").unwrap();
+    let found = ["A", "B", "C"].map(|instance| {
+        let entity = at(&again, &format!("{instance}/Mist")).unwrap();
+        again.ecs.get::<Fog>(entity).map(|fog| fog.extinction)
+    });
+    assert_eq!(found, [Some(0.5), Some(0.25), None]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::super::rewrite::rewritten;
 use super::super::save::scene_text;
 use super::*;
-use crate::world::{Light, Transform};
+use crate::world::{Fog, FogShape, Light, Transform};
 use lightwell_needs::needs;
 
 const SCENE: &str = r#"// A yard.
@@ -86,6 +86,28 @@ fn one_field_is_one_value() {
         world.ecs.get_mut::<Transform>(eye).unwrap().translation.y = 2.5;
     });
     assert_eq!(moved, with(SCENE, "(0, 1, 4)", "(0, 2.5, 4)"), "angles stay angles");
+}
+
+#[test]
+fn fog_keeps_what_was_written_of_it() {
+    let fog = r#"(name: "Mist", fog: (shape: Sphere(radius: 3.0), extinction: 5e-2 /* thin */)),"#;
+    let text =
+        SCENE.replace("        // The key light.\n", &format!("        {fog} // at dawn\n        // The key light.\n"));
+    let edit = |change: fn(&mut Fog)| {
+        saved(&text, move |world| {
+            let mist = at(world, "Mist").unwrap();
+            change(&mut world.ecs.get_mut::<Fog>(mist).unwrap());
+        })
+    };
+    assert_eq!(edit(|_| {}), text);
+    assert_eq!(edit(|fog| fog.extinction = 0.1), with(&text, "5e-2", "0.1"));
+    assert_eq!(edit(|fog| fog.shape = FogShape::Sphere { radius: 4.0 }), with(&text, "radius: 3.0", "radius: 4.0"));
+    assert_eq!(edit(|fog| fog.anisotropy = 0.5), with(&text, "5e-2 /* thin */", "5e-2, /* thin */ anisotropy: 0.5"));
+    let clear = saved(&text, |world| {
+        let mist = at(world, "Mist").unwrap();
+        world.ecs.entity_mut(mist).remove::<Fog>();
+    });
+    assert!(clear.contains(r#"(name: "Mist")"#) && clear.contains("// at dawn"), "{clear}");
 }
 
 #[test]

@@ -6,9 +6,9 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, GatherRays, Lens,
-    Light, LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality, SceneSettings,
-    StochasticLightCulling, ToneMap, Transform, Transport,
+    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, Fog, FogShape,
+    GatherRays, Lens, Light, LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality,
+    SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -287,6 +287,24 @@ fn slc() -> impl Strategy<Value = StochasticLightCulling> {
     )
 }
 
+fn fog() -> impl Strategy<Value = Fog> {
+    let edge = || 0.001f32..1e3;
+    let shape = prop_oneof![
+        Just(FogShape::Everywhere),
+        [edge(), edge(), edge()].prop_map(|size| FogShape::Box { size: size.into() }),
+        edge().prop_map(|radius| FogShape::Sphere { radius }),
+    ];
+    (shape, 0.0f32..1e3, [0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], -0.9f32..0.9, 0.0f32..10.0).prop_map(
+        |(shape, extinction, albedo, anisotropy, falloff)| Fog {
+            shape,
+            extinction,
+            albedo: albedo.into(),
+            anisotropy,
+            falloff,
+        },
+    )
+}
+
 fn animation() -> impl Strategy<Value = Animation> {
     let axis = vector().prop_filter("an axis has a direction", |a| a.length() > 0.1);
     let spin = (axis, -90.0f64..90.0).prop_map(|(axis, speed)| Track::Spin { axis, degrees_per_second: speed.round() });
@@ -356,11 +374,11 @@ pub(super) fn entity() -> impl Strategy<Value = EntityFile> {
         of((mesh, of(material()), of(any::<bool>()))),
         of(light()),
         of(camera),
-        (of(clpv()), of(slc())),
+        (of(clpv()), of(slc()), of(fog())),
         of(animation()),
     );
     let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(
-        |(name, transform, surface, light, camera, (clpv, slc), animation)| {
+        |(name, transform, surface, light, camera, (clpv, slc, fog), animation)| {
             let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
             EntityFile {
                 name,
@@ -372,6 +390,7 @@ pub(super) fn entity() -> impl Strategy<Value = EntityFile> {
                 camera,
                 clpv,
                 slc,
+                fog,
                 animation,
                 ..Default::default()
             }

@@ -1,4 +1,4 @@
-//! What values transforms, animations, lights, cameras and the settings of light methods may have.
+//! What values transforms, animations, lights, cameras, fog and the settings of light methods may have.
 
 use super::{Checked, Validator};
 use crate::files::error::FileErrorKind as Kind;
@@ -6,8 +6,8 @@ use crate::files::format::{Rotation, Scale, TransformFile};
 use crate::files::tree::Step;
 use crate::world::animation::AnimationError;
 use crate::world::{
-    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, GatherRays, InstantRadiosity, Light, LightKind,
-    Projection, StochasticLightCulling,
+    Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Fog, FogShape, GatherRays, InstantRadiosity,
+    Light, LightKind, Projection, StochasticLightCulling,
 };
 
 impl Validator {
@@ -117,6 +117,37 @@ impl Validator {
                 "use 1e-6 to 1e6 m, or Point for a light without a size",
             )
         })
+    }
+
+    pub(super) fn fog(&mut self, f: &Fog) -> Checked {
+        let (is_valid, message) = match f.shape {
+            FogShape::Everywhere => (true, String::new()),
+            FogShape::Box { size } => (
+                size.to_array().iter().all(|edge| Fog::SIZES.contains(edge)),
+                format!("the fog's `size` is ({}, {}, {})", size.x, size.y, size.z),
+            ),
+            FogShape::Sphere { radius } => (Fog::SIZES.contains(&radius), format!("the fog's `radius` is {radius}")),
+        };
+        self.require(is_valid, "shape", message, "use 1e-6 to 1e6 m, or Everywhere for a fog without bounds")?;
+        self.require(
+            Fog::EXTINCTIONS.contains(&f.extinction),
+            "extinction",
+            format!("`extinction` is {}", f.extinction),
+            "use 0 to 1e6 [1/m]; one sees 10 m far with 0.1",
+        )?;
+        self.color("albedo", f.albedo, 1.0)?;
+        self.require(
+            Fog::ANISOTROPIES.contains(&f.anisotropy),
+            "anisotropy",
+            format!("`anisotropy` is {}", f.anisotropy),
+            "use -0.95 to 0.95; 0 scatters light to all sides alike",
+        )?;
+        self.require(
+            Fog::FALLOFFS.contains(&f.falloff),
+            "falloff",
+            format!("`falloff` is {}", f.falloff),
+            "use 0 to 1e6 [1/m]; 0 is as dense at all heights",
+        )
     }
 
     pub(super) fn camera(&mut self, c: &Camera) -> Checked {

@@ -293,6 +293,9 @@ impl Validator {
         if let Some(slc) = &c.slc {
             self.field("slc", |v| v.slc(slc))?;
         }
+        if let Some(fog) = &c.fog {
+            self.field("fog", |v| v.fog(fog))?;
+        }
         if let Some(animation) = &c.animation {
             self.field("animation", |v| v.animation(animation))?;
         }

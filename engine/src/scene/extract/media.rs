@@ -5,7 +5,7 @@ use crate::scene::{MAX_MEDIA, MediumShape, Scene, SceneMedium};
 use crate::world::{Fog, FogShape, GlobalTransform, Identity, Name, Orientation};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 use std::ops::RangeInclusive;
 
 type Row =
@@ -19,6 +19,9 @@ type Params = (
     RemovedComponents<'static, 'static, Fog>,
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
+
+/// Said of those beyond [`MAX_MEDIA`].
+const TOO_MANY: &str = "holds fog that is not drawn: a scene has at most 16";
 
 /// The state of the world's media as of the last extraction. They are few: any change checks all.
 pub(super) struct Media {
@@ -42,14 +45,19 @@ impl Media {
         let mut media = Vec::new();
         for row in rows {
             let (entity, name) = (row.0, row.2);
-            let Some(medium) = medium(row, scene, |message| context.log.warn(entity, Part::Medium, name, message)) else {
+            let Some(medium) = medium(row, scene, |message| context.log.warn(entity, Part::Medium, name, message))
+            else {
                 continue;
             };
             if media.len() < MAX_MEDIA {
                 media.push(medium);
             } else {
-                context.log.warn(entity, Part::Medium, name, "is a fog that is not there: a scene has at most 16");
+                context.log.warn(entity, Part::Medium, name, TOO_MANY);
             }
+        }
+        // A new name is no new medium.
+        for (old, new) in scene.media.iter_mut().zip(&media) {
+            old.name.clone_from(&new.name);
         }
         if media != scene.media {
             scene.media = media;
@@ -68,25 +76,29 @@ fn medium(
     if !is_valid {
         warn("has fog settings out of range; the nearest ones in range are used");
     }
+    if fog.extinction == 0.0 {
+        return None;
+    }
     let (shape, half_size) = match fog.shape {
         FogShape::Everywhere => (MediumShape::Everywhere, Vec3::ONE),
         FogShape::Box { size } => (MediumShape::Box, 0.5 * size),
         FogShape::Sphere { radius } => (MediumShape::Sphere, Vec3::splat(radius)),
     };
-    if !place.0.is_finite() {
-        warn("is a fog that is not there: its place in the world is not finite");
+    let place = place.relative_to(scene.origin);
+    if !place.is_finite() {
+        warn("holds fog that is not drawn: its place in the world is not finite");
         return None;
     }
-    let place = place.relative_to(scene.origin);
     let local_from_world = match shape {
         MediumShape::Everywhere => Affine3A::IDENTITY,
-        _ => (place * Affine3A::from_scale(half_size)).inverse(),
+        // In double precision: products of three small or large edges leave the range of single numbers.
+        _ => (place.as_daffine3() * DAffine3::from_scale(half_size.as_dvec3())).inverse().as_affine3a(),
     };
     if !local_from_world.is_finite() {
-        warn("is a fog that is not there: it is scaled to nothing");
+        warn("holds fog that is not drawn: it is scaled to nothing");
         return None;
     }
-    (fog.extinction > 0.0).then(|| SceneMedium {
+    Some(SceneMedium {
         id: identity.id(),
         name: name_or_id(entity, name),
         shape,

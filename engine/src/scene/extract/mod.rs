@@ -17,7 +17,7 @@ mod sorted;
 mod tests;
 mod vpl;
 
-use super::Scene;
+use super::{Revisions, Scene};
 use crate::world::{GameWorld, Name, UpdateCount};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
@@ -195,8 +195,8 @@ impl Extractor {
         let mut source = source;
         let origin = source.anchor.origin(world);
         if origin != scene.origin {
-            // All places change.
-            if !scene.primitives.is_empty() {
+            // All places change. In the first extraction nothing has been read yet.
+            if scene.revisions != Revisions::default() {
                 self.identity = fresh_identity();
                 self.log.held.clear();
                 source = Source::new(world);

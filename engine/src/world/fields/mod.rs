@@ -16,7 +16,7 @@ pub(super) use rest_values::HeldFields;
 pub use rest_values::{Held, rest_text};
 pub use value::{FieldSample, expected, written};
 
-use super::{Camera, Clpv, InstantRadiosity, Light, StochasticLightCulling};
+use super::{Camera, Clpv, Fog, InstantRadiosity, Light, StochasticLightCulling};
 use bevy_ecs::prelude::*;
 use ron::extensions::Extensions;
 use serde::Serialize;
@@ -95,6 +95,7 @@ impl Default for FieldTypes {
             ("clpv", FieldType::of::<Clpv>()),
             ("vpl", FieldType::of::<InstantRadiosity>()),
             ("slc", FieldType::of::<StochasticLightCulling>()),
+            ("fog", FieldType::of::<Fog>()),
         ]))
     }
 }

@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 const THINGS: usize = 3;
 const LIGHTS: usize = 3;
+const MISTS: usize = 2;
+/// Places that fog may have.
+const PLACES: usize = 3;
 const KINDS: [LightKind; 8] = [
     LightKind::Point,
     LightKind::Directional,
@@ -20,6 +23,22 @@ const KINDS: [LightKind; 8] = [
     LightKind::Rectangle { width: 0.5, height: 0.3 },
     LightKind::Tube { length: 0.6, radius: 0.05 },
 ];
+
+/// What a fog may be, no fog at all included.
+const FOGS: [Fog; 7] = {
+    let shape = FogShape::Everywhere;
+    let fog = Fog { shape, extinction: 0.3, albedo: Vec3::ONE, anisotropy: 0.0, falloff: 0.0 };
+    let ball = FogShape::Sphere { radius: 0.8 };
+    [
+        fog,
+        lightwell::world::Fog { extinction: 0.0, ..fog },
+        lightwell::world::Fog { falloff: 2.0, anisotropy: 0.7, ..fog },
+        lightwell::world::Fog { shape: ball, extinction: 2.0, albedo: Vec3::new(0.9, 0.5, 0.2), ..fog },
+        lightwell::world::Fog { shape: ball, extinction: 2.0, albedo: Vec3::new(0.2, 0.5, 0.9), ..fog },
+        lightwell::world::Fog { shape: ball, extinction: 5.0, albedo: Vec3::ZERO, ..fog },
+        lightwell::world::Fog { shape: FogShape::Box { size: Vec3::new(1.5, 1.0, 0.5) }, anisotropy: -0.4, ..fog },
+    ]
+};
 
 /// One change. Numbers choose among a few states each, so that states come back.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +63,9 @@ pub enum Edit {
     Camera(usize),
     Lens(usize),
     VolumeMoves(usize),
+    FogComesOrGoes(usize),
+    FogMoves(usize, usize),
+    Fog(usize, usize),
     Size(usize),
     Method(usize),
     Setting(usize),
@@ -53,7 +75,7 @@ pub enum Edit {
 
 pub fn edit() -> impl Strategy<Value = Edit> {
     use Edit::*;
-    let (thing, light) = (0..THINGS, 0..LIGHTS);
+    let (thing, light, fog) = (0..THINGS, 0..LIGHTS, 0..MISTS);
     prop_oneof![
         1 => thing.clone().prop_map(ThingComesOrGoes),
         1 => (thing.clone(), 0..5usize).prop_map(|(thing, at)| ThingMoves(thing, at)),
@@ -75,6 +97,9 @@ pub fn edit() -> impl Strategy<Value = Edit> {
         1 => (0..3usize).prop_map(Camera),
         1 => (0..3usize).prop_map(Lens),
         1 => (0..2usize).prop_map(VolumeMoves),
+        2 => fog.clone().prop_map(FogComesOrGoes),
+        1 => (fog.clone(), 0..PLACES).prop_map(|(fog, at)| FogMoves(fog, at)),
+        2 => (fog, 0..FOGS.len()).prop_map(|(fog, kind)| Fog(fog, kind)),
         1 => (0..2usize).prop_map(Size),
         3 => (0..METHODS.len()).prop_map(Method),
         3 => (0..SETTINGS).prop_map(Setting),
@@ -118,6 +143,7 @@ pub struct Studio {
     pub scene: Scene,
     things: [Option<bevy_ecs::entity::Entity>; THINGS],
     lights: [Option<bevy_ecs::entity::Entity>; LIGHTS],
+    mists: [Option<bevy_ecs::entity::Entity>; MISTS],
     volume: bevy_ecs::entity::Entity,
     eye: bevy_ecs::entity::Entity,
     shapes: [Arc<Mesh>; 2],
@@ -149,6 +175,7 @@ impl Studio {
             scene: Scene::default(),
             things: [None; THINGS],
             lights: [None; LIGHTS],
+            mists: [None; MISTS],
             volume,
             eye,
             shapes: [Shape::Box { size: [0.5; 3] }, Shape::Sphere { radius: 0.3, segments: 12, rings: 6 }]
@@ -411,6 +438,28 @@ impl Studio {
                 let direction = (Vec3::new(-0.3, 0.5, -0.3) - at).normalize();
                 transform.rotation = Quat::from_rotation_arc(Vec3::NEG_Z, direction);
                 self.insert(self.eye, transform);
+            }
+            Edit::FogComesOrGoes(index) => match self.mists[index].take() {
+                Some(entity) => drop(self.world.ecs.despawn(entity)),
+                None => {
+                    let entity = self.world.spawn(&format!("fog {index}"), None);
+                    self.insert(entity, FOGS[3 * index]);
+                    self.mists[index] = Some(entity);
+                    self.apply(Edit::FogMoves(index, index));
+                }
+            },
+            Edit::FogMoves(index, at) => {
+                let Some(entity) = self.mists[index] else { return };
+                let at = [Vec3::new(0.2, 0.6, 0.4), Vec3::new(-0.5, 1.0, -0.2), Vec3::Y * 9.0][at];
+                let turn = Quat::from_rotation_z(at.x);
+                self.insert(
+                    entity,
+                    Transform::from_translation(at).with_rotation(turn).with_scale(Vec3::new(1.0, at.y, 1.0)),
+                );
+            }
+            Edit::Fog(index, kind) => {
+                let Some(entity) = self.mists[index] else { return };
+                self.insert(entity, FOGS[kind]);
             }
             Edit::Size(size) => self.size = [[24, 16], [16, 24]][size],
             Edit::Method(method) => METHODS[method](self),

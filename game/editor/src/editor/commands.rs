@@ -11,7 +11,7 @@ use lightwell::world::{GameWorld, GlobalTransform, Name, Transform};
 use std::path::Path;
 
 /// What can be added by name: an entity as scene files write it.
-pub const TEMPLATES: [(&str, &str); 17] = [
+pub const TEMPLATES: [(&str, &str); 18] = [
     ("Empty", "()"),
     ("Box", "(mesh:Box())"),
     ("Sphere", "(mesh:Sphere())"),
@@ -29,6 +29,7 @@ pub const TEMPLATES: [(&str, &str); 17] = [
     ("Tube light", "(light:(kind:Tube(length:1.2,radius:0.02),intensity:10.0))"),
     ("Camera", "(camera:())"),
     ("Light volume", "(clpv:())"),
+    ("Fog", "(fog:(shape:Box(size:(4.0,2.0,4.0)),extinction:0.2))"),
 ];
 
 impl Editor {

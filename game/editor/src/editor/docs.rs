@@ -19,13 +19,14 @@ pub struct Note {
 }
 
 /// Units as the comments write them, and as they are shown.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 15] = [
     ("degrees/s", "°/s"),
     ("degrees", "°"),
     ("W/(m² sr)", "W/(m² sr)"),
     ("W/m²", "W/m²"),
     ("W/sr", "W/sr"),
     ("m/s", "m/s"),
+    ("1/m", "1/m"),
     ("mm", "mm"),
     ("m", "m"),
     ("s", "s"),
@@ -124,7 +125,7 @@ fn only(help: &str) -> Option<(String, String)> {
 /// The range in words like `0..1` or `1 to 4`.
 fn range(help: &str) -> Option<RangeInclusive<f64>> {
     let words: Vec<&str> = help.split(|c: char| c.is_whitespace() || ",;()".contains(c)).collect();
-    let number = |word: &str| word.trim_end_matches(['.', ':']).parse::<f64>().ok();
+    let number = |word: &str| word.trim_end_matches(['.', ':']).replace('−', "-").parse::<f64>().ok();
     let dotted = words.iter().find_map(|word| {
         let (low, high) = word.split_once("..")?;
         Some(number(low)?..=number(high)?)
@@ -166,6 +167,11 @@ mod tests {
             (only("quality"), only("steps"), only("cells")),
             (Some("Sweep".into()), Some("Diffusion".into()), None)
         );
+        let [extinction, anisotropy] = ["extinction", "anisotropy"].map(|field| docs.note(&format!("Fog.{field}")));
+        assert_eq!((extinction.unit, extinction.range), (Some("1/m"), Some(0.0..=1e6)));
+        assert_eq!((anisotropy.unit, anisotropy.range), (None, Some(-0.95..=0.95)));
+        assert_eq!(docs.note("FogShape.Box.size").unit, Some("m"));
+        assert!(docs.note("Fog.albedo").color && docs.note("Fog.albedo").range == Some(0.0..=1.0));
         assert_eq!(docs.note("Nothing.at_all"), Note::default());
     }
 }

@@ -9,6 +9,7 @@ pub mod console;
 mod custom_component;
 mod dialogs;
 mod docs;
+mod fog;
 mod gizmo;
 mod hierarchy;
 pub mod history;

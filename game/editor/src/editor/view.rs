@@ -6,12 +6,12 @@ use super::commands::relative_to;
 use super::gizmo::{self, Lens};
 use super::stage::{Request, Stage};
 use crate::comparison::Mode;
-use bevy_ecs::prelude::{Entity, With};
+use bevy_ecs::prelude::{Component, Entity, With};
 use egui::{Color32, CornerRadius, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, pos2};
 use glam::{Affine3A, DVec3, Vec3};
 use lightwell::files;
 use lightwell::scene::{Aabb, SceneCamera, SceneId, ViewProjection};
-use lightwell::world::{Camera, GameWorld, GlobalTransform, Light, MeshRenderer};
+use lightwell::world::{Camera, Fog, GameWorld, GlobalTransform, Light, MeshRenderer};
 use lightwell_runtime::window::Area;
 
 /// What the view remembers.
@@ -33,7 +33,7 @@ pub struct View {
     pub flight_speed: f32,
     /// Places of the camera that were kept.
     pub bookmarks: [Option<Pose>; 4],
-    /// Shows signs where lights and cameras stand.
+    /// Shows signs where lights, cameras and fog stand.
     pub signs: bool,
     /// Whether a game that plays is to have mouse and keyboard, and whether it has.
     pub takes_input: bool,
@@ -121,6 +121,7 @@ pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
         return;
     }
     bounds(&painter, editor, stage, &lens);
+    super::fog::show(&painter, editor, stage, &lens);
     let signs = signs(&painter, editor, stage, &lens);
     let wiping = wipe(ui, stage, rect);
     let held = wiping || gizmo::show(ui, &painter, editor, stage, &lens, &response);
@@ -318,19 +319,16 @@ fn bounds(painter: &egui::Painter, editor: &Editor, stage: &Stage, lens: &Lens) 
     }
 }
 
-/// Signs of lights and cameras, which have no surface to click on.
+/// Signs of lights, cameras and fog, which have no surface to click on.
 fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Lens) -> Vec<(SceneId, Pos2)> {
     if !editor.view.signs {
         return Vec::new();
     }
     let (world, origin) = (&mut *stage.world, stage.facts.scene.origin);
-    let mut lights = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Light>>();
-    let lights: Vec<(Entity, Affine3A)> =
-        lights.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
-    let mut cameras = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<Camera>>();
-    let cameras: Vec<(Entity, Affine3A)> =
-        cameras.iter(&world.ecs).map(|(e, place)| (e, place.relative_to(origin))).collect();
-    let all = lights.into_iter().map(|l| (l, "◆")).chain(cameras.into_iter().map(|c| (c, "►")));
+    let fog = places_of::<Fog>(world, origin).into_iter().map(|f| (f, "≈"));
+    let lights = places_of::<Light>(world, origin).into_iter().map(|l| (l, "◆"));
+    let cameras = places_of::<Camera>(world, origin).into_iter().map(|c| (c, "►"));
+    let all = fog.chain(lights).chain(cameras);
     let mut shown = Vec::new();
     for ((entity, place), sign) in all {
         let Some(id) = world.id(entity) else { continue };
@@ -345,13 +343,20 @@ fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Len
     shown
 }
 
+/// The entities that have a component, and where they stand from an origin.
+fn places_of<C: Component>(world: &mut GameWorld, origin: DVec3) -> Vec<(Entity, Affine3A)> {
+    let mut query = world.ecs.query_filtered::<(Entity, &GlobalTransform), With<C>>();
+    query.iter(&world.ecs).map(|(entity, place)| (entity, place.relative_to(origin))).collect()
+}
+
 /// Flies to the selection.
 pub fn focus(editor: &mut Editor, stage: &mut Stage) {
     let Some(camera) = stage.facts.scene_camera.clone() else { return };
     let mut bounds = Aabb::EMPTY;
     for (_, entity) in editor.selected(stage.world) {
         let origin = stage.facts.scene.origin;
-        let own = bounds_of(stage.world, entity, origin);
+        let fog = super::fog::outline_of(stage.world, entity, origin);
+        let own = bounds_of(stage.world, entity, origin).union(&Aabb::from_points(fog.into_iter().flatten()));
         let place = stage.world.ecs.get::<GlobalTransform>(entity);
         let place = place.map_or(Vec3::ZERO, |g| g.relative_to(origin).translation.into());
         let around = Aabb { min: place - Vec3::splat(0.5), max: place + Vec3::splat(0.5) };

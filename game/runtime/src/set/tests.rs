@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use lightwell::world::{Bounces, LightKind, Quality};
+use lightwell::world::{Bounces, FogShape, LightKind, Quality};
 
 fn world() -> GameWorld {
     let mut world = GameWorld::new();
@@ -45,6 +45,29 @@ fn values_are_set_by_path() {
     assert!((rotation * -Vec3::Z - -Vec3::X).length() < 1e-6, "{rotation}");
     assert_eq!(clpv.iter(&world.ecs).next().unwrap().cells, [8, 8, 7]);
     assert_eq!(world.ecs.resource::<SceneSettings>().sky, Vec3::Z);
+}
+
+#[test]
+fn fog_is_set_by_path() {
+    let mut world = world();
+    let smoke = world.ecs.spawn((Name("Smoke".into()), Fog::default())).id();
+    for (path, value) in [
+        ("Smoke.fog.extinction", "0.2"),
+        ("Smoke.fog.shape", "box(size: (4, 3, 4))"),
+        ("Smoke.fog.shape.size.1", "5"),
+        ("Smoke.fog.albedo", "(0.9, 0.8, 0.7)"),
+        ("Smoke.fog.anisotropy", "0.5"),
+    ] {
+        apply(&mut world, path, value).unwrap_or_else(|e| panic!("{path}={value}: {e}"));
+    }
+    let shape = FogShape::Box { size: Vec3::new(4.0, 5.0, 4.0) };
+    let albedo = Vec3::new(0.9, 0.8, 0.7);
+    let expected = Fog { shape, extinction: 0.2, albedo, anisotropy: 0.5, falloff: 0.0 };
+    assert_eq!(world.ecs.get::<Fog>(smoke), Some(&expected));
+    for (path, said) in [("Smoke.fog.density", "extinction"), ("Smoke.light.intensity", "it has `fog`")] {
+        let error = apply(&mut world, path, "1").unwrap_err().to_string();
+        assert!(error.contains(said), "{path}: {error}");
+    }
 }
 
 #[test]

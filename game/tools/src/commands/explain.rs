@@ -22,12 +22,13 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
     let scene = session.scene();
     let triangles: usize = scene.primitives.iter().map(|primitive| primitive.mesh.indices.len() / 3).sum();
     say!(
-        "{}: {} primitives with {triangles} triangles, {} lights, {} cameras, {}",
+        "{}: {} primitives with {triangles} triangles, {} lights, {} cameras, {}{}",
         session.path().display(),
         scene.primitives.len(),
         scene.lights.len(),
         scene.cameras.len(),
         if scene.clpv.is_some() { "light propagation volumes" } else { "no light propagation volumes" },
+        if scene.media.is_empty() { String::new() } else { format!(", fog of {} entities", scene.media.len()) },
     );
     session.model_warnings().for_each(|warning| say!("warning: {warning}"));
     let settings = session.render_settings(true);

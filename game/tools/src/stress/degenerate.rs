@@ -49,8 +49,8 @@ impl Stated {
     }
 }
 
-/// Prefabs that the scenes name, which lie beside them: a lamp, and ten thousand of them.
-pub const PREFABS: [(&str, &str); 2] = [
+/// Prefabs that the scenes name, which lie beside them: a lamp, ten thousand of them, and a fog.
+pub const PREFABS: [(&str, &str); 3] = [
     (
         "one_lamp.prefab.ron",
         "Prefab(entities: [(name: \"Lamp\", light: (kind: Point, intensity: 1e-3, casts_shadow: false, indirect: false))])",
@@ -58,6 +58,10 @@ pub const PREFABS: [(&str, &str); 2] = [
     (
         "many_lamps.prefab.ron",
         "Prefab(entities: [(name: \"Rows\", prefab: \"one_lamp.prefab.ron\", repeat: Grid(count: (100, 1, 100), spacing: (0.1, 0.1, 0.1)))])",
+    ),
+    (
+        "fog.prefab.ron",
+        "Prefab(entities: [(name: \"Fog\", fog: (shape: Sphere(radius: 0.2), extinction: 1, falloff: 0.1))])",
     ),
 ];
 
@@ -80,6 +84,8 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
     let with_clpv = |fields: &str| {
         scene(&[floor, ball, lamp, camera, &format!("(name: \"Methods\", clpv: (quality: Low, {fields})),")])
     };
+    let with_fog =
+        |fields: &str| whole(&format!("(name: \"Fog\", transform: (translation: (0, 0.5, 0)), fog: ({fields})),"));
     let with_camera = |at: &str, fields: &str| {
         scene(&[
             floor,
@@ -149,6 +155,50 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
         ),
         ("a million cascades", Refused("use 1 to 4"), with_clpv("transport: Diffusion, cascades: 1000000")),
         ("four thousand million steps", Refused("use 0 to 1024"), with_clpv("transport: Diffusion, steps: 4000000000")),
+        ("fog that lets no light pass", Drawn, with_fog("extinction: 1e6")),
+        ("fog of 1e-30", Lit, with_fog("extinction: 1e-30")),
+        ("fog of nothing", Lit, with_fog("extinction: 0")),
+        ("fog of 1 µm", Lit, with_fog("extinction: 1e6, shape: Box(size: (1e-6, 1e-6, 1e-6))")),
+        ("a ball of fog of 1 µm", Lit, with_fog("extinction: 1e6, shape: Sphere(radius: 1e-6)")),
+        ("a ball of fog of 1000 km", Drawn, with_fog("extinction: 1e-6, shape: Sphere(radius: 1e6)")),
+        ("fog that ends above its base", Drawn, with_fog("extinction: 1e6, falloff: 1e6")),
+        ("a thin layer of fog", Drawn, with_fog("extinction: 1e6, falloff: 1e6, shape: Box(size: (4, 1e-6, 4))")),
+        ("fog that scatters onward", Drawn, with_fog("extinction: 0.2, albedo: (1, 1, 1), anisotropy: 0.95")),
+        ("fog that scatters back", Drawn, with_fog("extinction: 0.2, albedo: (1, 1, 1), anisotropy: -0.95")),
+        ("black smoke", Drawn, with_fog("extinction: 5, albedo: (0, 0, 0)")),
+        (
+            "fog scaled to nothing",
+            Lit,
+            whole("(name: \"Fog\", transform: (scale: (1, 0, 1)), fog: (shape: Box(size: (1, 1, 1)), extinction: 1)),"),
+        ),
+        (
+            "fog scaled by 1e30",
+            Drawn,
+            whole("(name: \"Fog\", transform: (scale: 1e30), fog: (shape: Sphere(radius: 1), extinction: 1)),"),
+        ),
+        (
+            "fog at a place of 1e30",
+            Lit,
+            whole(
+                "(name: \"Fog\", transform: (translation: (1e30, 0, 0)), fog: (shape: Sphere(radius: 1), extinction: 1)),",
+            ),
+        ),
+        (
+            "a hundred fogs",
+            Drawn,
+            whole(
+                "(name: \"Fogs\", prefab: \"fog.prefab.ron\", repeat: Grid(count: (10, 1, 10), spacing: (0.3, 0.3, 0.3))),",
+            ),
+        ),
+        ("an extinction below zero", Refused("use 0 to 1e6 [1/m]"), with_fog("extinction: -0.1")),
+        ("an extinction of NaN", Refused("use 0 to 1e6 [1/m]"), with_fog("extinction: NaN")),
+        ("an extinction of 1e30", Refused("use 0 to 1e6 [1/m]"), with_fog("extinction: 1e30")),
+        ("fog brighter than light", Refused("use 0 to 1"), with_fog("albedo: (2, 2, 2)")),
+        ("an anisotropy of 1", Refused("use -0.95 to 0.95"), with_fog("anisotropy: 1")),
+        ("an anisotropy of NaN", Refused("use -0.95 to 0.95"), with_fog("anisotropy: NaN")),
+        ("a falloff below zero", Refused("`falloff` is -1"), with_fog("falloff: -1")),
+        ("a box of fog without height", Refused("1e-6 to 1e6 m"), with_fog("shape: Box(size: (1, 0, 1))")),
+        ("a ball of fog without end", Refused("1e-6 to 1e6 m"), with_fog("shape: Sphere(radius: inf)")),
         ("an intensity of 1e30", Lit, with_lamp("Point", "1e30")),
         ("an intensity of 1e38", Lit, with_lamp("Directional", "1e38")),
         ("an intensity below zero", Refused("use finite numbers from zero up"), with_lamp("Point", "-1")),

@@ -1,6 +1,7 @@
 //! Tests of the extraction: what is new after which change.
 #![allow(clippy::unwrap_used)]
 
+mod media;
 mod moving;
 mod ranges;
 mod sky;

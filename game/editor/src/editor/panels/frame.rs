@@ -62,6 +62,7 @@ pub fn statistics(ui: &mut Ui, stage: &Stage) {
         ("primitives", scene.primitives.len().to_string()),
         ("triangles", triangles.to_string()),
         ("lights", scene.lights.len().to_string()),
+        ("fog", scene.media.len().to_string()),
         ("cameras", scene.cameras.len().to_string()),
         ("size of the scene", size),
         ("passes that ran", format!("{} of {}", report.ran_count(), report.passes.len())),

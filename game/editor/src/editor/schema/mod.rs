@@ -134,7 +134,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use lightwell::files::OverrideFile;
-    use lightwell::world::{Clpv, Light};
+    use lightwell::world::{Clpv, Fog, Light};
 
     #[test]
     fn a_light_says_what_it_is_made_of() {
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn every_component_of_scene_files_is_followed() {
         let fields = Shape::fields_of::<OverrideFile>(&["children"]);
-        for name in ["transform", "mesh", "material", "light", "camera", "clpv", "animation", "visible"] {
+        for name in ["transform", "mesh", "material", "light", "camera", "clpv", "fog", "animation", "visible"] {
             let shape = &fields.iter().find(|(n, _)| *n == name).unwrap_or_else(|| panic!("{name} is missing")).1;
             assert!(shape.is_complete(), "{name}: {shape:?}");
         }
@@ -168,5 +168,7 @@ mod tests {
         assert!(ron::from_str::<Light>(&sample).is_ok(), "{sample}");
         let sample = Shape::of::<Clpv>().sample();
         assert!(ron::from_str::<Clpv>(&sample).is_ok(), "{sample}");
+        let sample = Shape::of::<Fog>().sample();
+        assert!(ron::from_str::<Fog>(&sample).is_ok(), "{sample}");
     }
 }

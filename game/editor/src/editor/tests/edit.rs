@@ -2,7 +2,7 @@
 
 use super::*;
 use egui::{Key, Modifiers};
-use lightwell::world::{Bloom, Camera, Clpv, DepthOfField, Lens, Light, LightKind, Transform};
+use lightwell::world::{Bloom, Camera, Clpv, DepthOfField, Fog, FogShape, Lens, Light, LightKind, Transform};
 
 fn light(desk: &Desk) -> Light {
     desk.world.rest_light(desk.world.find("Lamp").unwrap()).unwrap()
@@ -71,6 +71,70 @@ fn components_come_and_go() {
     assert_eq!(has(&bench), None);
     press(&mut bench, Modifiers::COMMAND, Key::Z);
     assert_eq!(has(&bench), Some(Clpv::default()));
+}
+
+/// Types a number into a field.
+fn enter(bench: &mut Bench, field: &str, number: &str) {
+    find(bench, field).focus();
+    bench.run_steps(2);
+    press(bench, Modifiers::COMMAND, Key::A);
+    bench.event(egui::Event::Text(number.into()));
+    press(bench, Modifiers::NONE, Key::Enter);
+}
+
+#[test]
+fn fog_is_added_edited_and_undone() {
+    let (mut bench, _folder) = bench();
+    let before = bench.state().text();
+    click(&mut bench, "Add");
+    click(&mut bench, "Fog");
+    let fog = |bench: &Bench| {
+        let desk = bench.state();
+        desk.world.find("Fog").map(|entity| *desk.world.ecs.get::<Fog>(entity).unwrap())
+    };
+    let added = fog(&bench).unwrap();
+    assert!(matches!(added.shape, FogShape::Box { .. }) && bench.state().scene.media.len() == 1, "{added:?}");
+    enter(&mut bench, "Extinction", "0.75");
+    assert_eq!(fog(&bench), Some(Fog { extinction: 0.75, ..added }));
+    assert_eq!(bench.state().scene.media[0].extinction, 0.75);
+    enter(&mut bench, "Anisotropy", "-7");
+    assert_eq!(fog(&bench).unwrap().anisotropy, -0.95, "within its range");
+    click(&mut bench, "Shape");
+    click(&mut bench, "Everywhere");
+    assert_eq!(fog(&bench).unwrap().shape, FogShape::Everywhere);
+    for _ in 0..4 {
+        press(&mut bench, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!((fog(&bench), bench.state().text()), (None, before));
+    assert!(bench.state().scene.media.is_empty());
+    press(&mut bench, Modifiers::COMMAND, Key::Y);
+    press(&mut bench, Modifiers::COMMAND, Key::Y);
+    assert_eq!(fog(&bench).unwrap().extinction, 0.75);
+    let text = bench.state().text();
+    assert!(text.contains("extinction: 0.75"), "{text}");
+}
+
+/// Each shape that is chosen begins with sizes that a fog may have.
+#[test]
+fn a_component_of_fog_takes_any_shape() {
+    let (mut bench, _folder) = bench();
+    bench.state_mut().select("Mover");
+    bench.run_steps(3);
+    click(&mut bench, "Add component");
+    click(&mut bench, "Fog");
+    let fog = |bench: &Bench| {
+        let desk = bench.state();
+        desk.world.ecs.get::<Fog>(desk.world.find("Mover").unwrap()).copied()
+    };
+    assert_eq!(fog(&bench), Some(Fog::default()));
+    for shape in ["Box", "Sphere", "Everywhere"] {
+        click(&mut bench, "Shape");
+        click(&mut bench, shape);
+        assert!(bench.state().editor.problem.is_none(), "{shape}: {:?}", bench.state().editor.problem);
+        assert!(format!("{:?}", fog(&bench)).contains(shape), "{shape}: {:?}", fog(&bench));
+    }
+    click(&mut bench, "Remove Fog");
+    assert_eq!(fog(&bench), None);
 }
 
 #[test]

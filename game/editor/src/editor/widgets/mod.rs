@@ -17,7 +17,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 
 /// Starting values of what zeros would make invalid, or dull.
-const STARTERS: [(&str, &str); 16] = [
+const STARTERS: [(&str, &str); 18] = [
     ("Override.light", "(kind:Point,intensity:10.0)"),
     ("Override.mesh", "Box()"),
     ("Override.material", "()"),
@@ -29,6 +29,8 @@ const STARTERS: [(&str, &str); 16] = [
     ("LightKind.Tube", "Tube(length:1.2,radius:0.02)"),
     ("Exposure.Photographic", "Photographic(f_number:8.0,shutter:0.02,iso:100.0)"),
     ("Environment.Physical", "Physical(haze:1.0,ground:(0.3,0.3,0.3),altitude:0.0)"),
+    ("FogShape.Box", "Box(size:(4.0,2.0,4.0))"),
+    ("FogShape.Sphere", "Sphere(radius:1.0)"),
     ("Spin", "Spin(axis:(0.0,1.0,0.0),degrees_per_second:90.0)"),
     ("Orbit", "Orbit(radius:1.0,period:4.0)"),
     ("Keys", "Keys(target:Translation,keys:[(0.0,(0.0,0.0,0.0)),(1.0,(0.0,1.0,0.0))])"),

@@ -40,12 +40,15 @@ fn suffix(note: &Note) -> String {
 /// Most decimals that are shown.
 const DECIMALS: usize = 5;
 
+/// Width of a range from which on a drag changes numbers by shares of themselves, as without a range.
+const WIDE: f64 = 1e4;
+
 /// A number to drag, of up to so many decimals; gives it if it changed.
 fn drag(ui: &mut Ui, label: &str, now: f64, note: &Note, decimals: usize) -> Option<f64> {
     let mut value = now;
     let speed = match &note.range {
-        Some(range) => (range.end() - range.start()) / 200.0,
-        None => (now.abs() * 0.01).max(0.005),
+        Some(range) if range.end() - range.start() <= WIDE => (range.end() - range.start()) / 200.0,
+        _ => (now.abs() * 0.01).max(0.005),
     };
     let mut drag = DragValue::new(&mut value).speed(speed).max_decimals(decimals).suffix(suffix(note));
     if let Some(range) = &note.range {
