@@ -40,16 +40,18 @@ struct Work<'a> {
 impl Work<'_> {
     fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
         cx.counts().cells += u64::from(self.grid.cells());
-        match self.lamps.as_ref().filter(|lamps| !lamps.is_empty()) {
-            Some(lamps) => lamps.dispatch(cx, |cx, lamps| {
-                let field = self.field.as_ref().filter(|_| lamps.is_first);
-                self.dispatch(cx, Some(lamps), field)
-            }),
-            None => self.dispatch(cx, None, self.field.as_ref()),
+        // Apart from the lights: together they are more than Mesa's software driver (22.3) compiles without a crash.
+        let lamps = self.lamps.as_ref().filter(|lamps| !lamps.is_empty());
+        if self.field.is_some() || lamps.is_none() {
+            self.dispatch(cx, None, self.field.as_ref())?;
+        }
+        match lamps {
+            Some(lamps) => lamps.dispatch(cx, |cx, lamps| self.dispatch(cx, Some(lamps), None)),
+            None => Ok(()),
         }
     }
 
-    /// Adds light from the lamps that are bound, if any are, and from the field.
+    /// Adds light from the lamps that are bound, or else from the field.
     fn dispatch(&self, cx: &mut PassContext, lamps: Option<Bound>, field: Option<&Field>) -> Result<(), PassError> {
         let mut buffers = vec![
             ("view", self.frame.view_uniform(cx.gpu)),
@@ -67,7 +69,7 @@ impl Work<'_> {
             key = key.def("LIT", ShaderDef::Flag(true));
             key = lamps.define.into_iter().fold(key, |key, (name, value)| key.def(name, value));
         }
-        if lamps.as_ref().is_some_and(|lamps| !lamps.is_first) {
+        if lamps.as_ref().is_some_and(|lamps| !lamps.is_first || self.field.is_some()) {
             key = key.def("MORE", ShaderDef::Flag(true));
         }
         let mut bindings = as_bindings(&buffers);
