@@ -33,7 +33,7 @@ pub(super) fn declare<'a>(
         let media = frame.gpu_scene.media_binding(cx.gpu);
         let groups = linear_groups(volume.cell_count());
         cx.counts().cells += u64::from(volume.cell_count());
-        let mut dispatch = |cx: &mut PassContext, lamps: Option<Bound>| {
+        let dispatch = |cx: &mut PassContext, lamps: Option<Bound>| {
             let key = ComputeKey::new("indirect/light_volumes/sweep/lamp_light.wgsl", "main");
             let mut key = frame.gpu_scene.with_media(key);
             if let Some(lamps) = &lamps {
