@@ -7,7 +7,9 @@
 
 #import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_distance}
 #ifdef LIT
-#import lightwell::haze_lamps::{arriving, inverse_square_of_part, lamp_count}
+#import lightwell::haze_lamps::{arriving, lamp_count, lamps}
+#import lightwell::lights::{Light, is_distant}
+#import lightwell::media::{equiangular, equiangular_distance}
 #endif
 #import lightwell::media::{MEDIA, Span, depth_of, media, phase, span_in}
 #ifdef SWEPT
@@ -81,22 +83,37 @@ fn response(slice: Slice, to_light: vec3f) -> vec3f {
 }
 
 #ifdef LIT
+// Where in a slice a light is looked up: where half of its 1/r² lies before and half behind (equiangular sampling), since beams
+// are narrow near their light; of lights far off, where the medium's light is.
+struct Lookup {
+    distance: f32,         // along the line of sight [m]
+    share: f32,            // mean of 1/r² in the slice over that there
+}
+
+fn lookup_of(slice: Slice, light: Light) -> Lookup {
+    let begin = slice.middle - slice.half_length;
+    let end = slice.middle + slice.half_length;
+    var e = equiangular(slice.origin, slice.direction, Span(begin, end), light.position);
+    let across = e.across;
+    // A light is no nearer to a column than half of its width.
+    e.across = max(across, slice.width);
+    e.low = atan((begin - e.foot) / e.across);
+    e.high = atan((end - e.foot) / e.across);
+    let at = clamp(equiangular_distance(e, 0.5 + haze.depth_shift), begin, end);
+    let squared = across * across + (at - e.foot) * (at - e.foot);
+    let mean = (e.high - e.low) / max(2.0 * slice.half_length * e.across, 1e-30);
+    // Of a light that is far off for the length of the slice the difference of the angles is nothing but rounding.
+    let is_near = !is_distant(light) && max(slice.half_length, slice.width) > 0.1 * sqrt(squared);
+    return Lookup(select(slice.at, at, is_near), select(1.0, mean * squared, is_near));
+}
+
 fn from_lights(slice: Slice, thread: u32) -> vec3f {
-    let position = slice.origin + slice.direction * slice.at;
     var sum = vec3f(0.0);
     // Also where there is no medium: a branch around it all makes Mesa's software driver (22.3) crash.
     for (var i = 0u; i < lamp_count(thread); i++) {
-        let light = arriving(i, position);
-        if all(light.irradiance <= vec3f(0.0)) {
-            continue;
-        }
-        var share = 1.0;
-        if light.distance > 0.0 {
-            let foot = dot(light.to_light, slice.direction) * light.distance;
-            let middle = slice.middle - slice.at - foot;
-            share = inverse_square_of_part(light.distance, foot, middle, slice.half_length, slice.width);
-        }
-        sum += response(slice, light.to_light) * light.irradiance * share;
+        let at = lookup_of(slice, lamps[i]);
+        let light = arriving(i, slice.origin + slice.direction * at.distance);
+        sum += response(slice, light.to_light) * light.irradiance * at.share;
     }
     return min(sum, vec3f(MAX_RADIANCE));
 }

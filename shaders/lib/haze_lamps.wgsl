@@ -48,15 +48,3 @@ fn arriving(index: u32, position: vec3f) -> Arriving {
     }
     return found;
 }
-
-// Mean of 1/r² along a part of a line, over that at a point of it (the integral of Kulla and Fajardo 2012, "Importance sampling
-// techniques for path tracing in participating media"): near a light it varies much within a part. The light is at a distance
-// from the point; the foot of its perpendicular on the line lies as far on as `foot`, from where the middle of the part is
-// reached after `middle`. `width` is that across the line, nearer than which a light counts as not.
-fn inverse_square_of_part(distance: f32, foot: f32, middle: f32, half_length: f32, width: f32) -> f32 {
-    let across = max(sqrt(max(distance * distance - foot * foot, 0.0)), max(width, 1e-12));
-    let angle = atan((middle + half_length) / across) - atan((middle - half_length) / across);
-    let mean = angle / max(2.0 * half_length * across, 1e-30);
-    // The difference of two angles is nothing but rounding where the part is seen from afar.
-    return select(mean * distance * distance, 1.0, half_length < 1e-3 * distance);
-}

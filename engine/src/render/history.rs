@@ -312,7 +312,10 @@ impl Seen {
         let shifted = SceneView { jitter, ..view.clone() };
         Self {
             subject,
-            light: hash_of((revisions.geometry, revisions.materials, revisions.lights, revisions.settings, methods)),
+            light: hash_of((
+                [revisions.geometry, revisions.materials, revisions.lights, revisions.media, revisions.settings],
+                methods,
+            )),
             clip_from_world: shifted.clip_from_world(),
             world_from_clip: shifted.world_from_clip(),
             unshifted: view.clip_from_world(),

@@ -7,6 +7,7 @@ use super::direct::area_shadows::ShadowsUniform;
 use super::direct::area_tiles::TilesUniform;
 use super::direct::tiled::LightsUniform;
 use super::frame::ViewUniform;
+use super::haze::HazeUniform;
 use super::indirect::accumulate::AverageUniform;
 use super::indirect::instant_radiosity::{
     LetterUniform, MainLightUniform, MapPlaceUniform, NearUniform, ShadeUniform, VirtualLight,
@@ -31,6 +32,7 @@ use super::post::temporal_antialiasing::SmoothUniform;
 use super::post::tone_map::ToneMapUniform;
 use super::rays::{Emitter, RayMaterial};
 use super::scene_gpu::light_uniform::LightUniform;
+use super::scene_gpu::media::MediumUniform;
 use super::scene_gpu::surfels::PatchGrid;
 use super::scene_gpu::{Instance, MaterialUniform};
 use super::shadows::reflective::{RsmLayerUniform, RsmViewUniform};
@@ -60,6 +62,8 @@ fn rust_and_wgsl_agree_on_every_struct() {
         "indirect/light_volumes/radiosity/first_bounce.wgsl",
         "FirstBounce",
     );
+    check(&gpu, HazeUniform::min_size().get(), "haze/integrate.wgsl", "Haze");
+    check(&gpu, MediumUniform::min_size().get(), "haze/integrate.wgsl", "Medium");
     check(&gpu, MirrorUniform::min_size().get(), "indirect/light_volumes/sweep/mirror.wgsl", "Mirror");
     check(
         &gpu,

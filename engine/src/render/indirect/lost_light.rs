@@ -4,16 +4,32 @@ use super::light_volumes::sweep::gather;
 use crate::render::frame::Frame;
 use crate::render::settings::GiMethod;
 use crate::scene::Scene;
-use crate::world::{CellSize, ClpvPlacement, VirtualPlacement, VirtualShading};
+use crate::world::{CellSize, ClpvPlacement, Transport, VirtualPlacement, VirtualShading};
 use glam::Vec3;
 
 /// The light that a frame leaves out under a method.
 pub(in crate::render) fn of(frame: &Frame, method: GiMethod) -> Vec<String> {
-    match method {
+    let mut lost = match method {
         GiMethod::CLPV => of_light_volumes(frame),
         GiMethod::VPL => of_virtual_lights(frame.scene),
         _ => Vec::new(),
+    };
+    lost.extend(of_media(frame.scene, method));
+    lost
+}
+
+/// Media are part of the sweep and the gather alone.
+fn of_media(scene: &Scene, method: GiMethod) -> Option<String> {
+    let medium = scene.media.first()?;
+    let is_swept = scene.clpv.as_ref().is_none_or(|clpv| clpv.settings.transport == Transport::Sweep);
+    if method == GiMethod::NONE || (method == GiMethod::CLPV && is_swept) {
+        return None;
     }
+    let what = match method {
+        GiMethod::CLPV => "light is propagated through it as through clear air",
+        _ => "light is reflected through it as through clear air, and it scatters that of the lights alone",
+    };
+    Some(format!("`{}`: the fog is seen, but {what}; `clpv` with `transport: Sweep` takes it into account", medium.name))
 }
 
 /// The entity that holds a method's settings, as a message names it.

@@ -108,7 +108,7 @@ impl<'a> Work<'a> {
         pass.read(self.lights.all);
         let brought = Contribution { diffuse: pass.write(brought.diffuse), specular: pass.write(brought.specular) };
         pass.key(&(self.state.settings.near_rays, frame.seed(), frame.view_key(), frame.geometry_key()));
-        pass.key(&frame.scene.revisions.lights);
+        pass.key(&(frame.scene.revisions.lights, frame.media_key()));
         let work = self.clone();
         pass.execute(move |cx| work.run(cx, inputs, brought));
         brought
