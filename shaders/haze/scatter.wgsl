@@ -3,7 +3,9 @@
 // each light, past shadows and through the media. Light of further bounces is that of the volumes, of which the first
 // harmonics count: J − 3g/(4π)·F·ω of its mean radiance J and its net flux F (Pharr, Jakob and Humphreys 2023, section 11.4).
 //   LIT       light straight from the lights
-//   SWEPT, PROPAGATED   where light of further bounces is looked up; neither: there is none
+//   SWEPT     light of further bounces
+//   SHADOWED  the light casts shadows
+//   MORE      other light is there already
 
 #import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_distance}
 #ifdef LIT
@@ -13,11 +15,8 @@
 #endif
 #import lightwell::media::{MEDIA, Span, depth_of, media, phase, span_in}
 #ifdef SWEPT
-#import lightwell::sweep_lookup::{Fluence, fluence_at}
+#import lightwell::sweep_lookup::fluence_at
 #import lightwell::volume::Volume
-#endif
-#ifdef PROPAGATED
-#import lightwell::relight::propagated_irradiance
 #endif
 #import lightwell::sampling::TAU
 #import lightwell::view::View
@@ -103,7 +102,8 @@ fn lookup_of(slice: Slice, light: Light) -> Lookup {
     let squared = across * across + (at - e.foot) * (at - e.foot);
     let mean = (e.high - e.low) / max(2.0 * slice.half_length * e.across, 1e-30);
     // Of a light that is far off for the length of the slice the difference of the angles is nothing but rounding.
-    let is_near = !is_distant(light) && max(slice.half_length, slice.width) > 0.1 * sqrt(squared);
+    let is_seen_through = slice.depth < 2.0;
+    let is_near = is_seen_through && !is_distant(light) && max(slice.half_length, slice.width) > 0.1 * sqrt(squared);
     return Lookup(select(slice.at, at, is_near), select(1.0, mean * squared, is_near));
 }
 
@@ -119,35 +119,9 @@ fn from_lights(slice: Slice, thread: u32) -> vec3f {
 }
 #endif
 
-#ifdef FURTHER
-// Mean radiance, and net flux.
-struct Around {
-    mean: vec3f,
-    flux: mat3x3f,         // by axis: red, green, blue
-}
-
-fn light_around(position: vec3f) -> Around {
 #ifdef SWEPT
-    let found = fluence_at(swept, position);
-    return Around(found.mean, found.flux);
-#endif
-#ifdef PROPAGATED
-    var around = Around(vec3f(0.0), mat3x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0)));
-    for (var i = 0u; i < 3u; i++) {
-        var axis = vec3f(0.0);
-        axis[i] = 1.0;
-        let above = propagated_irradiance(position, axis);
-        let below = propagated_irradiance(position, -axis);
-        around.mean += (above + below) / (3.0 * TAU);
-        around.flux[i] = below - above;
-    }
-    return around;
-#endif
-    return Around(vec3f(0.0), mat3x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0)));
-}
-
 fn from_further_bounces(slice: Slice) -> vec3f {
-    let around = light_around(slice.origin + slice.direction * slice.at);
+    let around = fluence_at(swept, slice.origin + slice.direction * slice.at);
     let d = slice.direction;
     let along = around.flux[0] * d.x + around.flux[1] * d.y + around.flux[2] * d.z;
     var sum = vec3f(0.0);
@@ -176,7 +150,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef LIT
     light += from_lights(slice, index);
 #endif
-#ifdef FURTHER
+#ifdef SWEPT
     light += from_further_bounces(slice);
 #endif
 #ifdef MORE

@@ -16,7 +16,7 @@ struct Haze {
     padding: f32,
 }
 
-const SLICES: u32 = 48u;
+const SLICES: u32 = 40u;
 
 // A line of sight: where it leaves the near plane, and its unit direction.
 struct Sight {

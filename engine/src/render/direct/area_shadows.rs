@@ -89,7 +89,14 @@ impl<'a> Work<'a> {
         self.output = pass.write(self.output);
         let (output, frame) = (self.output, &self.frame);
         let light = self.direct_light.light;
-        pass.key(&(frame.geometry_key(), light.revision, frame.view_key(), frame.seed(), self.samples));
+        pass.key(&(
+            frame.geometry_key(),
+            frame.media_key(),
+            light.revision,
+            frame.view_key(),
+            frame.seed(),
+            self.samples,
+        ));
         pass.execute(move |cx| self.run(cx));
         output
     }

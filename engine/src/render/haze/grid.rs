@@ -7,9 +7,9 @@ use encase::ShaderType;
 use glam::{UVec2, Vec2, Vec3};
 
 /// `SLICES` of `lib/haze.wgsl`.
-const SLICES: u32 = 48;
+const SLICES: u32 = 40;
 /// Columns of an image of usual height, from top to bottom.
-const ROWS: u32 = 90;
+const ROWS: u32 = 72;
 /// Widest column \[pixels\].
 const MAX_TILE: u32 = 8;
 /// Optical depth beyond which nothing is seen.

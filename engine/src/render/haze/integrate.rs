@@ -1,7 +1,7 @@
 //! What is scattered towards the eye up to each slice. See `haze/integrate.wgsl`.
 
-use super::grid::Grid;
 use super::as_bindings;
+use super::grid::Grid;
 use crate::gpu::ComputeKey;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::{Frame, linear_groups};

@@ -39,11 +39,16 @@ pub(in crate::render) fn declare<'a>(
     field: Option<Field>,
 ) -> Option<Haze> {
     if !is_needed(frame) {
-        let reason =
-            if frame.scene.media.is_empty() { "the scene has no fog" } else { "the layer that is shown holds no light" };
+        let reason = if frame.scene.media.is_empty() {
+            "the scene has no fog"
+        } else {
+            "the layer that is shown holds no light"
+        };
         graph.skip("haze", reason);
         return None;
     }
+    // Of light that was propagated from cell to cell the mean over directions is not known well enough.
+    let field = field.filter(|field| matches!(field, Field::Swept { .. }));
     let grid = Grid::of(frame);
     let scattered = scatter::declare(graph, frame, &grid, lamps, field);
     let in_scattered = integrate::declare(graph, frame, &grid, scattered);
@@ -68,10 +73,8 @@ impl Haze {
 
     /// The buffers of shaders that look it up, by their names.
     pub fn bindings(&self, cx: &PassContext, frame: &Frame) -> Vec<(&'static str, wgpu::Buffer)> {
-        let mut bindings = vec![
-            ("haze", self.grid.uniform(cx.gpu)),
-            ("in_scattered", cx.buffer(self.in_scattered).clone()),
-        ];
+        let mut bindings =
+            vec![("haze", self.grid.uniform(cx.gpu)), ("in_scattered", cx.buffer(self.in_scattered).clone())];
         bindings.extend(frame.gpu_scene.media_binding(cx.gpu));
         bindings
     }

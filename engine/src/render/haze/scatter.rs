@@ -1,7 +1,7 @@
 //! What media scatter towards the eye, slice by slice. See `haze/scatter.wgsl`.
 
-use super::grid::Grid;
 use super::as_bindings;
+use super::grid::Grid;
 use crate::gpu::{ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::direct::lamps::{Bound, Lamps};
@@ -61,7 +61,7 @@ impl Work<'_> {
         buffers.extend(self.frame.gpu_scene.media_binding(cx.gpu));
         let mut key = self.frame.gpu_scene.with_media(ComputeKey::new("haze/scatter.wgsl", "main"));
         if let Some(field) = field {
-            key = key.def("FURTHER", ShaderDef::Flag(true)).def(field.define(), ShaderDef::Flag(true));
+            key = key.def(field.define(), ShaderDef::Flag(true));
             // What surfaces look up by their normals is not asked for.
             buffers.extend(field.bindings(cx).into_iter().filter(|(name, _)| *name != "facing"));
         }

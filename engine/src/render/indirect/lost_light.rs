@@ -25,11 +25,11 @@ fn of_media(scene: &Scene, method: GiMethod) -> Option<String> {
     if method == GiMethod::NONE || (method == GiMethod::CLPV && is_swept) {
         return None;
     }
-    let what = match method {
-        GiMethod::CLPV => "light is propagated through it as through clear air",
-        _ => "light is reflected through it as through clear air, and it scatters that of the lights alone",
-    };
-    Some(format!("`{}`: the fog is seen, but {what}; `clpv` with `transport: Sweep` takes it into account", medium.name))
+    Some(format!(
+        "`{}`: the fog scatters light of the lights alone, and light between surfaces passes it as clear air; `clpv` \
+         with `transport: Sweep` takes it into account",
+        medium.name
+    ))
 }
 
 /// The entity that holds a method's settings, as a message names it.

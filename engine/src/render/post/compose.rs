@@ -105,20 +105,20 @@ pub(in crate::render) fn declare<'a>(
         }
         let (view, uniform) = (frame.view_uniform(gpu), gpu.uniform("compose", &uniform));
         let mut group = vec![
-                ("view", Binding::Buffer(&view)),
-                ("compose", Binding::Buffer(&uniform)),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("emissive", Binding::Texture(&emissive)),
-                ("depth", Binding::Texture(&depth)),
-                ("direct", Binding::Texture(&direct)),
-                ("indirect", Binding::Texture(&indirect)),
-                ("mirrored", Binding::Texture(&mirrored)),
-                ("sky_light", Binding::Texture(&sky_light)),
-                ("blended", Binding::Texture(&blended)),
-                ("sky", Binding::Texture(frame.gpu_scene.sky())),
-                ("radiance", Binding::Texture(&target)),
-            ];
+            ("view", Binding::Buffer(&view)),
+            ("compose", Binding::Buffer(&uniform)),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("emissive", Binding::Texture(&emissive)),
+            ("depth", Binding::Texture(&depth)),
+            ("direct", Binding::Texture(&direct)),
+            ("indirect", Binding::Texture(&indirect)),
+            ("mirrored", Binding::Texture(&mirrored)),
+            ("sky_light", Binding::Texture(&sky_light)),
+            ("blended", Binding::Texture(&blended)),
+            ("sky", Binding::Texture(frame.gpu_scene.sky())),
+            ("radiance", Binding::Texture(&target)),
+        ];
         group.extend(haze.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });

@@ -62,11 +62,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "AVG", what: "average over frames", passes: &["average"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
-    Stage {
-        name: "HAZ",
-        what: "light that media scatter: in cells, and towards the eye",
-        passes: &["haze"],
-    },
+    Stage { name: "HAZ", what: "light that media scatter: in cells, and towards the eye", passes: &["haze"] },
     Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
     Stage { name: "DOF", what: "depth of field", passes: &["depth of field"] },

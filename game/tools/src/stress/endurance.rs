@@ -37,13 +37,14 @@ pub struct Endured {
 }
 
 /// Scenes that ship, with the share of the frames that each runs: two loops of 24 s are 1,440 frames.
-pub const SCENES: [(&str, u32); 12] = [
+pub const SCENES: [(&str, u32); 13] = [
     ("cornell", 1),
     ("bleeding_gloss", 1),
     ("glossy_ring", 20),
     ("gallery", 10),
     ("studio", 10),
     ("plaza", 10),
+    ("smoke", 20),
     ("lens", 10),
     ("glasshouse", 10),
     ("meeting_room", 10),

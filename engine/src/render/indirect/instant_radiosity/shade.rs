@@ -65,7 +65,7 @@ pub(super) fn declare<'a>(
 /// there are at all.
 pub(super) fn surfaces_key(frame: &Frame, settings: &InstantRadiosity) -> impl std::hash::Hash + use<> {
     let shadowed = settings.visibility == VirtualVisibility::ShadowRays;
-    (shadowed.then(|| frame.geometry_key()), gloss::is_wanted(frame.scene))
+    (shadowed.then(|| (frame.geometry_key(), frame.media_key())), gloss::is_wanted(frame.scene))
 }
 
 struct Work<'a> {

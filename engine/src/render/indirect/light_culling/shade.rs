@@ -34,7 +34,7 @@ pub(super) fn declare<'a>(
     masks.into_iter().flatten().for_each(|handle| pass.read(handle));
     let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
     let rays = casts_rays(&method.settings);
-    pass.key(&(method.key(frame), rays.then(|| frame.geometry_key())));
+    pass.key(&(method.key(frame), rays.then(|| (frame.geometry_key(), frame.media_key()))));
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         let gpu = cx.gpu;

@@ -171,7 +171,8 @@ impl Work<'_> {
 
     /// Takes the directions of some workgroups of an axis through the grid.
     fn march(&self, cx: &mut PassContext, axis: usize, groups: Range<u32>, arrivals: u32) -> Result<(), PassError> {
-        let Buffers { precision, opacity, emission, has_media, fronts, arrivals: kept, outer, inner, .. } = self.buffers;
+        let Buffers { precision, opacity, emission, has_media, fronts, arrivals: kept, outer, inner, .. } =
+            self.buffers;
         let [opacity, emission, fronts, kept] =
             [opacity, emission, fronts, kept].map(|handle| cx.buffer(*handle).clone());
         let outer = outer.map(|shell| cx.buffer(shell[axis]).clone());
