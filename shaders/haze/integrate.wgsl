@@ -11,6 +11,19 @@
 @group(0) @binding(42) var<storage, read> scattered: array<vec4f>;
 @group(0) @binding(43) var<storage, read_write> in_scattered: array<vec4f>;
 
+// The mean of four columns, whose points lie at other depths of the slice.
+fn light_of(column: vec2u, slice: u32) -> vec4f {
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        let beside = min(column + vec2u(i & 1u, i >> 1u), haze.columns - 1u);
+        let here = scattered[haze_index(haze, beside, slice)];
+        sum += here.w * here.rgb;
+        weights += here.w;
+    }
+    return vec4f(sum / max(weights, 1e-30), 0.25 * weights);
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
@@ -24,14 +37,14 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     for (var slice = 0u; slice < SLICES; slice++) {
         let at = haze_index(haze, column, slice);
         in_scattered[at] = vec4f(sum, 0.0);
-        let here = scattered[at];
+        let here = light_of(column, slice);
         sum += exp(-depth) * (1.0 - exp(-here.w)) * here.rgb;
         depth += here.w;
         last = here.rgb;
     }
     in_scattered[haze_index(haze, column, SLICES)] = vec4f(sum, 0.0);
     // Beyond the last slice light is as it is there.
-    let sight = sight_through(view, (vec2f(column) + 0.5 + haze.shift) * haze.tile);
+    let sight = sight_through(view, (vec2f(column) + 1.0 + haze.shift) * haze.tile);
     let end = slice_distance(haze, f32(SLICES));
     let rest = optical_depth(sight.origin + sight.direction * end, sight.direction, FARTHEST);
     sum += exp(-depth) * (1.0 - exp(-rest)) * last;

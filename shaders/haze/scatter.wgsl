@@ -13,7 +13,8 @@
 #import lightwell::lights::{Light, is_distant}
 #import lightwell::media::{equiangular, equiangular_distance}
 #endif
-#import lightwell::media::{MEDIA, Span, depth_of, media, phase, span_in}
+#import lightwell::gbuffer::world_position
+#import lightwell::media::{MEDIA, Span, depth_of, media, phase, span_in, span_of_all}
 #ifdef SWEPT
 #import lightwell::sweep_lookup::fluence_at
 #import lightwell::volume::Volume
@@ -23,6 +24,7 @@
 
 @group(0) @binding(41) var<uniform> view: View;
 @group(0) @binding(39) var<uniform> haze: Haze;
+@group(0) @binding(44) var depth: texture_depth_2d;
 // [W/(m² sr)]
 @group(0) @binding(42) var<storage, read_write> scattered: array<vec4f>;
 #ifdef SWEPT
@@ -37,8 +39,17 @@ struct Slice {
     at: f32,               // distance of the point where light is looked up [m]
     middle: f32,
     half_length: f32,
+    low: f32,              // between which distances light may be looked up [m]
+    high: f32,
     width: f32,            // half of it, across the line of sight [m]
     depth: f32,            // optical depth of all media
+    quantile: f32,         // share of what it scatters that lies before the points where light is looked up
+}
+
+// Four columns beside each other look light up at four depths, whose mean `integrate.wgsl` takes.
+fn quantile_of(column: vec2u) -> f32 {
+    let step = (column.x & 1u) * 2u + ((column.x + column.y) & 1u);
+    return fract(0.625 + haze.depth_shift + 0.25 * f32(step));
 }
 
 // Optical depth of a medium. It is computed where it is needed: most scenes have one or two.
@@ -63,9 +74,19 @@ fn slice_at(column: vec2u, index: u32) -> Slice {
         slice.depth += depth_of_medium(slice, i);
     }
     // Half of what is scattered in an even slice is so before that point.
-    let u = 0.5 + haze.depth_shift;
+    slice.quantile = quantile_of(column);
+    let u = slice.quantile;
     let within = select(-log(1.0 - u * (1.0 - exp(-min(slice.depth, 80.0)))) / max(slice.depth, 1e-30), u, slice.depth < 1e-2);
-    slice.at = begin + clamp(within, 0.0, 1.0) * (end - begin);
+    // Within a medium, and before the surface that is seen there: what lies behind may be another room.
+    let pixel = vec2u(clamp(at, vec2f(0.0), vec2f(view.size) - 1.0));
+    let z = textureLoad(depth, pixel, 0);
+    let seen = distance(sight.origin, world_position(pixel, view.size, max(z, 1e-30), view.world_from_clip));
+    let whole = span_of_all(sight.origin, sight.direction, end);
+    let low = max(begin, whole.begin);
+    let high = max(select(min(end, whole.end), min(min(end, whole.end), seen), z > 0.0 && seen > low), low);
+    slice.at = low + clamp(within, 0.0, 1.0) * (high - low);
+    slice.low = low;
+    slice.high = high;
     let beside = sight_through(view, at + vec2f(haze.tile, 0.0));
     let point = sight.origin + sight.direction * slice.at;
     slice.width = 0.5 * distance(point, beside.origin + beside.direction * slice.at);
@@ -90,20 +111,20 @@ struct Lookup {
 }
 
 fn lookup_of(slice: Slice, light: Light) -> Lookup {
-    let begin = slice.middle - slice.half_length;
-    let end = slice.middle + slice.half_length;
+    let begin = slice.low;
+    let end = max(slice.high, begin + 1e-3 * slice.half_length);
     var e = equiangular(slice.origin, slice.direction, Span(begin, end), light.position);
     let across = e.across;
     // A light is no nearer to a column than half of its width.
     e.across = max(across, slice.width);
     e.low = atan((begin - e.foot) / e.across);
     e.high = atan((end - e.foot) / e.across);
-    let at = clamp(equiangular_distance(e, 0.5 + haze.depth_shift), begin, end);
+    let at = clamp(equiangular_distance(e, slice.quantile), begin, end);
     let squared = across * across + (at - e.foot) * (at - e.foot);
-    let mean = (e.high - e.low) / max(2.0 * slice.half_length * e.across, 1e-30);
+    let mean = (e.high - e.low) / max((end - begin) * e.across, 1e-30);
     // Of a light that is far off for the length of the slice the difference of the angles is nothing but rounding.
     let is_seen_through = slice.depth < 2.0;
-    let is_near = is_seen_through && !is_distant(light) && max(slice.half_length, slice.width) > 0.1 * sqrt(squared);
+    let is_near = is_seen_through && !is_distant(light) && max(end - begin, slice.width) > 0.1 * sqrt(squared);
     return Lookup(select(slice.at, at, is_near), select(1.0, mean * squared, is_near));
 }
 

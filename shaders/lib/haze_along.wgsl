@@ -1,7 +1,8 @@
 #define_import_path lightwell::haze_along
 
 // What media do to light along a ray that does not come to the eye: as much as passes, and what they scatter towards the
-// ray's beginning, as if they scattered to all sides alike.
+// ray's beginning, by the first harmonics of light and phase function: J·(1 − 3g·F·ω/(4π·J)) of the mean radiance J and the net flux
+// F there, no less than none (Pharr, Jakob and Humphreys 2023, section 11.4).
 //   LAMPS_ALONE  the cells hold light straight from the lights only, three vectors a cell; and light that is scattered once more
 //                counts as if it went on, so that only what is absorbed is lost
 
@@ -18,16 +19,24 @@ struct Along {
     added: vec3f,          // [W/(m² sr)]
 }
 
+struct InCell {
+    light: vec3f,          // mean radiance [W/(m² sr)]
+    flux: vec3f,           // net flux of all channels over 4π times their mean radiance
+}
+
 // Light of the cell around a point, which lies in the volume or is moved into it.
-fn light_in_cell(position: vec3f) -> vec3f {
+fn light_in_cell(position: vec3f) -> InCell {
     let x = (position - haze_volume.origin) / haze_volume.cell;
     let cell = vec3u(clamp(x, vec3f(0.0), vec3f(haze_volume.cells) - 0.5));
     let index = cell_index(haze_volume, cell);
 #ifdef LAMPS_ALONE
-    return haze_cells[3u * index].rgb;
+    let light = haze_cells[3u * index].rgb;
+    let flux = vec3f(haze_cells[3u * index].w, haze_cells[3u * index + 1u].w, haze_cells[3u * index + 2u].w);
 #else
-    return haze_cells[index].rgb;
+    let light = haze_cells[2u * index].rgb;
+    let flux = haze_cells[2u * index + 1u].xyz;
 #endif
+    return InCell(light, flux / max(12.5663706 * (light.r + light.g + light.b), 1e-30));
 }
 
 // Where a ray leaves the volume [m]; beyond, light is as it is there.
@@ -59,6 +68,9 @@ fn haze_along(origin: vec3f, direction: vec3f, distance: f32, random: f32) -> Al
         let is_beyond = i == STEPS;
         let from_here = begin + f32(i) * step;
         let to_here = select(from_here + step, end, is_beyond);
+        let at = from_here + select(random * step, 0.0, is_beyond);
+        let here = light_in_cell(origin + direction * at);
+        let onward = -3.0 * dot(here.flux, direction);
         var depth = 0.0;
         var scattered = vec3f(0.0);
         var absorbed = vec3f(0.0);
@@ -67,12 +79,11 @@ fn haze_along(origin: vec3f, direction: vec3f, distance: f32, random: f32) -> Al
             let part = Span(max(whole.begin, from_here), min(whole.end, to_here));
             let of_medium = depth_of(media[k], origin, direction, part);
             depth += of_medium;
-            scattered += of_medium * media[k].albedo;
+            scattered += of_medium * max(1.0 + media[k].anisotropy * onward, 0.0) * media[k].albedo;
             absorbed += of_medium * (1.0 - media[k].albedo);
         }
         if depth > 0.0 {
-            let at = from_here + select(random * step, 0.0, is_beyond);
-            let light = light_in_cell(origin + direction * at);
+            let light = here.light;
 #ifdef LAMPS_ALONE
             let kept = exp(-absorbed);
             // Of what is absorbed in the part itself half lies before the point.

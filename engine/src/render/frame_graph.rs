@@ -62,7 +62,7 @@ pub(super) fn declare<'a>(
     let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
     let sky_field = sky.and_then(|sky| sky.field);
     let lamps = frame.lamps.clone().filter(|_| shows_direct);
-    let haze = haze::declare(graph, frame, lamps, field.clone().or_else(|| sky_field.clone()));
+    let haze = haze::declare(graph, frame, &gbuffer, lamps, field.clone().or_else(|| sky_field.clone()));
     let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None, haze };
     if has_blended {
         let source = source_of_blended(graph, &gbuffer, [field, sky_field], &lights);

@@ -44,7 +44,7 @@ impl Grid {
         let length = (end - begin).max(1e-3);
         // Where media begin at the eye, slices grow with the distance.
         let power = if begin < 0.05 * length { 2.0 } else { 1.0 };
-        let [x, y, z] = shift(frame.seed());
+        let [x, y, z] = shift(frame);
         Self {
             uniform: HazeUniform {
                 columns: UVec2::new(width.div_ceil(tile), height.div_ceil(tile)).max(UVec2::ONE),
@@ -85,17 +85,12 @@ impl Grid {
     }
 }
 
-/// Three numbers within ±1/2 from a seed; the image that stands for itself has none of it.
-fn shift(seed: u32) -> [f32; 3] {
-    if seed == 0 {
-        return [0.0; 3];
-    }
-    let unit = |number: u32| {
-        let mixed = (seed ^ number.wrapping_mul(0x9e37_79b9)).wrapping_mul(0x85eb_ca6b);
-        let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0xc2b2_ae35);
-        ((mixed ^ (mixed >> 16)) >> 8) as f32 * 2.0_f32.powi(-24) - 0.5
-    };
-    [unit(1), unit(2), unit(3)]
+/// Three numbers within ±1/2: of images that are averaged other ones each, spread as evenly as their shifts are, since whole
+/// multiples of a lattice's coordinates make a lattice again. The image that stands for itself has none of it.
+fn shift(frame: &Frame) -> [f32; 3] {
+    let [x, y] = frame.view.jitter;
+    let turn = frame.number().map_or(0.0, |number| (f64::from(number) * 0.618_033_988_75).fract() as f32);
+    [3.0 * x + 7.0 * y, 7.0 * x + 2.0 * y, 5.0 * x + 3.0 * y + turn].map(|sum| sum - sum.round())
 }
 
 /// Distances between which media are seen \[m\].

@@ -12,6 +12,7 @@ pub(crate) use grid::HazeUniform;
 
 use super::direct::lamps::Lamps;
 use super::frame::Frame;
+use super::geometry::GBuffer;
 use super::indirect::light_volumes::Field;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext};
@@ -35,6 +36,7 @@ pub(in crate::render) struct Haze {
 pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
+    gbuffer: &GBuffer,
     lamps: Option<Lamps<'a>>,
     field: Option<Field>,
 ) -> Option<Haze> {
@@ -50,7 +52,7 @@ pub(in crate::render) fn declare<'a>(
     // Of light that was propagated from cell to cell the mean over directions is not known well enough.
     let field = field.filter(|field| matches!(field, Field::Swept { .. }));
     let grid = Grid::of(frame);
-    let scattered = scatter::declare(graph, frame, &grid, lamps, field);
+    let scattered = scatter::declare(graph, frame, gbuffer.depth, &grid, lamps, field);
     let in_scattered = integrate::declare(graph, frame, &grid, scattered);
     Some(Haze { grid, in_scattered })
 }

@@ -2,8 +2,8 @@
 
 use super::as_bindings;
 use super::grid::Grid;
-use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::direct::lamps::{Bound, Lamps};
 use crate::render::frame::{Frame, linear_groups};
 use crate::render::indirect::light_volumes::Field;
@@ -13,24 +13,27 @@ use wgpu::BufferUsages;
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
+    depth: Handle<Texture>,
     grid: &Grid,
     lamps: Option<Lamps<'a>>,
     field: Option<Field>,
 ) -> Handle<Buffer> {
     let scattered = graph.buffer("haze, light by slice", BufferDesc::new(grid.bytes(), BufferUsages::STORAGE));
     let mut pass = graph.pass("haze scatter");
+    pass.read(depth);
     lamps.iter().flat_map(Lamps::maps).for_each(|map| pass.read(map));
     field.iter().flat_map(Field::buffers).for_each(|&buffer| pass.read(buffer));
     let scattered = pass.write(scattered);
     pass.key(&(frame.media_key(), grid.key(), frame.view_key(), lamps.as_ref().map(Lamps::key)));
     pass.key(&field.as_ref().map(|field| (field.define(), frame.scene.revisions.clpv, frame.settings.gi)));
-    let work = Work { frame: frame.clone(), grid: *grid, lamps, field, scattered };
+    let work = Work { frame: frame.clone(), depth, grid: *grid, lamps, field, scattered };
     pass.execute(move |cx| work.run(cx));
     scattered
 }
 
 struct Work<'a> {
     frame: Frame<'a>,
+    depth: Handle<Texture>,
     grid: Grid,
     lamps: Option<Lamps<'a>>,
     field: Option<Field>,
@@ -72,7 +75,9 @@ impl Work<'_> {
         if lamps.as_ref().is_some_and(|lamps| !lamps.is_first || self.field.is_some()) {
             key = key.def("MORE", ShaderDef::Flag(true));
         }
+        let depth = cx.view(self.depth);
         let mut bindings = as_bindings(&buffers);
+        bindings.push(("depth", Binding::Texture(&depth)));
         bindings.extend(lamps.into_iter().flat_map(|lamps| lamps.bindings));
         cx.dispatch(&key, &bindings, linear_groups(self.grid.cells()))
     }

@@ -10,7 +10,8 @@
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(0) var<uniform> volume: Volume;
-// Three vectors a cell: J [W/(m² sr)]; Σ σ·ρ·J [W/(m³ sr)]; Σ σ·(1 − ρ) [1/m].
+// Three vectors a cell: J [W/(m² sr)]; Σ σ·ρ·J [W/(m³ sr)]; Σ σ·(1 − ρ) [1/m]. Their fourth numbers are the net flux of all
+// channels together [W/m²].
 @group(0) @binding(1) var<storage, read_write> lamp_light: array<vec4f>;
 
 const POINTS: u32 = 8u;
@@ -26,6 +27,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     var light = vec3f(0.0);
     var scattered = vec3f(0.0);
     var absorption = vec3f(0.0);
+    var flux = vec3f(0.0);
     // Nearer to a light than that, a cell has the mean of 1/r² over a ball of its volume: 3/R².
     let least = 0.3578 * volume.cell;
     for (var i = 0u; i < POINTS; i++) {
@@ -36,7 +38,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         for (var k = 0u; k < lamp_count(index); k++) {
             let lamp = arriving(k, position);
             let near = min(lamp.distance / least, 1.0);
-            sum += lamp.irradiance * select(1.0, near * near, lamp.distance > 0.0);
+            let irradiance = lamp.irradiance * select(1.0, near * near, lamp.distance > 0.0);
+            sum += irradiance;
+            flux -= lamp.to_light * (irradiance.r + irradiance.g + irradiance.b);
         }
 #endif
         sum *= 0.0795774715;
@@ -51,8 +55,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef MORE
     light += lamp_light[3u * index].rgb / scale;
     scattered += lamp_light[3u * index + 1u].rgb / scale;
+    flux += vec3f(lamp_light[3u * index].w, lamp_light[3u * index + 1u].w, lamp_light[3u * index + 2u].w) / scale;
 #endif
-    lamp_light[3u * index] = vec4f(light * scale, 0.0);
-    lamp_light[3u * index + 1u] = vec4f(scattered * scale, 0.0);
-    lamp_light[3u * index + 2u] = vec4f(absorption * scale, 0.0);
+    lamp_light[3u * index] = vec4f(light, flux.x) * scale;
+    lamp_light[3u * index + 1u] = vec4f(scattered, flux.y) * scale;
+    lamp_light[3u * index + 2u] = vec4f(absorption, flux.z) * scale;
 }

@@ -47,7 +47,7 @@ pub(super) fn declare<'a>(
     lamp_light: Handle<Buffer>,
     axes: Handle<Buffer>,
 ) -> HazeCells {
-    let desc = BufferDesc::new(16 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
+    let desc = BufferDesc::new(32 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
     let light = graph.buffer("haze, all light in cells", desc);
     let mut pass = graph.pass("haze cells");
     pass.read(lamp_light);
