@@ -11,17 +11,21 @@
 @group(0) @binding(42) var<storage, read> scattered: array<vec4f>;
 @group(0) @binding(43) var<storage, read_write> in_scattered: array<vec4f>;
 
-// The mean of four columns, whose points lie at other depths of the slice.
+// Light of a slice and those beside it, which is looked up at four depths: a tent over nine of them weighs all four alike. The
+// optical depth is the column's own, so that the borders of media stay sharp.
 fn light_of(column: vec2u, slice: u32) -> vec4f {
     var sum = vec3f(0.0);
     var weights = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let beside = min(column + vec2u(i & 1u, i >> 1u), haze.columns - 1u);
+    let last = vec2i(haze.columns) - 1;
+    for (var i = 0; i < 9; i++) {
+        let offset = vec2i(i % 3, i / 3) - 1;
+        let beside = vec2u(clamp(vec2i(column) + offset, vec2i(0), last));
         let here = scattered[haze_index(haze, beside, slice)];
-        sum += here.w * here.rgb;
-        weights += here.w;
+        let weight = here.w / f32((1 + abs(offset.x)) * (1 + abs(offset.y)));
+        sum += weight * here.rgb;
+        weights += weight;
     }
-    return vec4f(sum / max(weights, 1e-30), 0.25 * weights);
+    return vec4f(sum / max(weights, 1e-30), scattered[haze_index(haze, column, slice)].w);
 }
 
 @compute @workgroup_size(64)
@@ -44,7 +48,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     }
     in_scattered[haze_index(haze, column, SLICES)] = vec4f(sum, 0.0);
     // Beyond the last slice light is as it is there.
-    let sight = sight_through(view, (vec2f(column) + 1.0 + haze.shift) * haze.tile);
+    let sight = sight_through(view, (vec2f(column) + 0.5 + haze.shift) * haze.tile);
     let end = slice_distance(haze, f32(SLICES));
     let rest = optical_depth(sight.origin + sight.direction * end, sight.direction, FARTHEST);
     sum += exp(-depth) * (1.0 - exp(-rest)) * last;

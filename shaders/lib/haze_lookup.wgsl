@@ -34,8 +34,7 @@ fn veil(view: View, at: vec2f, position: vec3f, is_sky: bool) -> Veil {
     let sight = sight_through(view, at);
     let distance = select(distance(sight.origin, position), FARTHEST, is_sky);
     let slice = slice_of(haze, distance);
-    // Each holds the mean of four columns, around their common corner.
-    let column = clamp(at / haze.tile - 1.0 - haze.shift, vec2f(0.0), vec2f(haze.columns - 1u));
+    let column = clamp(at / haze.tile - 0.5 - haze.shift, vec2f(0.0), vec2f(haze.columns - 1u));
     let low = min(vec2u(column), max(haze.columns, vec2u(2u)) - 2u);
     let high = min(low + 1u, haze.columns - 1u);
     let part = column - vec2f(low);
