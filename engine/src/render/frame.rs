@@ -1,6 +1,5 @@
 //! What all passes of one frame share: the scene, the view, and their keys.
 
-use super::direct::lamps::Lamps;
 use super::history::History;
 use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
@@ -47,8 +46,6 @@ pub struct Frame<'a> {
     pub shadow_rays: Option<&'a RayScene>,
     /// Why there are none for the final gather, if there should be.
     pub refused_rays: Option<&'a str>,
-    /// The lights that reach the view, with their shadow maps, where media scatter their light.
-    pub(in crate::render) lamps: Option<Lamps<'a>>,
     /// The view.
     pub view: &'a SceneView,
     /// Settings.

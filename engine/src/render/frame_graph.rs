@@ -49,7 +49,6 @@ pub(super) fn declare<'a>(
     let has_blended = blend::is_needed(graph, frame);
     let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
     let shows_direct = matches!(frame.settings.only, Layer::Total | Layer::Direct);
-    let frame = &Frame { lamps: haze::is_needed(frame).then(|| Lamps::new(&direct_lights)), ..frame.clone() };
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
     let (indirect, mirrored, field) = match indirect {
         Some(light) => {
@@ -61,7 +60,7 @@ pub(super) fn declare<'a>(
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
     let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
     let sky_field = sky.and_then(|sky| sky.field);
-    let lamps = frame.lamps.clone().filter(|_| shows_direct);
+    let lamps = Lamps::of(graph, frame).filter(|_| shows_direct);
     let haze = haze::declare(graph, frame, &gbuffer, lamps, field.clone().or_else(|| sky_field.clone()));
     let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None, haze };
     if has_blended {

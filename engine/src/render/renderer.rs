@@ -229,7 +229,6 @@ impl Renderer {
             rays,
             shadow_rays: rays.filter(|_| method.rays(scene) != RayUse::None || casts_soft_shadows(scene)),
             refused_rays,
-            lamps: None,
             view,
             settings,
             bounds,

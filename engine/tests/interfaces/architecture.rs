@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
-const RENDER: [&str; 24] = [
+const RENDER: [&str; 25] = [
     "debug_settings",
     "settings",
     "scene_gpu",
@@ -21,6 +21,7 @@ const RENDER: [&str; 24] = [
     "direct",
     "indirect",
     "sky",
+    "haze",
     "transparency",
     "post",
     "debug",

@@ -1,11 +1,15 @@
 //! Lights with their shadow maps, one after the other, for passes that look up whether light reaches a point of the air. See
 //! `lib/haze_lamps.wgsl`.
 
-use super::{DirectLight, comparison_sampler, layered_view};
+use super::{comparison_sampler, layered_view};
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Handle, PassContext, PassError, Texture};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::render::frame::Frame;
 use crate::render::scene_gpu::light_uniform::LightUniform;
-use crate::render::shadows::shadow_map::ShadowMap;
+use crate::render::shadows::light_views;
+use crate::render::shadows::shadow_map::{self, ShadowMap};
+use crate::scene::SceneLight;
+use glam::Vec3;
 use std::sync::Arc;
 
 /// What a dispatch binds of the lights, and the definitions with which its shader knows them.
@@ -16,14 +20,25 @@ pub(in crate::render) struct Bound<'b> {
     pub is_first: bool,
 }
 
-/// The lights that reach the view.
+/// A light, and its shadow map if it casts shadows.
+type Lamp<'a> = (&'a SceneLight, Option<ShadowMap>);
+
+/// The lights whose light media scatter.
 #[derive(Clone)]
-pub(in crate::render) struct Lamps<'a>(Arc<[DirectLight<'a>]>);
+pub(in crate::render) struct Lamps<'a>(Arc<[Lamp<'a>]>);
 
 impl<'a> Lamps<'a> {
-    /// Those lights.
-    pub fn new(lights: &[DirectLight<'a>]) -> Self {
-        Self(lights.into())
+    /// Those of the frame whose shadow maps were declared before, and those that need none. None where there are no media to
+    /// scatter their light, or the frame shows no light.
+    pub fn of(graph: &Graph, frame: &Frame<'a>) -> Option<Self> {
+        let is_needed = frame.settings.only.is_light() && !frame.scene.media.is_empty();
+        let lamp = |light: &'a SceneLight| {
+            let shadow = shadow_map::declared(graph, frame, light);
+            // What is out of the view has no map, and none of its light is seen.
+            let is_lit = shadow.is_some() || !light.casts_shadow || light_views(light, &frame.bounds).is_empty();
+            (is_lit && light.intensity != Vec3::ZERO).then_some((light, shadow))
+        };
+        is_needed.then(|| Self(frame.scene.lights.iter().filter_map(lamp).collect()))
     }
 
     /// Shadow maps, which a pass that looks them up reads.
@@ -33,11 +48,11 @@ impl<'a> Lamps<'a> {
 
     /// Changes with the light that they send out.
     pub fn key(&self) -> Vec<(u64, bool)> {
-        self.0.iter().map(|lamp| (lamp.light.revision, lamp.shadow.is_some())).collect()
+        self.0.iter().map(|(light, shadow)| (light.revision, shadow.is_some())).collect()
     }
 
-    fn shadows(&self) -> impl Iterator<Item = (&DirectLight<'a>, &ShadowMap)> {
-        self.0.iter().filter_map(|lamp| lamp.shadow.as_ref().map(|shadow| (lamp, shadow)))
+    fn shadows(&self) -> impl Iterator<Item = (&'a SceneLight, &ShadowMap)> {
+        self.0.iter().filter_map(|(light, shadow)| shadow.as_ref().map(|shadow| (*light, shadow)))
     }
 
     /// Calls a dispatch for each light that casts shadows, and one for all others together, if there are any.
@@ -52,8 +67,8 @@ impl<'a> Lamps<'a> {
         cx.counts().lights += self.0.len() as u64;
         let sampler = comparison_sampler(cx.gpu);
         let mut is_first = true;
-        for (lamp, shadow) in self.shadows() {
-            let lamps = cx.gpu.constants_of("lamps", &[LightUniform::new(lamp.light)]);
+        for (light, shadow) in self.shadows() {
+            let lamps = cx.gpu.constants_of("lamps", &[LightUniform::new(light)]);
             let uniform = cx.gpu.uniform("shadow", &shadow.uniform());
             let map = layered_view(cx.gpu, cx.texture(shadow.map));
             let bindings = vec![
@@ -65,8 +80,8 @@ impl<'a> Lamps<'a> {
             let define = Some(("SHADOWED", ShaderDef::Flag(true)));
             dispatch(cx, Bound { bindings, define, is_first: std::mem::take(&mut is_first) })?;
         }
-        let others: Vec<_> =
-            self.0.iter().filter(|lamp| lamp.shadow.is_none()).map(|lamp| LightUniform::new(lamp.light)).collect();
+        let others = self.0.iter().filter(|(_, shadow)| shadow.is_none());
+        let others: Vec<_> = others.map(|(light, _)| LightUniform::new(light)).collect();
         if others.is_empty() {
             return Ok(());
         }

@@ -80,7 +80,7 @@ impl ShadowMap {
 
 /// Declares the light's shadow map; none, with the reason in the report, if it needs none.
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLight) -> Option<ShadowMap> {
-    let name = format!("shadow {}", light.pass_name());
+    let name = pass_name(light);
     if !light.casts_shadow {
         graph.skip(&name, "the light casts no shadow");
         return None;
@@ -98,11 +98,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
         DEPTH_FORMAT,
         wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
     );
-    let kind = match light.shape {
-        LightShape::Directional | LightShape::Sun { .. } => 1,
-        LightShape::Spot { .. } => 2,
-        _ => 3,
-    };
+    let kind = kind_of(light);
     let (drawn, faces) = (frame.clone(), views.clone());
     let draw = move |cx: &mut PassContext, maps: &[Handle<Texture>; 1], motion| {
         let mut layers = faces.iter().zip(0..);
@@ -114,6 +110,25 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
     let key = view_bits(&views);
     let [map] = static_layers::declare(graph, frame, &name, [(name.clone(), desc)], &filters, &key, draw);
     Some(ShadowMap { map, views, kind, size })
+}
+
+/// The light's shadow map, if it was declared before.
+pub(in crate::render) fn declared(graph: &Graph, frame: &Frame, light: &SceneLight) -> Option<ShadowMap> {
+    let map = graph.latest(&pass_name(light))?;
+    let size = light.shadow_size.clamp(1, 8192);
+    Some(ShadowMap { map, views: light_views(light, &frame.bounds), kind: kind_of(light), size })
+}
+
+fn pass_name(light: &SceneLight) -> String {
+    format!("shadow {}", light.pass_name())
+}
+
+fn kind_of(light: &SceneLight) -> u32 {
+    match light.shape {
+        LightShape::Directional | LightShape::Sun { .. } => 1,
+        LightShape::Spot { .. } => 2,
+        _ => 3,
+    }
 }
 
 /// Draws the casters that a view of the light sees; a face that sees none is only cleared.

@@ -2,7 +2,7 @@
 
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
-use crate::render::direct::lamps::Bound;
+use crate::render::direct::lamps::{Bound, Lamps};
 use crate::render::frame::{Frame, linear_groups};
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
@@ -17,7 +17,7 @@ pub(super) fn declare<'a>(
     name: &str,
     volume: &Volume,
 ) -> Option<Handle<Buffer>> {
-    let lamps = frame.lamps.clone()?;
+    let lamps = Lamps::of(graph, frame)?;
     let name = format!("haze, {name}");
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
