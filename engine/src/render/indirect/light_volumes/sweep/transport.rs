@@ -9,6 +9,7 @@ use super::{BounceCount, Irradiance, Level};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::indirect::light_volumes::volume::Volume;
+use crate::scene::SceneMedium;
 use crate::world::Precision;
 use glam::Vec3;
 use wgpu::BufferUsages;
@@ -140,22 +141,38 @@ pub(super) fn declare<'a>(
         Sky::Scene => frame.scene.sky,
         Sky::Dark => Vec3::ZERO,
     };
-    let map = frame.scene.sky_map.as_deref().filter(|_| sky == Sky::Scene);
+    let sky_is_seen = sky == Sky::Scene;
+    let map = frame.scene.sky_map.as_deref().filter(|_| sky_is_seen);
     let sky = (border.to_array().map(f32::to_bits), map.map(|map| (map.id, map.turn.to_bits())));
     let inner_key = inner.map(|inner| inner.key());
     pass.key(&(volume.key(), inner_key, directions.key(), sky, step.bounce, step.bounces, precision));
-    pass.key(&buffers.has_media);
+    pass.key(&(buffers.has_media, sky_is_seen.then(|| frame.media_key())));
     let map = map.and(frame.scene.sky_map.as_ref()).cloned();
     let directions = directions.clone();
+    let media = if sky_is_seen { frame.scene.media.clone() } else { Vec::new() };
     pass.execute(move |cx| {
-        let border = match &map {
+        let mut border = match &map {
             Some(map) => directions.sky(map),
             None => vec![border.extend(0.0).to_array(); directions.values.len()],
         };
+        if !media.is_empty() {
+            through_media(&mut border, &media, &volume, &directions);
+        }
         march::sweep(cx, &volume, &directions, &buffers, &border)?;
         match buffers.sum {
             Some((sum, totals)) => bounce_sum::add(cx, buffers.bounce, sum, totals, step),
             None => Ok(()),
         }
     });
+}
+
+/// What media before the sky let pass of it, to the middle of the volume.
+fn through_media(border: &mut [[f32; 4]], media: &[SceneMedium], volume: &Volume, directions: &Directions) {
+    let bounds = volume.bounds();
+    let middle = 0.5 * (bounds.min + bounds.max);
+    for (light, [x, y, z, _]) in border.iter_mut().zip(&directions.values) {
+        let toward = -Vec3::new(*x, *y, *z);
+        let passing: f32 = media.iter().map(|medium| medium.passes_from_afar(middle, toward)).product();
+        light[..3].iter_mut().for_each(|channel| *channel *= passing);
+    }
 }
