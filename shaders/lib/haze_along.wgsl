@@ -6,7 +6,7 @@
 //   LAMPS_ALONE  the cells hold light straight from the lights only, three vectors a cell; and light that is scattered once more
 //                counts as if it went on, so that only what is absorbed is lost
 
-#import lightwell::media::{FARTHEST, MEDIA, depth_of, media, optical_depth, share_not_absorbed, span_in, transmittance, Span}
+#import lightwell::media::{FARTHEST, MEDIA, Span, depth_of, media, span_in}
 #import lightwell::volume::{Volume, cell_index}
 
 @group(0) @binding(45) var<uniform> haze_volume: Volume;

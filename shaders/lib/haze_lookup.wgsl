@@ -3,7 +3,7 @@
 // What media do to light on its way to the eye.
 //   FORWARD  the bindings are those of a raster pass, whose first groups are taken
 
-#import lightwell::haze::{Haze, SLICES, Sight, haze_index, sight_through, slice_of}
+#import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_of}
 #import lightwell::media::{FARTHEST, transmittance}
 #import lightwell::view::View
 

@@ -226,7 +226,7 @@ fn weight_of_collision(surface: Surface, light: Light) -> f32 {
 }
 
 // Light of one light that media scatter on the way of a ray to its beginning, at a point near that light: where the path itself
-// is scattered, a light is hardly ever near. `passed` is the transmittance with which distances are sampled otherwise.
+// is scattered, a light is hardly ever near.
 fn sample_segment(index: u32, is_direct: bool, random: f32, on_light: vec2f) -> LightSample {
     let candidate = load_light(index);
     if is_distant(candidate.light) || (!is_direct && candidate.indirect == 0u) || segment.span.end <= segment.span.begin {
