@@ -13,7 +13,7 @@
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::lights::{Incidence, Light}
 #import lightwell::sampling::{Sampler, next_pair, visible_ggx_normal}
-#import lightwell::shadow_rays::is_reached
+#import lightwell::shadow_rays::arriving
 #ifdef FURTHER
 #import lightwell::shadow_tiles::{MIXED, tile_of}
 #endif
@@ -120,7 +120,8 @@ fn one_point(r: Receiver, incidence: Incidence, is_of_lobe: bool) -> vec4f {
         return vec4f(0.0);
     }
     let whole = from_light(r, incidence);
-    let lit = select(0.0, 1.0, is_reached(view, shadows.root, r.surface.position, r.surface.normal, incidence));
+    // Of light that glass colours, the mean.
+    let lit = dot(vec3f(1.0 / 3.0), arriving(view, shadows.root, r.surface.position, r.surface.normal, incidence));
     let diffuse = select(whole.diffuse, 0.0, is_of_lobe);
     return vec4f(lit * diffuse, diffuse, lit * whole.specular, whole.specular);
 }

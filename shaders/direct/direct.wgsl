@@ -6,6 +6,9 @@
 #import lightwell::lights::{Light, light_incidence}
 #ifdef SHADOW_RAYS
 #import lightwell::shadow_rays::is_reached
+#ifdef GLASS
+#import lightwell::shadow_rays::left_on_way
+#endif
 #endif
 #import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
 #import lightwell::view::{View, toward_eye}
@@ -84,7 +87,10 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     if lit <= 0.0 {
         return;
     }
-    let reflected = reflected_light(surface, toward_eye(view, position), incidence) * lit;
+    var reflected = reflected_light(surface, toward_eye(view, position), incidence) * lit;
+#ifdef GLASS
+    reflected *= left_on_way(view, region.root, position, surface.normal, incidence);
+#endif
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

@@ -33,8 +33,9 @@ struct Material {
     alpha_cutoff: f32,     // below 0: alpha is ignored; BLENDED: the surface is blended over what lies behind
     normal_scale: f32,
     double_sided: u32,
-    // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour.
-    uv_rows: array<vec4f, 12>,
+    transmission: f32,     // of light that is neither reflected nor a metal's
+    // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour, transmission.
+    uv_rows: array<vec4f, 14>,
 }
 
 // `alpha_cutoff` of blended surfaces, above any cutoff of masked ones.

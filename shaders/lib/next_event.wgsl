@@ -25,6 +25,9 @@
 #import lightwell::ray_surfaces::point_of_medium
 #endif
 #import lightwell::rays::{Ray, Hit}
+#ifdef GLASS
+#import lightwell::refraction::transmitted
+#endif
 #import lightwell::sampling::{INVERSE_PI, cosine_direction, is_chosen, visible_ggx_normal}
 #import lightwell::sky::{sky_radiance, sky_density, sample_sky}
 
@@ -129,6 +132,16 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
         surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
     );
 #endif
+}
+
+// What counts of the light from lights: that which the surface reflects, or, where it is crossed, what passes it.
+fn lit(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
+#ifdef GLASS
+    if surface.is_crossed {
+        return transmitted(surface, to_eye, direction);
+    }
+#endif
+    return reflected(surface, to_eye, direction);
 }
 
 // Share of even light from all around that a surface reflects diffusely: its albedo, less what the specular lobe takes of it
@@ -269,7 +282,7 @@ fn sample_light(
         if all(incidence.irradiance <= vec3f(0.0)) {
             continue;
         }
-        var light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+        var light = bounded(lit(surface, to_eye, incidence.to_light) * incidence.irradiance);
 #ifdef MEDIA
         light *= weight_of_collision(surface, candidate.light);
 #endif
@@ -299,7 +312,7 @@ fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32, on_light: vec2f
     if candidate.indirect == 0u || all(incidence.irradiance <= vec3f(0.0)) {
         return no_light();
     }
-    let light = bounded(reflected(surface, to_eye, incidence.to_light) * incidence.irradiance);
+    let light = bounded(lit(surface, to_eye, incidence.to_light) * incidence.irradiance);
     if all(light <= vec3f(0.0)) {
         return no_light();
     }

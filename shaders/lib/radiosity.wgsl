@@ -5,7 +5,7 @@
 
 #import lightwell::patches::NO_PATCH
 #import lightwell::ray_scene::{NONE, load_triangle}
-#import lightwell::rays::Hit
+#import lightwell::rays::{Hit, hit_of, no_hit}
 #import lightwell::sweep::Surfel
 
 #ifdef RAYS
@@ -60,7 +60,7 @@ struct LinkEnd {
 
 fn link_hit(link: Link, position: vec3f) -> LinkEnd {
     if link.triangle == NONE {
-        return LinkEnd(NONE, Hit(0.0, NONE, vec2f(0.0)), vec3f(0.0));
+        return LinkEnd(NONE, no_hit(0.0), vec3f(0.0));
     }
     let barycentric = unpack2x16unorm(link.barycentric);
     let triangle = load_triangle(link.triangle);
@@ -68,5 +68,5 @@ fn link_hit(link: Link, position: vec3f) -> LinkEnd {
     let end = w * triangle.corner_a + barycentric.x * triangle.corner_b + barycentric.y * triangle.corner_c;
     let way = end - position;
     let distance = length(way);
-    return LinkEnd(link.triangle, Hit(distance, link.triangle, barycentric), way / max(distance, 1e-30));
+    return LinkEnd(link.triangle, hit_of(distance, link.triangle, barycentric), way / max(distance, 1e-30));
 }

@@ -9,6 +9,7 @@
 //   UNTEXTURED  no material has a texture
 //   OPAQUE      no material's alpha is tested
 //   DARK        no material emits light
+//   GLASS       (the other way around) light passes a surface: see lib/glass.wgsl
 //   MOVERS      (the other way around) something moves
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
 
@@ -26,14 +27,21 @@ struct Material {
     alpha_cutoff: f32,     // below 0: alpha is ignored; BLENDED: the chance that a ray meets the surface
     normal_scale: f32,
     double_sided: u32,
+    absorption: vec3f,     // of the inside [1/m]
+    transmission: f32,     // of light that is neither reflected nor a metal's; 0: no glass
+    ior: f32,              // of the inside, relative to air
+    is_solid: u32,         // it bounds a body; else it is a thin wall
+    pad_a: u32,
+    pad_b: u32,
     base_color_texture: vec4u,
     metallic_roughness_texture: vec4u,
     normal_texture: vec4u,
     emissive_texture: vec4u,
     specular_texture: vec4u,
     specular_color_texture: vec4u,
+    transmission_texture: vec4u,
     // Two rows for each texture, as in lib/mesh.wgsl.
-    uv_rows: array<vec4f, 12>,
+    uv_rows: array<vec4f, 14>,
 }
 
 struct Emitter {
@@ -69,6 +77,14 @@ struct RayLight {
 // Five texels a light.
 @group(1) @binding(5) var lights: texture_storage_2d<rgba32uint, read>;
 @group(1) @binding(6) var atlas: texture_2d_array<f32>;
+#ifdef GLASS
+struct GlassBox {
+    low: vec3f,            // [m]
+    high: vec3f,
+}
+// Around all that is of glass.
+@group(1) @binding(8) var<uniform> glass_box: GlassBox;
+#endif
 #ifndef PLAIN
 // Three texels a triangle, one a corner: second u, v, colour and alpha of 16 bits each. Sampled, since four storage
 // textures are what every adapter has for a shader.
@@ -79,7 +95,8 @@ const LEAF: u32 = 0x80000000u;
 const COUNT_BITS: u32 = 29u;
 const FIRST_MASK: u32 = 0x1fffffffu;
 
-const MATERIAL_MASK: u32 = 0x1fffffffu;
+const MATERIAL_MASK: u32 = 0x0fffffffu;
+const OF_GLASS: u32 = 0x10000000u;
 const CASTS_SHADOW: u32 = 0x20000000u;
 const DOUBLE_SIDED: u32 = 0x40000000u;
 const ALPHA_TESTED: u32 = 0x80000000u;

@@ -20,6 +20,13 @@ struct Surface {
     error: f32,            // how far rounding may have moved the position [m]
     emitter: u32,          // or NONE
     visible: bool,         // false: the back of a single-sided surface
+#ifdef GLASS
+    passing: vec3f,        // what of unreflected light passes the surface; 0: it is not of glass
+    eta: f32,              // index of refraction on this side over that on the other; 1 for a thin wall
+    absorption: vec3f,     // of the body that it bounds [1/m]
+    is_solid: bool,        // it bounds a body
+    is_crossed: bool,      // the light that counts here is that which passes
+#endif
 #ifdef MEDIA
     is_medium: bool,       // it is a point of a medium, whose albedo this one's is
     anisotropy: f32,       // of that medium
@@ -83,6 +90,18 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.grazing_reflectance = mix(specular, 1.0, metallic);
     let roughness = saturate(materials[material].roughness * metallic_roughness.g);
     surface.alpha = max(roughness * roughness, 1e-3);
+#endif
+#ifdef GLASS
+    var transmission = materials[material].transmission;
+#ifndef PLAIN
+    transmission *= sample_texture(materials[material].transmission_texture, uv_of_use(material, 6u, place), vec4f(1.0)).r;
+#endif
+    surface.passing = surface.albedo * transmission;
+    surface.albedo *= 1.0 - transmission;
+    surface.is_solid = materials[material].is_solid != 0u;
+    surface.eta = select(1.0, select(1.0 / materials[material].ior, materials[material].ior, back), surface.is_solid);
+    surface.absorption = materials[material].absorption;
+    surface.visible = surface.visible || materials[material].transmission > 0.0;
 #endif
 #ifdef DARK
     surface.emissive = vec3f(0.0);

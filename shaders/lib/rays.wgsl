@@ -2,15 +2,26 @@
 
 // Rays through the scene: which triangle one meets.
 
+#ifdef GLASS
+#import lightwell::glass::{NOTHING_TAKEN, Taken, glass_at, left_of, pass_share, taken_at}
+#endif
 #import lightwell::mesh::BLENDED
 #import lightwell::ray_materials::alpha_at
 #import lightwell::ray_scene::{ALPHA_TESTED, CASTS_SHADOW, COUNT_BITS, DOUBLE_SIDED, FIRST_MASK, LEAF, NONE, box_texel, load_triangle, materials, nodes}
+#ifdef GLASS
+#import lightwell::ray_scene::{OF_GLASS, glass_box}
+#endif
 #import lightwell::sampling::hash_pair
 
 // What a ray is for.
 const CAMERA: u32 = 0u;    // nearest surface, backs of single-sided ones left out
 const LIGHT: u32 = 1u;     // nearest surface that casts shadows, from both sides
 const SHADOW: u32 = 2u;    // any surface that casts shadows; which one is not said
+// Light passes glass straight: LIGHT rays go through, and SHADOW rays count what it takes. With GLASS_REFLECTS a LIGHT ray meets
+// it by chance, as often as it does not let pass. Two kinds more:
+const SEEN: u32 = 3u;      // nearest surface that casts shadows or is of glass, from both sides
+const THROUGH: u32 = 4u;   // none: what glass takes up to a distance
+const PANE: u32 = 5u;      // nearest surface of glass, backs of single-sided ones left out
 
 struct Ray {
     origin: vec3f,
@@ -21,6 +32,21 @@ struct Hit {
     t: f32,
     triangle: u32,         // NONE: nothing was met
     barycentric: vec2f,    // of the second and third corner
+#ifdef GLASS
+    taken: Taken,          // by glass on the way of a SHADOW or THROUGH ray
+#endif
+}
+
+fn hit_of(t: f32, triangle: u32, barycentric: vec2f) -> Hit {
+#ifdef GLASS
+    return Hit(t, triangle, barycentric, NOTHING_TAKEN);
+#else
+    return Hit(t, triangle, barycentric);
+#endif
+}
+
+fn no_hit(reach: f32) -> Hit {
+    return hit_of(reach, NONE, vec2f(0.0));
 }
 
 fn inverse_direction(d: vec3f) -> vec3f {
@@ -73,7 +99,7 @@ fn begin_walk(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
     let first = HEADER + octant(ray.direction) * frame.boxes;
     let end = first + frame.boxes;
     let next = select(end, first, reach > 0.0);
-    let hit = Hit(reach, NONE, vec2f(0.0));
+    let hit = no_hit(reach);
 #ifdef EXACT_BOXES
     let scale = inverse;
     let offset = ray.origin;
@@ -177,7 +203,7 @@ fn is_transparent(triangle: u32, material: u32, barycentric: vec2f, ray: Ray) ->
 }
 
 // Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle.
-fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
+fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32) -> Hit {
     let triangle = load_triangle(index);
     let edge_b = triangle.corner_b - triangle.corner_a;
     let edge_c = triangle.corner_c - triangle.corner_a;
@@ -190,11 +216,13 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
     let v = dot(ray.direction, q) * r;
     let t = dot(edge_c, q) * r;
     // Seen from the front the determinant is positive.
-    let counts = select(
-        (triangle.flags & CASTS_SHADOW) != 0u,
-        determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u,
-        is_camera,
-    );
+    let is_shown = determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u;
+    var counts = select((triangle.flags & CASTS_SHADOW) != 0u, is_shown, kind == CAMERA);
+#ifdef GLASS
+    let is_glass = (triangle.flags & OF_GLASS) != 0u;
+    counts = (counts || (kind == SEEN && is_glass)) && (kind != THROUGH || is_glass);
+    counts = select(counts, is_shown && is_glass, kind == PANE);
+#endif
     // Where two triangles are met at the same distance, the point on them says which counts: their order depends on the
     // frames before, and on which of them moves.
     let is_tie_won = t == hit.t && hit.triangle != NONE
@@ -206,9 +234,32 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, is_camera: bool) -> Hit {
         met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
     }
 #endif
+#ifdef GLASS
+    if met && is_glass && kind != CAMERA && kind != SEEN && kind != PANE {
+        let cosine = abs(determinant) / max(length(cross(edge_b, edge_c)) * length(ray.direction), 1e-30);
+        let glass = glass_at(index, triangle.material, vec2f(u, v));
+#ifdef GLASS_REFLECTS
+        if kind == LIGHT {
+            met = pass_share(glass, cosine) <= pass_chance(ray, vec2f(u, v));
+        }
+#endif
+        if kind != LIGHT {
+            var through = hit;
+            through.taken = taken_at(hit.taken, glass, cosine, t * length(ray.direction), determinant > 0.0, kind == THROUGH);
+            return through;
+        }
+#ifndef GLASS_REFLECTS
+        met = false;
+#endif
+    }
+    if met {
+        return Hit(t, index, vec2f(u, v), hit.taken);
+    }
+#else
     if met {
         return Hit(t, index, vec2f(u, v));
     }
+#endif
     return hit;
 }
 
@@ -251,7 +302,7 @@ fn go_on(walk: ptr<function, Walk>) {
             after_leaf = select(0u, after_leaf, box_leaf != 0u);
             box_leaf = 0u;
         }
-        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind == CAMERA);
+        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind);
         // The leaf without this triangle.
         leaf = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
     }
@@ -271,4 +322,30 @@ fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
         go_on(&walk);
     }
     return walk.hit;
+}
+
+// What glass leaves of light that comes along a SHADOW ray which nothing blocks.
+fn passed(ray: Ray, hit: Hit) -> vec3f {
+#ifdef GLASS
+    return left_of(hit.taken, min(hit.t * length(ray.direction), 1e9));
+#else
+    return vec3f(1.0);
+#endif
+}
+
+// What glass leaves of light on its way of so much of a LIGHT ray.
+fn left_by_glass(boxes: u32, ray: Ray, reach: f32) -> vec3f {
+#ifdef GLASS
+    let inverse = inverse_direction(ray.direction);
+    let a = (glass_box.low - ray.origin) * inverse;
+    let b = (glass_box.high - ray.origin) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    if max(max(near.x, near.y), max(near.z, 0.0)) > min(min(far.x, far.y), min(far.z, reach)) {
+        return vec3f(1.0);
+    }
+    return passed(ray, trace(boxes, ray, reach, THROUGH));
+#else
+    return vec3f(1.0);
+#endif
 }

@@ -5,11 +5,21 @@
 #import lightwell::lights::Incidence
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface as Start, leave_surface}
-#import lightwell::rays::{SHADOW, Ray, trace}
+#import lightwell::rays::{SHADOW, Ray, left_by_glass, passed, trace}
 #import lightwell::view::{View, toward_eye}
 
 // Whether nothing is between a visible point and the light.
 fn is_reached(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> bool {
+    return any(arriving(view, root, position, n, incidence) > vec3f(0.0));
+}
+
+// The way from a visible point to the light.
+struct Way {
+    ray: Ray,
+    reach: f32,
+}
+
+fn way_to(view: View, position: vec3f, n: vec3f, incidence: Incidence) -> Way {
     var start: Start;
     start.position = position;
     start.geometric_normal = n;
@@ -20,8 +30,20 @@ fn is_reached(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incid
     // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
     let is_far = incidence.distance == 0.0;
     let offset = position + incidence.to_light * incidence.distance - origin;
-    let ray = Ray(origin, select(offset, incidence.to_light, is_far));
     // The surface of a light may lie on one of the scene.
     let reach = select(1.0, 0.9999, incidence.solid_angle > 0.0);
-    return trace(root, ray, select(reach, 3e38, is_far), SHADOW).triangle == NONE;
+    return Way(Ray(origin, select(offset, incidence.to_light, is_far)), select(reach, 3e38, is_far));
+}
+
+// What of the light arrives at a visible point: all, nothing, or what glass leaves of it.
+fn arriving(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> vec3f {
+    let way = way_to(view, position, n, incidence);
+    let hit = trace(root, way.ray, way.reach, SHADOW);
+    return select(vec3f(0.0), passed(way.ray, hit), hit.triangle == NONE);
+}
+
+// What glass leaves of light for which nothing else is in the way.
+fn left_on_way(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> vec3f {
+    let way = way_to(view, position, n, incidence);
+    return left_by_glass(root, way.ray, way.reach);
 }

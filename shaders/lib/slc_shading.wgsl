@@ -13,7 +13,7 @@
 #import lightwell::view::{depth_error, toward_eye}
 #ifdef RAYS
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, trace}
+#import lightwell::rays::{Ray, SHADOW, passed, trace}
 #endif
 
 @group(0) @binding(1) var<uniform> culling: Culling;
@@ -45,10 +45,13 @@ const MAX_RADIANCE: f32 = 1e28;
 const POSITION_ERROR: f32 = 2e-5;
 
 #ifdef RAYS
-fn is_visible(pixel: Pixel, position: vec3f, normal: vec3f) -> bool {
+// What arrives of light from there: all, nothing, or what glass leaves.
+fn arriving(pixel: Pixel, position: vec3f, normal: vec3f) -> vec3f {
     let c = abs(position);
     let end = position + normal * (POSITION_ERROR * max(c.x, max(c.y, c.z)));
-    return trace(culling.root, Ray(pixel.origin, end - pixel.origin), 1.0, SHADOW).triangle == NONE;
+    let ray = Ray(pixel.origin, end - pixel.origin);
+    let hit = trace(culling.root, ray, 1.0, SHADOW);
+    return select(vec3f(0.0), passed(ray, hit), hit.triangle == NONE);
 }
 #endif
 
@@ -141,7 +144,8 @@ fn take_light(pixel: ptr<function, Pixel>, index: u32, lobe: u32) {
         return;
     }
 #ifdef RAYS
-    if !is_visible(*pixel, place.xyz, shape.xyz) {
+    e *= arriving(*pixel, place.xyz, shape.xyz);
+    if all(e <= vec3f(0.0)) {
         return;
     }
 #endif

@@ -21,6 +21,10 @@
 @group(1) @binding(10) var specular_sampler: sampler;
 @group(1) @binding(11) var specular_color_texture: texture_2d<f32>;
 @group(1) @binding(12) var specular_color_sampler: sampler;
+#ifdef GLASS
+@group(1) @binding(13) var transmission_texture: texture_2d<f32>;
+@group(1) @binding(14) var transmission_sampler: sampler;
+#endif
 #endif
 
 struct Varying {
@@ -66,6 +70,7 @@ struct Sampled {
     grazing_reflectance: f32,  // F90
     metallic: f32,
     roughness: f32,
+    transmission: f32,     // of light that is neither reflected nor a metal's
 }
 
 fn sample_material(in: Varying, front: bool) -> Sampled {
@@ -92,6 +97,14 @@ fn sample_material(in: Varying, front: bool) -> Sampled {
     let specular_color = material.specular_color
         * textureSampleGrad(specular_color_texture, specular_color_sampler, c.uv, c.dx, c.dy).rgb;
 #endif
+    var transmission = 0.0;
+#ifdef GLASS
+    transmission = material.transmission;
+#ifndef PLAIN
+    let t = mapped(material.uv_rows[12], material.uv_rows[13], first, second);
+    transmission *= textureSampleGrad(transmission_texture, transmission_sampler, t.uv, t.dx, t.dy).r;
+#endif
+#endif
     let base = material.base_color * color
         * textureSampleGrad(base_color_texture, base_color_sampler, base_at.uv, base_at.dx, base_at.dy);
     let metallic_roughness =
@@ -104,6 +117,7 @@ fn sample_material(in: Varying, front: bool) -> Sampled {
     let flip = material.double_sided != 0u && !front;
     out.normal = shading_normal(in.normal, in.tangent, in.position, bend, material.normal_scale, flip, toward_eye(view, in.position));
     out.base = base;
+    out.transmission = transmission;
     out.metallic = saturate(material.metallic * metallic_roughness.b);
     out.roughness = saturate(material.roughness * metallic_roughness.g);
     let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;

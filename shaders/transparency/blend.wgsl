@@ -1,14 +1,16 @@
 // Blended surfaces over what lies behind them: α·L + (1 − α)·B, from the farthest to the nearest. The target holds
 // Σ α·L and 1 − Π(1 − α), which compose puts over the opaque image.
 //   SWEPT, PROPAGATED, AMBIENT   where the indirect light is looked up; none of them: there is none
+//   GLASS                        the surface is of glass: what passes it and what it reflects is that of glass.wgsl
+//   SEEN_THROUGH                 there are rays for it; without, what lies straight behind shows through
 //   FORWARD                      set by the pass, for the bindings of the libraries
 
 #import lightwell::brdf::eval_brdf_cosine
 #import lightwell::direct::through_media
 #import lightwell::lights::{Light, light_incidence}
-#import lightwell::mesh::{Vertex, VertexExtra, OPAQUE_ALPHA}
+#import lightwell::mesh::{BLENDED, Vertex, VertexExtra, OPAQUE_ALPHA}
 #import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
-#import lightwell::surface::{Varying, Sampled, varying_of, sample_material, view}
+#import lightwell::surface::{Varying, Sampled, material, varying_of, sample_material, view}
 #import lightwell::view::toward_eye
 #ifdef HAZE
 #import lightwell::haze_lookup::veil
@@ -17,6 +19,9 @@
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
 #import lightwell::sweep_lookup::{irradiance, irradiance_around}
 #import lightwell::volume::Volume
+#endif
+#ifdef GLASS
+#import lightwell::gbuffer::world_position
 #endif
 #ifdef PROPAGATED
 #import lightwell::relight::propagated_irradiance
@@ -40,10 +45,16 @@ struct Blend {
 #ifdef SWEPT
 @group(3) @binding(0) var<uniform> swept: Volume;
 #endif
+#ifdef SEEN_THROUGH
+// Radiance, and how far from the near plane that glass is [m]; 0: there is none.
+@group(3) @binding(20) var seen_through: texture_2d<f32>;
+#endif
 #ifdef AMBIENT
 @group(3) @binding(0) var<storage, read> ambient: vec4f;
 #endif
 
+// How much farther than the nearest glass a surface may be that shows it.
+const SAME_GLASS: f32 = 1e-3;
 // As what compose writes: sums stay finite for whatever number of lights.
 const MAX_RADIANCE: f32 = 1e32;
 
@@ -72,7 +83,7 @@ fn compare(index: u32, at: ShadowCoordinate) -> f32 {
 }
 
 fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
-    let albedo = s.base.rgb * (1.0 - s.metallic);
+    let albedo = s.base.rgb * ((1.0 - s.metallic) * (1.0 - s.transmission));
     let alpha = max(s.roughness * s.roughness, 1e-3);
     var sum = vec3f(0.0);
     for (var i = 0u; i < blend.light_count; i++) {
@@ -96,13 +107,15 @@ fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
 }
 
 fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
-    let albedo = s.base.rgb * (1.0 - s.metallic);
+    let albedo = s.base.rgb * ((1.0 - s.metallic) * (1.0 - s.transmission));
 #ifdef SWEPT
     let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
     let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
     let around = irradiance_around(swept, position, s.normal, lobe_direction(s.normal, to_eye, s.roughness), to_eye);
     let kept = 1.0 - max(share.r, max(share.g, share.b));
-    return (kept * albedo * irradiance(swept, position, s.normal, to_eye) + share * around) / 3.14159265;
+    // What glass reflects comes by rays.
+    let reflected = select(share * around, vec3f(0.0), s.transmission > 0.0);
+    return (kept * albedo * irradiance(swept, position, s.normal, to_eye) + reflected) / 3.14159265;
 #endif
 #ifdef PROPAGATED
     return albedo * propagated_irradiance(position, s.normal) / 3.14159265;
@@ -113,6 +126,38 @@ fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
     return vec3f(0.0);
 }
 
+// What a point does to what lies behind it.
+struct Over {
+    covers: f32,           // share of the pixel that the surface takes; 0: there is none
+    hides: f32,            // share of what lies behind that is hidden
+    seen_through: vec3f,   // and what is seen in its stead [W/(m² sr)]
+}
+
+#ifdef GLASS
+fn over_what_lies_behind(s: Sampled, in: Varying) -> Over {
+    let is_blended = material.alpha_cutoff >= BLENDED;
+    let covers = select(select(1.0, 0.0, s.base.a < material.alpha_cutoff), s.base.a, is_blended);
+#ifdef SEEN_THROUGH
+    // Glass behind other glass is seen through that.
+    let seen = textureLoad(seen_through, vec2u(in.clip.xy), 0);
+    let start = world_position(vec2u(in.clip.xy), view.size, 1.0, view.world_from_clip);
+    let is_seen = seen.a > 0.0 && distance(start, in.position) <= seen.a * (1.0 + SAME_GLASS);
+    return Over(select(0.0, covers, is_seen), covers, seen.rgb);
+#else
+    let f = max(s.normal_reflectance.r, max(s.normal_reflectance.g, s.normal_reflectance.b));
+    let color = max(s.base.r, max(s.base.g, s.base.b));
+    let passes = color * s.transmission * (1.0 - s.metallic) * (1.0 - f);
+    return Over(covers, covers * (1.0 - passes), vec3f(0.0));
+#endif
+}
+#else
+fn over_what_lies_behind(s: Sampled, in: Varying) -> Over {
+    // What hides all that lies behind is among the opaque surfaces already.
+    let alpha = select(s.base.a, 0.0, s.base.a >= OPAQUE_ALPHA);
+    return Over(alpha, alpha, vec3f(0.0));
+}
+#endif
+
 struct Targets {
     @location(0) color: vec4f, // premultiplied
     @location(1) object: u32,
@@ -121,14 +166,14 @@ struct Targets {
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let s = sample_material(in, front);
-    // What hides all that lies behind is among the opaque surfaces already.
-    if s.base.a >= OPAQUE_ALPHA || s.base.a <= 0.0 {
+    let over = over_what_lies_behind(s, in);
+    if over.covers <= 0.0 {
         discard;
     }
     let to_eye = normalize(toward_eye(view, in.position));
     var radiance = direct_light(s, in.position, to_eye);
     if blend.is_first != 0u {
-        radiance += indirect_light(s, in.position, to_eye);
+        radiance += indirect_light(s, in.position, to_eye) + over.seen_through;
     }
     if blend.has_emission != 0u {
         radiance += s.emissive;
@@ -139,7 +184,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     radiance = radiance * between.passing + select(vec3f(0.0), between.added, blend.is_first != 0u);
 #endif
     var out: Targets;
-    out.color = vec4f(min(radiance * s.base.a, vec3f(MAX_RADIANCE)), select(0.0, s.base.a, blend.is_first != 0u));
+    out.color = vec4f(min(radiance * over.covers, vec3f(MAX_RADIANCE)), select(0.0, over.hides, blend.is_first != 0u));
     out.object = in.id;
     return out;
 }

@@ -1,4 +1,4 @@
-//! Surface materials: glTF metallic-roughness with `KHR_materials_specular` and emission.
+//! Surface materials: glTF metallic-roughness with `KHR_materials_specular`, `_transmission`, `_volume` and emission.
 
 use super::{AssetId, Texture};
 use glam::{Affine2, Vec2, Vec3, Vec4};
@@ -14,6 +14,29 @@ pub enum AlphaMode {
     Mask(f32),
     /// Alpha blends over what lies behind.
     Blend,
+}
+
+/// What the inside of a solid body takes of light (`KHR_materials_volume`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    /// What is left of white light (linear Rec. 709) after the distance.
+    pub color: Vec3,
+    /// That distance \[m\]; infinite: nothing is taken.
+    pub distance: f32,
+}
+
+impl Attenuation {
+    /// The inside of a body that takes nothing.
+    pub const NONE: Self = Self { color: Vec3::ONE, distance: f32::INFINITY };
+    /// Least share that is left after the distance: a logarithm has no zero.
+    const LEAST: f32 = 1e-6;
+
+    /// Absorption coefficient σ \[1/m\]: after a way of s metres e^(−σ·s) is left (Beer and Lambert).
+    pub fn absorption(&self) -> Vec3 {
+        let color = self.color.clamp(Vec3::splat(Self::LEAST), Vec3::ONE);
+        let absorption = color.map(|left| -left.ln()) / self.distance.max(1e-6);
+        if absorption.is_finite() { absorption } else { Vec3::ZERO }
+    }
 }
 
 /// A surface material (glTF 2.0, section 3.9 and appendix B). Immutable once made; to edit, make a new one.
@@ -39,6 +62,15 @@ pub struct Material {
     pub emissive: Vec3,
     /// Scale of the normal map's x and y.
     pub normal_scale: f32,
+    /// `KHR_materials_transmission`: share of the light that is neither reflected nor a metal's which passes the surface, coloured
+    /// by the base colour, instead of being scattered by it. What emits light passes none.
+    pub transmission: f32,
+    /// Index of refraction of the inside, relative to air. 0 stands for a dielectric that reflects all light
+    /// (`KHR_materials_ior`); nothing is refracted below 1.
+    pub ior: f32,
+    /// `KHR_materials_volume`: the surface bounds a solid body, which refracts and absorbs light. Without, it is a thin wall,
+    /// which light passes straight.
+    pub volume: Option<Attenuation>,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
     /// Shows the emission whatever the light (`KHR_materials_unlit`); vertex colours multiply it.
@@ -57,6 +89,8 @@ pub struct Material {
     pub specular_texture: Option<Arc<Texture>>,
     /// `KHR_materials_specular` colour (sRGB).
     pub specular_color_texture: Option<Arc<Texture>>,
+    /// `KHR_materials_transmission` factor in red.
+    pub transmission_texture: Option<Arc<Texture>>,
     /// Where each texture lies on the surface.
     pub uv: UvMaps,
 }
@@ -99,10 +133,12 @@ pub struct UvMaps {
     pub specular: UvMap,
     /// Specular colour.
     pub specular_color: UvMap,
+    /// Transmission.
+    pub transmission: UvMap,
 }
 
 /// Number of textures of a material.
-pub(crate) const TEXTURE_COUNT: usize = 6;
+pub(crate) const TEXTURE_COUNT: usize = 7;
 
 impl Material {
     /// A white, rough, opaque dielectric with the glTF default of a 4 % reflection at normal incidence.
@@ -117,6 +153,9 @@ impl Material {
             specular_color: Vec3::ONE,
             emissive: Vec3::ZERO,
             normal_scale: 1.0,
+            transmission: 0.0,
+            ior: 1.5,
+            volume: None,
             alpha_mode: AlphaMode::Opaque,
             unlit: false,
             double_sided: false,
@@ -126,6 +165,7 @@ impl Material {
             emissive_texture: None,
             specular_texture: None,
             specular_color_texture: None,
+            transmission_texture: None,
             uv: UvMaps::default(),
         }
     }
@@ -139,6 +179,7 @@ impl Material {
             (self.emissive_texture.as_ref(), self.uv.emissive),
             (self.specular_texture.as_ref(), self.uv.specular),
             (self.specular_color_texture.as_ref(), self.uv.specular_color),
+            (self.transmission_texture.as_ref(), self.uv.transmission),
         ]
     }
 
@@ -150,12 +191,27 @@ impl Material {
         rows
     }
 
-    /// Whether all textures lie by the first set as it is, and none is one of `KHR_materials_specular`: what shaders
-    /// do faster.
+    /// Whether light passes the surface without being scattered by it.
+    pub fn is_glass(&self) -> bool {
+        self.transmission > 0.0 && self.metallic < 1.0 && self.emissive == Vec3::ZERO
+    }
+
+    /// Whether all textures lie by the first set as it is, and none is one of `KHR_materials_specular` or
+    /// `KHR_materials_transmission`: what shaders do faster.
     pub(crate) fn is_plain(&self) -> bool {
         let textures = self.textures();
         textures.iter().all(|(texture, map)| texture.is_none() || *map == UvMap::default())
             && textures[4..].iter().all(|(texture, _)| texture.is_none())
+    }
+
+    /// Reflectance at normal incidence where the surface is no metal, in units of 4 %: its specular colour by what follows from
+    /// its index of refraction, F0 = ((n − 1)/(n + 1))², which is 4 % for 1.5 (`KHR_materials_ior`).
+    pub fn dielectric_reflectance(&self) -> Vec3 {
+        if self.ior == 1.5 {
+            return self.specular_color;
+        }
+        let color = self.specular_color * (((self.ior - 1.0) / (self.ior + 1.0)).powi(2) / 0.04);
+        color.max(Vec3::ZERO).min(Vec3::splat(25.0))
     }
 
     /// A purely diffuse (Lambert) material of the given linear reflectance.

@@ -39,7 +39,7 @@ pub use self::pixels::MAX_IMAGE_SIZE;
 pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use cube_table::CubeTable;
 pub use library::AssetLibrary;
-pub use material::{AlphaMode, Material, UvMap, UvMaps};
+pub use material::{AlphaMode, Attenuation, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};
 pub(crate) use sky_directions::{SkyDirections, SkySample};

@@ -23,10 +23,11 @@ struct Piece {
 }
 
 /// The boxes of triangles and of pieces of triangles, each with the index of the triangle. Boxes that are empty stay so.
-/// Equal input gives equal boxes.
-pub(super) fn presplit(triangles: &[[Vec3; 3]], boxes: &[Aabb]) -> (Vec<Aabb>, Vec<u32>) {
+/// Equal input gives equal boxes. Only triangles that `may_split` are cut: rays that go through glass must meet each of its
+/// triangles once.
+pub(super) fn presplit(triangles: &[[Vec3; 3]], boxes: &[Aabb], may_split: &[bool]) -> (Vec<Aabb>, Vec<u32>) {
     let whole = boxes.iter().fold(Aabb::EMPTY, |sum, bounds| sum.union(bounds));
-    let cuts = cuts(triangles, boxes);
+    let cuts = cuts(triangles, boxes, may_split);
     let (mut pieces, mut indices) = (Vec::with_capacity(boxes.len()), Vec::with_capacity(boxes.len()));
     for (index, &cuts) in (0..).zip(&cuts) {
         let bounds = boxes[index as usize];
@@ -45,9 +46,11 @@ pub(super) fn presplit(triangles: &[[Vec3; 3]], boxes: &[Aabb]) -> (Vec<Aabb>, V
 
 /// How many times each triangle is cut: in proportion to the cube root of what its box has too much, as Karras and Aila
 /// do, so that few large ones do not take all.
-fn cuts(triangles: &[[Vec3; 3]], boxes: &[Aabb]) -> Vec<usize> {
-    let weights: Vec<f64> =
-        triangles.iter().zip(boxes).map(|(corners, bounds)| excess(corners, bounds).cbrt()).collect();
+fn cuts(triangles: &[[Vec3; 3]], boxes: &[Aabb], may_split: &[bool]) -> Vec<usize> {
+    let weight = |((corners, bounds), may_split): ((&[Vec3; 3], &Aabb), &bool)| {
+        if *may_split { excess(corners, bounds).cbrt() } else { 0.0 }
+    };
+    let weights: Vec<f64> = triangles.iter().zip(boxes).zip(may_split).map(weight).collect();
     let total: f64 = weights.iter().sum();
     let budget = (boxes.len() / 3).max(FEW.min(PIECES * boxes.len()));
     let scale = if total > 0.0 { budget as f64 / total } else { 0.0 };

@@ -72,7 +72,7 @@ struct Flags {
 
 impl Flags {
     fn of(primitive: &Primitive) -> Self {
-        Self { casts_shadow: primitive.casts_shadow, double_sided: primitive.material.double_sided }
+        Self { casts_shadow: primitive.blocks_light(), double_sided: primitive.material.double_sided }
     }
 }
 
@@ -153,6 +153,7 @@ impl SceneBvh {
                 topology: primitive.mesh.topology(),
                 material: primitive.material.id,
                 is_moving: primitive.moving,
+                is_glass: primitive.material.is_glass(),
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
                 count,

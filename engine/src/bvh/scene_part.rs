@@ -37,6 +37,8 @@ pub(super) struct Source {
     pub(super) topology: AssetId,
     pub(super) material: AssetId,
     pub(super) is_moving: bool,
+    /// See [`Material::is_glass`](crate::assets::Material::is_glass).
+    pub(super) is_glass: bool,
     pub(super) world_from_object: Affine3A,
     pub(super) first: usize,
     pub(super) count: usize,
@@ -50,6 +52,7 @@ impl Source {
         self.id == primitive.id
             && self.topology == primitive.mesh.topology()
             && self.is_moving == primitive.moving
+            && self.is_glass == primitive.material.is_glass()
             && self.count == primitive.mesh.triangle_count()
     }
 }
@@ -62,6 +65,10 @@ pub(super) struct PartTriangles<'a> {
 }
 
 impl PartTriangles<'_> {
+    fn is_glass(&self, index: usize) -> bool {
+        self.sources[self.all[index].primitive as usize].is_glass
+    }
+
     fn bounds(&self, index: usize) -> Aabb {
         let corners = self.all[index].corners;
         if corners.iter().all(|corner| corner.is_finite()) { Aabb::from_points(corners) } else { Aabb::EMPTY }
@@ -82,8 +89,9 @@ impl ScenePart {
         let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
         self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
         if is_static {
-            let corners: Vec<[Vec3; 3]> = indices.iter().map(|&index| triangles.all[index].corners).collect();
-            let (pieces, triangle_of) = presplit(&corners, &boxes);
+            let split = |&index: &usize| (triangles.all[index].corners, !triangles.is_glass(index));
+            let (corners, may_split): (Vec<[Vec3; 3]>, Vec<bool>) = indices.iter().map(split).unzip();
+            let (pieces, triangle_of) = presplit(&corners, &boxes, &may_split);
             self.bvh = Bvh::new(&pieces, LEAF_SIZE);
             self.bvh.order.iter_mut().for_each(|entry| *entry = triangle_of[*entry as usize]);
         } else {

@@ -4,7 +4,7 @@ use super::custom_components::CustomValue;
 use super::format::*;
 use super::load::Context;
 use super::source::SceneInfo;
-use crate::assets::{AlphaMode, Material, Sampling, Texture, Wrap};
+use crate::assets::{AlphaMode, Attenuation, Material, Sampling, Texture, Wrap};
 use crate::world::Transform;
 use crate::world::animation::rotation_from_degrees;
 use glam::{Mat3, Quat, Vec3};
@@ -198,6 +198,9 @@ impl MaterialFile {
             roughness: self.roughness,
             specular: self.specular,
             specular_color: self.specular_color,
+            transmission: self.transmission,
+            ior: self.ior,
+            volume: self.volume.map(|volume| Attenuation { color: volume.color, distance: volume.distance }),
             emissive: self.emissive,
             normal_scale: self.normal_scale,
             alpha_mode: match self.alpha_mode {
@@ -228,6 +231,9 @@ impl MaterialFile {
             roughness: m.roughness,
             specular: m.specular,
             specular_color: m.specular_color,
+            transmission: m.transmission,
+            ior: m.ior,
+            volume: m.volume.map(|volume| AttenuationFile { color: volume.color, distance: volume.distance }),
             emissive: m.emissive,
             double_sided: m.double_sided,
             color_texture: image(&m.base_color_texture)?,
@@ -235,6 +241,7 @@ impl MaterialFile {
             normal_texture: image(&m.normal_texture)?,
             normal_scale: m.normal_scale,
             emissive_texture: image(&m.emissive_texture)?,
+            transmission_texture: image(&m.transmission_texture)?,
         })
     }
 
@@ -245,6 +252,7 @@ impl MaterialFile {
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.emissive_texture,
+            &mut self.transmission_texture,
         ];
         for image in images.into_iter().flatten() {
             *image = image.clone().rebased(context);

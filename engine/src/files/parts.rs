@@ -176,6 +176,12 @@ pub struct MaterialFile {
     pub specular: f32,
     /// Colour of that reflection, linear RGB.
     pub specular_color: Vec3,
+    /// Share of the light that passes the surface instead of being scattered by it, coloured by the base colour, 0..1: glass.
+    pub transmission: f32,
+    /// Index of refraction of the inside, 1..10: 1.5 for glass, 1.33 for water. Reflections follow it.
+    pub ior: f32,
+    /// The surface bounds a solid body, which refracts and absorbs light. Without, it is a thin wall.
+    pub volume: Option<AttenuationFile>,
     /// Emitted radiance (W/(m² sr)), linear RGB.
     pub emissive: Vec3,
     /// Back faces are drawn too.
@@ -190,6 +196,24 @@ pub struct MaterialFile {
     pub normal_scale: f32,
     /// Image of emission (sRGB).
     pub emissive_texture: Option<TextureFile>,
+    /// Image of the transmission (R).
+    pub transmission_texture: Option<TextureFile>,
+}
+
+/// What the inside of a solid body takes of light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Attenuation")]
+pub struct AttenuationFile {
+    /// What is left of white light after the distance, linear RGB.
+    pub color: Vec3,
+    /// That distance (m).
+    pub distance: f32,
+}
+
+impl Default for AttenuationFile {
+    fn default() -> Self {
+        Self { color: Vec3::ONE, distance: 1.0 }
+    }
 }
 
 impl Default for MaterialFile {
@@ -202,6 +226,9 @@ impl Default for MaterialFile {
             roughness: 1.0,
             specular: 1.0,
             specular_color: Vec3::ONE,
+            transmission: 0.0,
+            ior: 1.5,
+            volume: None,
             emissive: Vec3::ZERO,
             double_sided: false,
             color_texture: None,
@@ -209,6 +236,7 @@ impl Default for MaterialFile {
             normal_texture: None,
             normal_scale: 1.0,
             emissive_texture: None,
+            transmission_texture: None,
         }
     }
 }

@@ -120,6 +120,7 @@ impl Rebase {
             &mut material.metallic_roughness_texture,
             &mut material.normal_texture,
             &mut material.emissive_texture,
+            &mut material.transmission_texture,
         ];
         images.into_iter().flatten().try_for_each(|image| self.texture(image))
     }

@@ -141,6 +141,7 @@ impl Loader<'_> {
             load("metallic_roughness_texture", &file.metallic_roughness_texture, false)?;
         material.normal_texture = load("normal_texture", &file.normal_texture, false)?;
         material.emissive_texture = load("emissive_texture", &file.emissive_texture, true)?;
+        material.transmission_texture = load("transmission_texture", &file.transmission_texture, false)?;
         let material = Arc::new(material);
         let described = match context.is_root && !name.is_empty() {
             true => MaterialRef::Named(name.to_owned()),

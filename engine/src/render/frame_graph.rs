@@ -6,7 +6,8 @@
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      ├─ haze scatter ─ haze integrate (where there are media) ─┤
-//!      └─ blend (blended surfaces, over all others) ─────────┘
+//!      ├─ compose opaque ─ glass (where there is any: what is seen through it and in it) ─┤
+//!      └─ blend (blended surfaces and glass, over all others) ─────────┘
 //! ```
 //! Nothing is drawn that the image does not read: the layers that show no light ask for no light passes at all,
 //! and passes whose inputs have not changed keep their last result (see [`crate::graph`]).
@@ -19,13 +20,14 @@ use super::geometry::{GBuffer, gbuffer};
 use super::haze;
 use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
-use super::indirect::{IndirectLight, IndirectMethod, accumulate, ambient, lost_light, mirror_average};
-use super::post::compose::{self, Lights};
+use super::indirect::{IndirectLight, IndirectMethod, Scattered, accumulate, ambient, lost_light, mirror_average};
+use super::post::compose::{self, Lights, Purpose};
 use super::post::tone_map::{DISPLAY, TONE_MAPPED};
 use super::post::{bloom, compare, depth_of_field, film, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
 use super::sky::sky_light;
-use super::transparency::blend::{self, Source};
+use super::transparency::blend::{self, Behind, Source};
+use super::transparency::glass;
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
 use crate::scene::SceneView;
@@ -50,6 +52,7 @@ pub(super) fn declare<'a>(
     let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
     let shows_direct = matches!(frame.settings.only, Layer::Total | Layer::Direct);
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
+    let scattered = indirect.as_ref().map(|light| light.scattered).unwrap_or_default();
     let (indirect, mirrored, field) = match indirect {
         Some(light) => {
             let mirrored = light.mirrored.map(|mirrored| mirror_average::declare(graph, frame, &gbuffer, mirrored));
@@ -66,10 +69,12 @@ pub(super) fn declare<'a>(
     if has_blended {
         let source = source_of_blended(graph, &gbuffer, [field, sky_field], &lights);
         let direct_lights = if shows_direct { direct_lights } else { Vec::new() };
-        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, source, haze));
+        let seen_through = declare_glass(graph, frame, &gbuffer, lights, scattered);
+        let behind = Behind { source, haze, seen_through };
+        lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, behind));
     }
     let has_focus = depth_of_field::is_wanted(graph, frame);
-    let mut radiance = compose::declare(graph, frame, &gbuffer, lights, !has_focus);
+    let mut radiance = compose::declare(graph, frame, &gbuffer, lights, if has_focus { Purpose::Sharp } else { Purpose::Final });
     if has_focus {
         radiance = depth_of_field::declare(graph, frame, &gbuffer, radiance);
     }
@@ -77,6 +82,19 @@ pub(super) fn declare<'a>(
         radiance = method.declare_overlay(graph, frame, &gbuffer, radiance);
     }
     Ok(Drawn { gbuffer, radiance, has_blended })
+}
+
+/// Declares what is seen through glass, and before it the image of what is opaque, without haze: rays find that anew.
+fn declare_glass<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    lights: Lights,
+    scattered: Scattered,
+) -> Option<Handle<Texture>> {
+    let region = glass::region(graph, frame)?;
+    let opaque = compose::declare(graph, frame, gbuffer, Lights { haze: None, ..lights }, Purpose::Opaque);
+    Some(glass::declare(graph, frame, gbuffer.depth, opaque, scattered, region))
 }
 
 /// Declares the lights' own light, and finds those that blended surfaces and media need.

@@ -213,6 +213,7 @@ impl Renderer {
         let casts_rays = self.ray_use(scene, settings)? != RayUse::None;
         let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| casts_rays);
         let rays = self.rays.as_ref().filter(|_| casts_rays && refused_rays.is_none());
+        let has_shadow_rays = method.rays(scene) != RayUse::None || self.needs_rays(scene);
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
         let tracer = match &beside {
             Some(beside) => {
@@ -227,7 +228,7 @@ impl Renderer {
             gpu_scene: &self.gpu_scene,
             surfels: &self.surfels,
             rays,
-            shadow_rays: rays.filter(|_| method.rays(scene) != RayUse::None || casts_soft_shadows(scene)),
+            shadow_rays: rays.filter(|_| has_shadow_rays),
             refused_rays,
             view,
             settings,
@@ -311,9 +312,14 @@ impl Renderer {
         let method = self.methods.get(settings.gi)?;
         Ok(match method.rays(scene) {
             _ if !settings.only.is_light() => RayUse::None,
-            RayUse::None if casts_soft_shadows(scene) => RayUse::Optional,
+            RayUse::None if self.needs_rays(scene) => RayUse::Optional,
             of_method => of_method,
         })
+    }
+
+    /// Whether a frame casts rays whatever its method is.
+    fn needs_rays(&self, scene: &Scene) -> bool {
+        casts_soft_shadows(scene) || self.gpu_scene.has_glass()
     }
 
     /// Brings the scene for rays up to date where a method can do without. What does not fit the device is not tried again

@@ -53,6 +53,13 @@ pub struct Primitive {
     pub material_revision: u64,
 }
 
+impl Primitive {
+    /// Whether it is an obstacle for light: it casts shadows, and is not of glass, which takes only a part.
+    pub fn blocks_light(&self) -> bool {
+        self.casts_shadow && !self.material.is_glass()
+    }
+}
+
 /// Counter values of the last change of each kind, anywhere in the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Revisions {

@@ -258,7 +258,7 @@ fn numbered(objects: &[Arc<Arranged>]) -> Vec<Surfel> {
 }
 
 fn has_surfels(primitive: &Primitive) -> bool {
-    primitive.casts_shadow && primitive.world_from_object.is_finite()
+    primitive.blocks_light() && primitive.world_from_object.is_finite()
 }
 
 /// The density with which the scene's area gives no more than [`MAX_SURFELS`], in steps of √2 so that a small change

@@ -236,6 +236,7 @@ fn painted(own: &Material, sample: &MaterialSample) -> Material {
         emissive: sample.emissive.unwrap_or(own.emissive),
         specular: sample.specular.unwrap_or(own.specular),
         specular_color: sample.specular_color.unwrap_or(own.specular_color),
+        transmission: sample.transmission.unwrap_or(own.transmission),
         normal_scale: sample.normal_scale.unwrap_or(own.normal_scale),
         double_sided: sample.double_sided.unwrap_or(own.double_sided),
         alpha_mode: match (own.alpha_mode, sample.alpha_cutoff) {
@@ -246,12 +247,12 @@ fn painted(own: &Material, sample: &MaterialSample) -> Material {
     }
 }
 
-fn paint_bits(m: &Material) -> [u32; 16] {
+fn paint_bits(m: &Material) -> [u32; 17] {
     let ([r, g, b, a], [x, y, z]) = (m.base_color.to_array(), m.emissive.to_array());
     let [i, j, k] = m.specular_color.to_array();
     let cutoff = if let AlphaMode::Mask(cutoff) = m.alpha_mode { cutoff } else { 0.0 };
     let sides = f32::from(u8::from(m.double_sided));
-    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.normal_scale, cutoff, sides].map(f32::to_bits)
+    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.transmission, m.normal_scale, cutoff, sides].map(f32::to_bits)
 }
 
 /// Compared by bits, so that frames do not depend on the sign of a zero that was there before.

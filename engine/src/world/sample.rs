@@ -63,6 +63,8 @@ pub struct MaterialSample {
     pub specular: Option<f32>,
     /// Colour of that reflection.
     pub specular_color: Option<Vec3>,
+    /// Share of light that passes.
+    pub transmission: Option<f32>,
     /// Scale of the normal map.
     pub normal_scale: Option<f32>,
     /// Alpha from which on a masked surface is drawn.
@@ -250,6 +252,7 @@ impl SurfaceField {
             Self::SpecularColor => {
                 set(&mut material.specular_color, Vec3::new(x, y, z).max(Vec3::ZERO), Vec3::is_finite);
             }
+            Self::Transmission => set(&mut material.transmission, x.clamp(0.0, 1.0), f32::is_finite),
             Self::NormalScale => set(&mut material.normal_scale, x, f32::is_finite),
             Self::AlphaCutoff => set(&mut material.alpha_cutoff, x.max(0.0), f32::is_finite),
         }

@@ -14,7 +14,7 @@
 #import lightwell::next_event::{LightSample, bounded, incidence_of, no_light, reflected, toward_light}
 #import lightwell::ray_scene::{NONE, load_light}
 #import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
-#import lightwell::rays::{Ray, LIGHT, SHADOW, trace}
+#import lightwell::rays::{Ray, LIGHT, SHADOW, left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
@@ -147,10 +147,11 @@ fn of_virtual_light(surface: Surface, to_eye: vec3f, distance: f32, random: ptr<
 }
 
 fn unblocked(sample: LightSample) -> vec3f {
-    if sample.reach > 0.0 && trace(near.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
+    let hit = trace(near.root, sample.ray, sample.reach, SHADOW);
+    if hit.triangle != NONE {
         return vec3f(0.0);
     }
-    return bounded(sample.light);
+    return bounded(sample.light * passed(sample.ray, hit));
 }
 
 // Light that a surface sends back along a ray which met it, as far as it is left out.
@@ -189,7 +190,8 @@ fn gathered(pixel: vec2u, seen: VisibleSurface) -> Sums {
         }
         let surface = surface_at(hit, ray.ray.direction);
         if surface.visible {
-            let light = ray.throughput * bounded(sent(surface, ray.ray.direction, hit.t, &random));
+            let left = left_by_glass(near.root, ray.ray, hit.t);
+            let light = left * ray.throughput * bounded(sent(surface, ray.ray.direction, hit.t, &random));
             let brought = by_lobe(seen, ray.ray.direction, light);
             sums.diffuse += brought.diffuse;
             sums.specular += brought.specular;

@@ -8,7 +8,7 @@
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, trace}
+#import lightwell::rays::{Ray, SHADOW, passed, trace}
 #endif
 
 struct Letter {
@@ -54,17 +54,19 @@ fn add_light(in: Varying) -> @location(0) vec4f {
     );
     let light = virtual_lights[letter.index];
 #ifdef PUBLISHED
-    let c = connect_as_published(light, surface);
+    var c = connect_as_published(light, surface);
 #else
-    let c = connect(light, surface, normalize(toward_eye(view, position)));
+    var c = connect(light, surface, normalize(toward_eye(view, position)));
 #endif
 #ifndef UNSHADOWED
     if any(c.radiance > vec3f(0.0)) {
         let origin = shadow_origin(surface, eye_offset(view, position));
         let ray = Ray(origin, select(c.end - origin, c.to_light, c.distant));
-        if trace(letter.root, ray, select(1.0, 3e38, c.distant), SHADOW).triangle != NONE {
+        let hit = trace(letter.root, ray, select(1.0, 3e38, c.distant), SHADOW);
+        if hit.triangle != NONE {
             return vec4f(0.0);
         }
+        c.radiance *= passed(ray, hit);
     }
 #endif
     return vec4f(c.radiance * letter.scale, 0.0);

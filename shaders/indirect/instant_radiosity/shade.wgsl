@@ -8,7 +8,7 @@
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, trace}
+#import lightwell::rays::{Ray, SHADOW, passed, trace}
 #endif
 
 struct Shade {
@@ -41,11 +41,14 @@ fn contribution(light: VirtualLight, surface: Surface, to_eye: vec3f, origin: ve
         return vec3f(0.0);
     }
     let ray = Ray(origin, select(c.end - origin, c.to_light, c.distant));
-    if trace(shade.root, ray, select(1.0, 3e38, c.distant), SHADOW).triangle != NONE {
+    let hit = trace(shade.root, ray, select(1.0, 3e38, c.distant), SHADOW);
+    if hit.triangle != NONE {
         return vec3f(0.0);
     }
-#endif
+    return c.radiance * passed(ray, hit);
+#else
     return c.radiance;
+#endif
 }
 
 fn summed(pixel: vec2u) -> vec3f {

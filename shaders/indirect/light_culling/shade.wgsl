@@ -6,7 +6,7 @@
 #ifdef RAYS
 #import lightwell::brdf::PI
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, trace}
+#import lightwell::rays::{Ray, SHADOW, passed, trace}
 #import lightwell::sampling::{cosine_direction, hash, unit_float}
 #import lightwell::slc::brightest
 #ifdef SKY_MAP
@@ -84,14 +84,16 @@ fn add_sky(pixel: ptr<function, Pixel>, subset: u32) {
         let index = i * subsets + subset;
         let u = vec2f((f32(index) + 0.5) / f32(rays * subsets), fract(unit_float(reverseBits(index)) + shift));
         let direction = cosine_direction(normal, u);
-        if trace(culling.root, Ray((*pixel).origin, direction), 3e38, SHADOW).triangle == NONE {
+        let ray = Ray((*pixel).origin, direction);
+        let hit = trace(culling.root, ray, 3e38, SHADOW);
+        if hit.triangle == NONE {
             let f = (*pixel).surface.normal_reflectance;
 #ifdef SKY_MAP
             let radiance = sky_radiance(sky, direction, culling.sky_turn);
 #else
             let radiance = culling.sky;
 #endif
-            (*pixel).diffuse += radiance * (PI * (1.0 - brightest(f)) / f32(rays * subsets));
+            (*pixel).diffuse += passed(ray, hit) * radiance * (PI * (1.0 - brightest(f)) / f32(rays * subsets));
         }
     }
 }

@@ -26,7 +26,13 @@
 #endif
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
-#import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, Frame, Walk, load_frame, begin_walk, is_over, go_on, trace}
+#import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, Frame, Walk, load_frame, begin_walk, hit_of, is_over, go_on, passed, trace}
+#ifdef GLASS
+#import lightwell::glass::{glass_at, pass_share}
+#import lightwell::ray_scene::load_triangle
+#import lightwell::rays::{SEEN, left_by_glass}
+#import lightwell::refraction::{cross_surface, crossing_share, reflecting}
+#endif
 #import lightwell::sky::sky_radiance
 #import lightwell::sampling::{Sampler, TAU, hash_pair, next_pair}
 
@@ -75,10 +81,16 @@ struct Path {
     reach: f32,
     throughput: vec3f,
     density: f32,          // of the direction that was sampled last [1/sr]
-    vertices: u32,         // surfaces met so far
+    vertices: u32,         // surfaces met so far, but for those of glass that it has crossed
     direct: vec3f,
     indirect: vec3f,
     shadow: Shadow,
+#ifdef GLASS
+    is_seen: bool,         // what it meets is seen, through glass and in mirrors: glass refracts
+    crossings: u32,        // surfaces of glass that it has crossed
+    has_crossed: bool,     // the last surface was crossed
+    absorption: vec3f,     // of the body in which it is [1/m]
+#endif
 }
 
 // Light on its way to a vertex, until it is known whether anything is in the way: its ray is traced together with the
@@ -124,6 +136,12 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
     (*path).throughput = vec3f(1.0);
     (*path).density = 0.0;
     (*path).vertices = 0u;
+#ifdef GLASS
+    (*path).is_seen = true;
+    (*path).crossings = 0u;
+    (*path).has_crossed = false;
+    (*path).absorption = vec3f(0.0);
+#endif
 }
 
 // ---- Next-event estimation ----
@@ -153,6 +171,12 @@ fn add_met_lights(path: ptr<function, Path>, hit: Hit) {
     if (*path).vertices == 0u {
         return;
     }
+#ifdef GLASS
+    // Nor are they seen through glass; what rough glass shows of them came from there.
+    if (*path).has_crossed {
+        return;
+    }
+#endif
     let is_direct = (*path).vertices == 1u;
     let ray = (*path).ray;
     let distance = select(hit.t, 3e38, hit.triangle == NONE);
@@ -162,8 +186,12 @@ fn add_met_lights(path: ptr<function, Path>, hit: Hit) {
 
 // What is left of the light of a sample, if nothing is in the way.
 fn add_unless_blocked(path: ptr<function, Path>, sample: LightSample) {
-    if sample.reach > 0.0 && trace(params.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
-        add(path, sample.light, false);
+    if sample.reach <= 0.0 {
+        return;
+    }
+    let hit = trace(params.root, sample.ray, sample.reach, SHADOW);
+    if hit.triangle == NONE {
+        add(path, sample.light * passed(sample.ray, hit), false);
     }
 }
 
@@ -254,8 +282,9 @@ fn add_scattered(path: ptr<function, Path>, random: ptr<function, Sampler>) {
     let is_direct = (*path).vertices == 0u;
     let index = min(u32(pick.x * f32(light_count)), light_count - 1u);
     let sample = sample_segment(index, is_direct, pick.y, on_light);
-    if sample.reach <= 0.0 || trace(params.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
-        add(path, sample.light, is_direct);
+    let hit = trace(params.root, sample.ray, sample.reach, SHADOW);
+    if hit.triangle == NONE {
+        add(path, sample.light * passed(sample.ray, hit), is_direct);
     }
 }
 #endif
@@ -265,7 +294,12 @@ fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
     if in_shadow {
         return begin_walk(frame, path.shadow.ray, path.shadow.reach, SHADOW);
     }
+#ifdef GLASS
+    let is_first = path.vertices == 0u && path.crossings == 0u;
+    return begin_walk(frame, path.ray, path.reach, select(select(LIGHT, SEEN, path.is_seen), CAMERA, is_first));
+#else
     return begin_walk(frame, path.ray, path.reach, select(LIGHT, CAMERA, path.vertices == 0u));
+#endif
 }
 
 // Traces the path's rays and adds the light that waited for it. One ray follows the other in the same loop: adapters
@@ -275,11 +309,12 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
     while !is_over(walk) {
         go_on(&walk);
         if walk.kind == SHADOW && is_over(walk) {
+            let light = (*path).shadow.light * passed(walk.ray, walk.hit);
             if walk.hit.triangle == NONE && (*path).shadow.is_direct {
-                (*path).direct += (*path).shadow.light;
+                (*path).direct += light;
             }
             if walk.hit.triangle == NONE && !(*path).shadow.is_direct {
-                (*path).indirect += (*path).shadow.light;
+                (*path).indirect += light;
             }
             walk = walk_of(frame, *path, false);
         }
@@ -287,6 +322,53 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
     (*path).shadow.reach = 0.0;
     return walk.hit;
 }
+
+#ifdef GLASS
+// Most surfaces of glass that a path crosses.
+const MOST_CROSSINGS: u32 = 64u;
+// GGX α up to which what a surface mirrors is seen in it.
+const MIRRORS: f32 = 0.1;
+
+// What the body takes in which a path is, or, where it is not seen, glass on its way.
+fn weaken(path: ptr<function, Path>, hit: Hit) {
+    if !(*path).is_seen {
+        (*path).throughput *= left_by_glass(params.root, (*path).ray, hit.t);
+        return;
+    }
+    let distance = min(hit.t * length((*path).ray.direction), 1e9);
+    (*path).throughput *= exp(-(*path).absorption * distance);
+}
+
+// Glass that is not seen was met by chance, and reflects.
+fn met_by_chance(path: ptr<function, Path>, surface: Surface, hit: Hit) {
+    let glass = glass_at(hit.triangle, load_triangle(hit.triangle).material, hit.barycentric);
+    let cosine = abs(dot(surface.geometric_normal, normalize((*path).ray.direction)));
+    (*path).throughput /= max(1.0 - pass_share(glass, cosine), 1e-6);
+}
+
+// Goes on beyond a surface of glass; false where nothing passes.
+fn cross_glass(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) -> bool {
+    var crossed = surface;
+    crossed.is_crossed = true;
+    add_light(path, crossed, to_eye, NO_RAY, random);
+    let crossing = cross_surface(surface, to_eye, next_pair(random));
+    (*path).throughput *= crossing.weight;
+    if !any(crossing.weight > vec3f(0.0)) || (*path).crossings >= MOST_CROSSINGS {
+        return false;
+    }
+    (*path).vertices -= 1u;
+    (*path).crossings += 1u;
+    (*path).has_crossed = true;
+    if surface.is_solid {
+        (*path).absorption = select(vec3f(0.0), surface.absorption, surface.eta <= 1.0);
+    }
+    (*path).ray = Ray(leave_surface(surface, crossing.direction), crossing.direction);
+    (*path).reach = 3e38;
+    // No other way leads to what it meets.
+    (*path).density = 1e30;
+    return true;
+}
+#endif
 
 // Goes on from the surface that the path has met; false where it ends.
 fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -> bool {
@@ -296,8 +378,11 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
     add_scattered(path, random);
     if collision.medium != NONE {
         // A number that is none of a triangle's.
-        hit = Hit(collision.distance / length((*path).ray.direction), NONE - 1u, vec2f(0.0));
+        hit = hit_of(collision.distance / length((*path).ray.direction), NONE - 1u, vec2f(0.0));
     }
+#endif
+#ifdef GLASS
+    weaken(path, hit);
 #endif
 #ifdef AREA_LIGHTS
     add_met_lights(path, hit);
@@ -307,8 +392,8 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
         return false;
     }
     (*path).vertices += 1u;
-#ifdef MEDIA
     var surface: Surface;
+#ifdef MEDIA
     if collision.medium != NONE {
         let position = (*path).ray.origin + hit.t * (*path).ray.direction;
         surface = point_of_medium(position, media[collision.medium].albedo, media[collision.medium].anisotropy);
@@ -316,13 +401,29 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
         surface = surface_at(hit, (*path).ray.direction);
     }
 #else
-    let surface = surface_at(hit, (*path).ray.direction);
+    surface = surface_at(hit, (*path).ray.direction);
 #endif
     if !surface.visible {
         return false;
     }
     add_emission(path, surface, hit);
     let to_eye = -normalize((*path).ray.direction);
+#ifdef GLASS
+    if any(surface.passing > vec3f(0.0)) {
+        if (*path).is_seen {
+            let crosses = crossing_share(surface, to_eye);
+            if next_pair(random).x < crosses {
+                (*path).throughput /= crosses;
+                return cross_glass(path, surface, to_eye, random);
+            }
+            (*path).throughput /= 1.0 - crosses;
+            surface = reflecting(surface, to_eye);
+        } else {
+            met_by_chance(path, surface, hit);
+        }
+    }
+    (*path).has_crossed = false;
+#endif
     let bounces = (*path).vertices - 1u;
     let is_last = bounces >= min(params.bounces, MAX_BOUNCES);
     let share = specular_share(surface, to_eye);
@@ -350,6 +451,9 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
     (*path).density = density;
     (*path).ray = Ray(leave_surface(surface, direction), direction);
     (*path).reach = 3e38;
+#ifdef GLASS
+    (*path).is_seen = (*path).is_seen && surface.alpha < MIRRORS && choice.x < share;
+#endif
     return survives(path, choice.y);
 }
 

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 16] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -20,7 +20,9 @@ const SUPPORTED: [&str; 14] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_meshopt_compression",

@@ -1,7 +1,7 @@
 //! Materials and the textures they use.
 
 use super::source;
-use crate::assets::{AlphaMode, AssetError, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap};
+use crate::assets::{AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap};
 use crate::assets::{image, parallel, pixels};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;
@@ -70,6 +70,8 @@ pub(super) fn load(
             wanted.extend(specular.specular_texture().map(|t| (t.texture().index(), false)));
             wanted.extend(specular.specular_color_texture().map(|t| (t.texture().index(), true)));
         }
+        let transmission = m.transmission().and_then(|t| t.transmission_texture());
+        wanted.extend(transmission.map(|t| (t.texture().index(), false)));
     }
     let textures = load_textures(path, document, &wanted, image_bytes, beside)?;
     let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, warnings)).collect();
@@ -189,6 +191,7 @@ fn convert(
         (pbr.base_color_texture(), pbr.metallic_roughness_texture(), m.normal_texture(), m.emissive_texture());
     let gloss = m.specular().and_then(|s| s.specular_texture());
     let tint = m.specular().and_then(|s| s.specular_color_texture());
+    let passing = m.transmission().and_then(|t| t.transmission_texture());
     let (specular, specular_color) = specular(m);
     let mut material = Material {
         base_color: Vec4::from(pbr.base_color_factor()),
@@ -198,6 +201,9 @@ fn convert(
         specular_color,
         emissive: Vec3::from(m.emissive_factor()) * m.emissive_strength().unwrap_or(1.0).max(0.0),
         normal_scale: normal.as_ref().map_or(1.0, |n| n.scale()),
+        transmission: m.transmission().map_or(0.0, |t| t.transmission_factor()),
+        ior: m.ior().filter(|n| n.is_finite() && *n >= 0.0).unwrap_or(1.5),
+        volume: volume(m),
         alpha_mode: match m.alpha_mode() {
             gltf::material::AlphaMode::Opaque => AlphaMode::Opaque,
             gltf::material::AlphaMode::Mask => AlphaMode::Mask(m.alpha_cutoff().unwrap_or(0.5)),
@@ -210,6 +216,7 @@ fn convert(
         emissive_texture: texture(&glow, true),
         specular_texture: texture(&gloss, false),
         specular_color_texture: texture(&tint, true),
+        transmission_texture: texture(&passing, false),
         uv: UvMaps {
             base_color: uv_map(&base),
             metallic_roughness: uv_map(&rough),
@@ -217,6 +224,7 @@ fn convert(
             emissive: uv_map(&glow),
             specular: uv_map(&gloss),
             specular_color: uv_map(&tint),
+            transmission: uv_map(&passing),
         },
         ..Material::new(name.clone())
     };
@@ -252,6 +260,7 @@ fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
         &mut uv.emissive,
         &mut uv.specular,
         &mut uv.specular_color,
+        &mut uv.transmission,
     ] {
         map.set = u32::from(map.set == sets[1]);
     }
@@ -259,18 +268,20 @@ fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
     UvSource { sets, uses_second, normal: m.normal_texture.is_some().then_some(m.uv.normal) }
 }
 
-/// `KHR_materials_specular`, and `KHR_materials_ior` folded into its colour: F0 = ((n − 1)/(n + 1))², where 4 % is n = 1.5.
+/// `KHR_materials_specular`: factor and colour.
 fn specular(m: &gltf::Material) -> (f32, Vec3) {
-    let (mut factor, mut color) = (1.0, Vec3::ONE);
-    if let Some(s) = m.specular() {
-        factor = s.specular_factor();
-        color = Vec3::from(s.specular_color_factor());
-    }
-    if let Some(ior) = m.ior().filter(|n| n.is_finite() && *n >= 0.0) {
-        // 0 stands for a dielectric that reflects all light.
-        color *= ((ior - 1.0) / (ior + 1.0)).powi(2) / 0.04;
-    }
-    (factor, color.max(Vec3::ZERO).min(Vec3::splat(25.0)))
+    let Some(s) = m.specular() else { return (1.0, Vec3::ONE) };
+    (s.specular_factor(), Vec3::from(s.specular_color_factor()).max(Vec3::ZERO).min(Vec3::splat(25.0)))
+}
+
+/// `KHR_materials_volume`. The distances that light goes are those in the mesh itself, whatever its thickness says; a thickness of
+/// zero is a thin wall.
+fn volume(m: &gltf::Material) -> Option<Attenuation> {
+    let volume = m.volume().filter(|volume| volume.thickness_factor() > 0.0)?;
+    let color = Vec3::from(volume.attenuation_color());
+    let distance = volume.attenuation_distance();
+    let is_any = color.is_finite() && distance > 0.0;
+    Some(if is_any { Attenuation { color: color.clamp(Vec3::ZERO, Vec3::ONE), distance } } else { Attenuation::NONE })
 }
 
 /// `KHR_materials_unlit`: shows its base colour whatever the light, so it is taken as light of its own.
@@ -286,11 +297,16 @@ fn make_unlit(m: &mut Material) {
     m.specular_texture = None;
     m.specular_color_texture = None;
     m.specular = 0.0;
+    m.transmission = 0.0;
+    m.transmission_texture = None;
 }
 
 /// Numbers beyond the range of floats, and factors outside their range, are brought back.
 fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
-    let before = format!("{:?}", (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale));
+    let factors = |m: &Material| {
+        format!("{:?}", (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale, m.transmission))
+    };
+    let before = factors(m);
     let bring = |x: f32, most: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, most) };
     m.base_color = Vec4::from(m.base_color.to_array().map(|x| bring(x, 1.0)));
     m.metallic = bring(m.metallic, 1.0);
@@ -298,8 +314,8 @@ fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
     m.specular = bring(m.specular, 1.0);
     m.emissive = Vec3::from(m.emissive.to_array().map(|x| bring(x, 1e30)));
     m.normal_scale = if m.normal_scale.is_finite() { m.normal_scale } else { 1.0 };
-    let after = format!("{:?}", (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale));
-    if before != after {
+    m.transmission = bring(m.transmission, 1.0);
+    if before != factors(m) {
         warnings.push(format!("material \"{name}\": factors out of range were clamped"));
     }
 }

@@ -175,6 +175,14 @@ impl Validator {
         self.number("roughness", m.roughness, 0.0, 1.0)?;
         self.number("specular", m.specular, 0.0, 1.0)?;
         self.color("specular_color", m.specular_color, f32::MAX)?;
+        self.number("transmission", m.transmission, 0.0, 1.0)?;
+        self.number("ior", m.ior, 1.0, 10.0)?;
+        if let Some(volume) = &m.volume {
+            self.field("volume", |v| {
+                v.color("color", volume.color, 1.0)?;
+                v.number("distance", volume.distance, 1e-6, f32::MAX)
+            })?;
+        }
         self.color("emissive", m.emissive, f32::MAX)?;
         self.finite("normal_scale", &[m.normal_scale])
     }

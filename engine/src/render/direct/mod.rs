@@ -30,9 +30,9 @@ pub(crate) struct RegionUniform {
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Region {
-    origin: UVec2,
-    size: UVec2,
+pub(in crate::render) struct Region {
+    pub origin: UVec2,
+    pub size: UVec2,
 }
 
 /// Declares the passes of all lights. The result is radiance, red, green and blue as layers of r32float.
@@ -48,8 +48,9 @@ pub fn declare<'a>(
     for direct_light in area {
         radiance = area::declare(graph, frame, gbuffer, radiance, direct_light.clone());
     }
-    let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) =
-        points.iter().partition(|direct_light| direct_light.shadow.is_some());
+    let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) = points
+        .iter()
+        .partition(|light| light.shadow.is_some() || (light.light.casts_shadow && frame.gpu_scene.has_glass()));
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
     let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {
@@ -126,7 +127,8 @@ fn declare_light<'a>(
     }
     let radiance = pass.write(radiance);
     pass.key(&(frame.media_key(), direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
-    let casts_rays = frame.shadow_rays.is_some() && direct_light.shadow.is_some();
+    let may_be_filtered = direct_light.light.casts_shadow && frame.gpu_scene.has_glass();
+    let casts_rays = frame.shadow_rays.is_some() && (direct_light.shadow.is_some() || may_be_filtered);
     pass.key(&casts_rays.then(|| frame.geometry_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -210,9 +212,14 @@ pub(in crate::render) fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
 fn reached_region(light: &SceneLight, view: &SceneView) -> Option<Region> {
     let full = Region { origin: UVec2::ZERO, size: view.size.into() };
     let (Some(range), true) = (light.range, light.has_position()) else { return Some(full) };
-    let reach = Aabb { min: light.position - range, max: light.position + range };
+    region_around(&Aabb { min: light.position - range, max: light.position + range }, view)
+}
+
+/// The pixels in which a box may be seen. None if it is outside the view.
+pub(in crate::render) fn region_around(reach: &Aabb, view: &SceneView) -> Option<Region> {
+    let full = Region { origin: UVec2::ZERO, size: view.size.into() };
     let clip_from_world = view.clip_from_world();
-    if !crate::scene::Frustum::new(&clip_from_world).intersects(&reach) {
+    if !crate::scene::Frustum::new(&clip_from_world).intersects(reach) {
         return None;
     }
     let corners = reach.corners().map(|corner| clip_from_world * corner.extend(1.0));

@@ -27,6 +27,7 @@ use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
 use light_volumes::Field;
+use light_volumes::sweep::HazeCells;
 use std::any::Any;
 
 /// Whether a method casts rays into the scene.
@@ -62,6 +63,8 @@ pub struct IndirectLight {
     pub(crate) mirrored: Option<Handle<Texture>>,
     /// Light to look up at any point, for blended surfaces; without it they take that of the pixels behind them.
     pub(crate) field: Option<Field>,
+    /// What rays find that meet what is not seen.
+    pub(crate) scattered: Scattered,
     /// How the light of the surfels' patches changed since the frame before, where frames are averaged and it is known: see
     /// `light_volumes/radiosity/change.wgsl`.
     pub(crate) change: Option<Handle<Buffer>>,
@@ -70,8 +73,17 @@ pub struct IndirectLight {
 impl IndirectLight {
     /// Light that is known at the pixels of opaque surfaces alone.
     pub fn at_pixels(radiance: Handle<Texture>) -> Self {
-        Self { radiance, mirrored: None, field: None, change: None }
+        Self { radiance, mirrored: None, field: None, scattered: Scattered::default(), change: None }
     }
+}
+
+/// The light of a method that rays find on the surfaces which they meet, and in the air.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Scattered {
+    /// Irradiance of the surfels' patches \[W/m²\].
+    pub patches: Option<Handle<Buffer>>,
+    /// Light in media.
+    pub haze: Option<HazeCells>,
 }
 
 /// The door of a method. All but [`declare`](Self::declare) has a default that asks for nothing, so that a method whose

@@ -40,13 +40,24 @@ pub(in crate::render) struct Lights {
     pub haze: Option<Haze>,
 }
 
-/// Declares the pass; the result is rgba32float radiance [W/(m² sr)]. If `is_final`, it is that of the frame.
+/// What an image of radiance is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::render) enum Purpose {
+    /// It is that of the frame.
+    Final,
+    /// The lens blurs it.
+    Sharp,
+    /// Glass shows parts of it.
+    Opaque,
+}
+
+/// Declares the pass; the result is rgba32float radiance [W/(m² sr)].
 pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     lights: Lights,
-    is_final: bool,
+    purpose: Purpose,
 ) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let mut usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -54,11 +65,12 @@ pub(in crate::render) fn declare<'a>(
         usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
     }
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
-    let radiance = match is_final {
-        true => graph.retained_texture(RADIANCE, desc),
-        false => graph.texture("sharp radiance", desc),
+    let (radiance, name) = match purpose {
+        Purpose::Final => (graph.retained_texture(RADIANCE, desc), "compose"),
+        Purpose::Sharp => (graph.texture("sharp radiance", desc), "compose"),
+        Purpose::Opaque => (graph.texture("opaque radiance", desc), "compose opaque"),
     };
-    let mut pass = graph.pass("compose");
+    let mut pass = graph.pass(name);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
     let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
     inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
@@ -126,7 +138,7 @@ pub(in crate::render) fn declare<'a>(
 }
 
 /// The constants of `post/compose.wgsl`.
-fn layer_index(layer: Layer) -> u32 {
+pub(in crate::render) fn layer_index(layer: Layer) -> u32 {
     match layer {
         Layer::Total => 0,
         Layer::Direct => 1,

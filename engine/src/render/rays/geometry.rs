@@ -13,6 +13,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use std::ops::Range;
 
 /// Flags of a triangle, above the index of its material.
+const GLASS: u32 = 1 << 28;
 const CASTS_SHADOW: u32 = 1 << 29;
 const DOUBLE_SIDED: u32 = 1 << 30;
 const MASKED: u32 = 1 << 31;
@@ -168,6 +169,7 @@ impl GpuGeometry {
             let material = materials.index(primitive.material.id);
             let flag = |set: bool, flag: u32| if set { flag } else { 0 };
             let head = material
+                | flag(primitive.material.is_glass(), GLASS)
                 | flag(primitive.casts_shadow, CASTS_SHADOW)
                 | flag(primitive.material.double_sided, DOUBLE_SIDED)
                 | flag(materials.is_masked(material), MASKED);

@@ -32,9 +32,15 @@ pub(crate) struct RayMaterial {
     alpha_cutoff: f32,
     normal_scale: f32,
     double_sided: u32,
+    /// \[1/m\]
+    absorption: [f32; 3],
+    transmission: f32,
+    ior: f32,
+    is_solid: u32,
+    padding: [u32; 2],
     /// In the order of [`Material::textures`].
-    textures: [[u32; 4]; 6],
-    uv_rows: [[f32; 4]; 12],
+    textures: [[u32; 4]; 7],
+    uv_rows: [[f32; 4]; 14],
 }
 
 impl RayMaterial {
@@ -47,12 +53,17 @@ impl RayMaterial {
                 .to_array(),
             emissive: positive(material.emissive).to_array(),
             metallic: unit(material.metallic),
-            specular_color: positive(material.specular_color).to_array(),
+            specular_color: positive(material.dielectric_reflectance()).to_array(),
             roughness: unit(material.roughness),
             specular: unit(material.specular),
             alpha_cutoff: alpha_cutoff(material),
             normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 0.0 },
             double_sided: u32::from(material.double_sided),
+            absorption: positive(material.volume.map_or(Vec3::ZERO, |volume| volume.absorption())).to_array(),
+            transmission: if material.is_glass() { unit(material.transmission) } else { 0.0 },
+            ior: if material.ior.is_finite() { material.ior.clamp(1.0, 10.0) } else { 1.0 },
+            is_solid: u32::from(material.volume.is_some()),
+            padding: [0; 2],
             textures: material.textures().map(|(texture, _)| texture.map_or([0; 4], |texture| atlas.slot(texture.id))),
             uv_rows: material.uv_rows(),
         }
@@ -68,6 +79,7 @@ pub(super) struct GpuMaterials {
     mirror: bool,
     emissive: bool,
     plain: bool,
+    has_glass: bool,
     /// Least roughness of textures that were looked at.
     least_roughness: HashMap<AssetId, f32>,
 }
@@ -83,6 +95,7 @@ impl GpuMaterials {
             mirror: false,
             emissive: false,
             plain: true,
+            has_glass: false,
             least_roughness: HashMap::new(),
         }
     }
@@ -91,10 +104,11 @@ impl GpuMaterials {
     pub(super) fn update(&mut self, gpu: &Gpu, scene: &Scene, atlas: &Atlas) -> Result<(), RayError> {
         self.indices.clear();
         self.masked.clear();
-        self.specular = scene.primitives.iter().any(|p| reflects_specularly(&p.material));
+        self.specular = scene.primitives.iter().any(|p| reflects_specularly(&p.material) || p.material.is_glass());
         self.mirror = self.find_mirrors(scene);
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
+        self.has_glass = scene.primitives.iter().any(|p| p.material.is_glass());
         let mut list = Vec::new();
         let of_kind = |is_moving: bool| scene.primitives.iter().filter(move |p| p.moving == is_moving);
         for primitive in of_kind(false).chain(of_kind(true)) {
@@ -143,6 +157,11 @@ impl GpuMaterials {
     /// Whether any material is smooth enough to show an image of what it reflects.
     pub(super) fn any_mirror(&self) -> bool {
         self.mirror
+    }
+
+    /// Whether any surface lets light pass.
+    pub(super) fn any_glass(&self) -> bool {
+        self.has_glass
     }
 
     /// Whether any material emits light.

@@ -17,10 +17,12 @@ use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::render::scene_gpu::media::GpuMedia;
-use crate::scene::Scene;
+use crate::scene::{Aabb, Scene};
 use atlas::Atlas;
 use emitters::Emitters;
+use encase::ShaderType;
 use geometry::{GpuGeometry, Surfaces};
+use glam::Vec3;
 use materials::GpuMaterials;
 use words::Words;
 
@@ -98,6 +100,19 @@ impl Synced {
     }
 }
 
+/// `GlassBox` of `lib/ray_scene.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct GlassBoxUniform {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl GlassBoxUniform {
+    fn of(bounds: &Aabb) -> Self {
+        Self { low: bounds.min, high: bounds.max }
+    }
+}
+
 /// A scene on the device, ready for rays.
 pub struct RayScene {
     /// The same hierarchies on the CPU.
@@ -114,6 +129,8 @@ pub struct RayScene {
     /// Number of triangles that emit light.
     pub emitter_count: u32,
     has_area_lights: bool,
+    /// Around all that is of glass.
+    glass: Aabb,
     media: Option<GpuMedia>,
     /// Of the scene whose media they are.
     media_revision: [u64; 2],
@@ -134,6 +151,7 @@ impl RayScene {
             light_count: 0,
             emitter_count: 0,
             has_area_lights: false,
+            glass: Aabb::EMPTY,
             media: None,
             media_revision: [0; 2],
         }
@@ -176,6 +194,8 @@ impl RayScene {
         then: Option<Synced>,
         now: &mut Synced,
     ) -> Result<(), RayError> {
+        let glass = scene.primitives.iter().filter(|primitive| primitive.material.is_glass());
+        self.glass = glass.fold(Aabb::EMPTY, |sum, primitive| sum.union(&primitive.bounds));
         self.bvh.update(scene);
         let bvh = &self.bvh;
         let versions = [bvh.statics.version, bvh.movers.version, bvh.surfaces_version];
@@ -223,6 +243,16 @@ impl RayScene {
         self.materials.any_mirror()
     }
 
+    /// Whether any surface lets light pass.
+    pub fn has_glass(&self) -> bool {
+        self.materials.any_glass()
+    }
+
+    /// A box around all surfaces that let light pass.
+    pub fn glass_bounds(&self) -> &Aabb {
+        &self.glass
+    }
+
     /// The shader with all that this scene needs of `lib/ray_scene.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
         let flags = [
@@ -235,6 +265,7 @@ impl RayScene {
             ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
             ("AREA_LIGHTS", self.has_area_lights),
+            ("GLASS", self.has_glass()),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
         let key = set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)));
@@ -256,6 +287,8 @@ impl RayScene {
         // Its content is noted where it is made.
         let media = self.media.as_ref().filter(|_| pipeline.declares(1, "media")).map(|media| media.buffer(gpu));
         used.extend(media.iter().map(|media| ("media", Binding::Buffer(media))));
+        let glass = pipeline.declares(1, "glass_box").then(|| gpu.uniform("glass", &GlassBoxUniform::of(&self.glass)));
+        used.extend(glass.iter().map(|glass| ("glass_box", Binding::Buffer(glass))));
         pipeline.bind(gpu, 1, &used)
     }
 

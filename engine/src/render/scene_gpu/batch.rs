@@ -27,6 +27,7 @@ pub(super) struct Member {
     pub bounds: Aabb,
     /// Revisions of its geometry and its material.
     pub revisions: [u64; 2],
+    /// See [`Primitive::blocks_light`].
     pub casts_shadow: bool,
     /// See [`wall_extent`].
     pub wall: f32,
@@ -38,7 +39,7 @@ impl Member {
             id: primitive.id,
             bounds: primitive.bounds,
             revisions: [primitive.geometry_revision, primitive.material_revision],
-            casts_shadow: primitive.casts_shadow,
+            casts_shadow: primitive.blocks_light(),
             wall: wall_extent(primitive, &primitive.mesh, &primitive.world_from_object.matrix3),
         }
     }

@@ -12,11 +12,14 @@ pub struct MaterialClass {
     pub double_sided: bool,
     /// Alpha is tested.
     pub masked: bool,
-    /// Blended over what lies behind.
+    /// Blended over what lies behind, or of glass.
     pub blended: bool,
+    /// Light passes it.
+    pub glass: bool,
     /// The transform mirrors: triangles wind the other way.
     pub mirrored: bool,
-    /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular`.
+    /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular` or
+    /// `KHR_materials_transmission`.
     pub plain: bool,
 }
 
@@ -25,7 +28,8 @@ impl MaterialClass {
         Self {
             double_sided: primitive.material.double_sided,
             masked: alpha_cutoff(&primitive.material) >= 0.0,
-            blended: primitive.material.alpha_mode == AlphaMode::Blend,
+            blended: primitive.material.alpha_mode == AlphaMode::Blend || primitive.material.is_glass(),
+            glass: primitive.material.is_glass(),
             mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
             plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
         }

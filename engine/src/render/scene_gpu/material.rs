@@ -20,7 +20,8 @@ pub(crate) struct MaterialUniform {
     alpha_cutoff: f32,
     normal_scale: f32,
     double_sided: u32,
-    uv_rows: [Vec4; 12],
+    transmission: f32,
+    uv_rows: [Vec4; 14],
 }
 
 impl MaterialUniform {
@@ -35,7 +36,7 @@ impl MaterialUniform {
             },
             emissive: positive(material.emissive),
             metallic: unit(material.metallic),
-            specular_color: positive(material.specular_color),
+            specular_color: positive(material.dielectric_reflectance()),
             roughness: unit(material.roughness),
             specular: unit(material.specular),
             alpha_cutoff: alpha_cutoff(material),
@@ -45,6 +46,7 @@ impl MaterialUniform {
                 _ => 0.0,
             },
             double_sided: u32::from(material.double_sided),
+            transmission: if material.is_glass() { unit(material.transmission) } else { 0.0 },
             uv_rows: material.uv_rows().map(Vec4::from),
         }
     }
@@ -67,7 +69,7 @@ pub(in crate::render) fn alpha_cutoff(material: &Material) -> f32 {
 
 /// Whether no point of the surface hides what lies behind: textures and vertex colours only take from alpha.
 pub(super) fn is_nowhere_opaque(material: &Material) -> bool {
-    material.alpha_mode == AlphaMode::Blend && material.base_color.w < OPAQUE_ALPHA
+    material.is_glass() || material.alpha_mode == AlphaMode::Blend && material.base_color.w < OPAQUE_ALPHA
 }
 
 /// A material on the device.
@@ -80,11 +82,12 @@ pub(super) struct GpuMaterial {
     emissive: Arc<GpuTexture>,
     specular: Arc<GpuTexture>,
     specular_color: Arc<GpuTexture>,
+    transmission: Arc<GpuTexture>,
 }
 
 impl GpuMaterial {
     /// All that a shader may bind of it, by its name in WGSL.
-    pub(super) fn bindings(&self) -> [(&'static str, Binding<'_>); 13] {
+    pub(super) fn bindings(&self) -> [(&'static str, Binding<'_>); 15] {
         [
             ("material", Binding::Buffer(&self.uniform)),
             ("base_color_texture", Binding::Texture(&self.base_color.view)),
@@ -99,6 +102,8 @@ impl GpuMaterial {
             ("specular_sampler", Binding::Sampler(&self.specular.sampler)),
             ("specular_color_texture", Binding::Texture(&self.specular_color.view)),
             ("specular_color_sampler", Binding::Sampler(&self.specular_color.sampler)),
+            ("transmission_texture", Binding::Texture(&self.transmission.view)),
+            ("transmission_sampler", Binding::Sampler(&self.transmission.sampler)),
         ]
     }
 }
@@ -162,7 +167,7 @@ impl MaterialStore {
         let find = |texture: Option<&Arc<Texture>>, neutral: &Arc<GpuTexture>| {
             texture.and_then(|t| self.textures.get(&t.id)).unwrap_or(neutral).clone()
         };
-        let [base_color, metallic_roughness, normal, emissive, specular, specular_color] =
+        let [base_color, metallic_roughness, normal, emissive, specular, specular_color, transmission] =
             material.textures().map(|(texture, _)| texture);
         GpuMaterial {
             uniform: gpu.uniform(&material.name, &MaterialUniform::new(material)),
@@ -172,6 +177,7 @@ impl MaterialStore {
             emissive: find(emissive, &self.white),
             specular: find(specular, &self.white),
             specular_color: find(specular_color, &self.white),
+            transmission: find(transmission, &self.white),
         }
     }
 

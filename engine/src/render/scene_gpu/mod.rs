@@ -247,6 +247,11 @@ impl GpuScene {
         self.sky.update_reflections(gpu, scene);
     }
 
+    /// Whether any surface is of glass.
+    pub fn has_glass(&self) -> bool {
+        self.batches.iter().any(|batch| batch.class.glass)
+    }
+
     /// Bytes of textures on the device.
     pub fn texture_bytes(&self) -> u64 {
         self.materials.texture_bytes()

@@ -5,5 +5,6 @@
 pub(in crate::render) mod light_view;
 pub mod reflective;
 pub(in crate::render) mod shadow_map;
+pub(in crate::render) mod through_glass;
 
 pub use light_view::{LightView, light_views};

@@ -2,6 +2,7 @@
 
 use super::light_view::{LightView, light_views};
 use super::shadow_map::view_bits;
+use super::through_glass;
 use crate::gpu::{Gpu, RasterKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
@@ -169,7 +170,8 @@ pub fn declare_sized<'a>(
     };
     let [base_color, normal, specular, depth] =
         static_layers::declare(graph, frame, &name, targets, &filters, &key, draw);
-    Some(Rsm { light, index, views, size, base_color, normal, specular, depth })
+    let rsm = Rsm { light, index, views, size, base_color, normal, specular, depth };
+    Some(through_glass::declare(graph, frame, rsm))
 }
 
 fn draw_layer(

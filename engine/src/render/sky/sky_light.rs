@@ -31,5 +31,5 @@ pub(in crate::render) fn declare<'a>(
     }
     let swept = light_volumes::sweep::sky::declare(graph, frame, gbuffer);
     let radiance = gloss::declare(graph, frame, gbuffer, &swept, gloss::Names::SKY);
-    Some(IndirectLight { radiance, mirrored: None, field: Some(swept.field), change: None })
+    Some(IndirectLight { field: Some(swept.field), ..IndirectLight::at_pixels(radiance) })
 }

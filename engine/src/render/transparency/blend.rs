@@ -46,6 +46,16 @@ pub(in crate::render) enum Source {
     Ambient(Handle<Buffer>),
 }
 
+/// What the pass finds of light but for the lamps.
+pub(in crate::render) struct Behind {
+    /// Where indirect light comes from.
+    pub source: Option<Source>,
+    /// Light in the air.
+    pub haze: Option<Haze>,
+    /// What is seen through glass, see [`glass`](super::glass).
+    pub seen_through: Option<Handle<Texture>>,
+}
+
 /// Whether the view has blended surfaces; if not, the report says so.
 pub fn is_needed(graph: &mut Graph, frame: &Frame) -> bool {
     let frustum = frame.frustum();
@@ -70,8 +80,7 @@ pub(in crate::render) fn declare<'a>(
     gbuffer: &GBuffer,
     gpu: &Gpu,
     direct_lights: Vec<DirectLight<'a>>,
-    source: Option<Source>,
-    haze: Option<Haze>,
+    Behind { source, haze, seen_through }: Behind,
 ) -> Handle<Texture> {
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -89,6 +98,7 @@ pub(in crate::render) fn declare<'a>(
         None => {}
     }
     haze.iter().for_each(|haze| pass.read(haze.buffer()));
+    seen_through.iter().for_each(|&seen| pass.read(seen));
     let (color, object) = (pass.write(color), pass.write(object));
     let lights: Vec<_> =
         direct_lights.iter().map(|direct_light| (direct_light.light.revision, direct_light.shadow.is_some())).collect();
@@ -96,7 +106,8 @@ pub(in crate::render) fn declare<'a>(
     let only = frame.settings.only;
     pass.key(&(frame.geometry_key(), frame.view_key(), lights, clpv, frame.settings.gi, only));
     pass.key(&haze.map(|haze| (haze.key(), frame.media_key())));
-    let work = Work { frame: frame.clone(), direct_lights, source, haze, depth, color, object };
+    pass.key(&seen_through.is_some());
+    let work = Work { frame: frame.clone(), direct_lights, source, haze, seen_through, depth, color, object };
     pass.execute(move |cx| work.run(cx));
     color
 }
@@ -115,6 +126,7 @@ struct Work<'a> {
     direct_lights: Vec<DirectLight<'a>>,
     source: Option<Source>,
     haze: Option<Haze>,
+    seen_through: Option<Handle<Texture>>,
     depth: Handle<Texture>,
     color: Handle<Texture>,
     object: Handle<Texture>,
@@ -147,6 +159,7 @@ impl Work<'_> {
             .map(|direct_light| direct_light.shadow.as_ref().map(|s| layered_view(cx.gpu, cx.texture(s.map))))
             .collect();
         let indirect = self.indirect_bindings(cx);
+        let seen_through = self.seen_through.map(|seen| cx.view(seen));
         let view = self.frame.view_uniform(gpu);
         let camera = self.frame.view.camera.world_from_view;
         let order = (self.frame.view.eye(), camera.transform_vector3(glam::Vec3::NEG_Z));
@@ -160,7 +173,9 @@ impl Work<'_> {
             order,
             |class, side| self.raster_key(class, side, format),
             |pipeline, pass| {
-                let bindings: Vec<_> = indirect.iter().map(|(name, b)| (*name, Binding::Buffer(b))).collect();
+                let mut bindings: Vec<_> = indirect.iter().map(|(name, b)| (*name, Binding::Buffer(b))).collect();
+                let seen = seen_through.iter().filter(|_| pipeline.declares(3, "seen_through"));
+                bindings.extend(seen.map(|seen| ("seen_through", Binding::Texture(seen))));
                 if !bindings.is_empty() {
                     pass.set_bind_group(3, &pipeline.bind(gpu, 3, &bindings)?, &[]);
                 }
@@ -235,6 +250,10 @@ impl Work<'_> {
             Some(Source::Field(field)) => defs.push((field.define(), ShaderDef::Flag(true))),
             Some(Source::Ambient(_)) => defs.push(("AMBIENT", ShaderDef::Flag(true))),
             None => {}
+        }
+        if class.glass {
+            defs.push(("GLASS", ShaderDef::Flag(true)));
+            defs.extend(self.seen_through.map(|_| ("SEEN_THROUGH", ShaderDef::Flag(true))));
         }
         defs.extend(self.haze.iter().flat_map(|_| Haze::defines(&self.frame)));
         RasterKey {

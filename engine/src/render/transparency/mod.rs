@@ -1,4 +1,5 @@
-//! Blended surfaces: in come lights, light to look up at any point and the opaque surfaces behind them, out goes a layer
+//! Blended surfaces and glass: in come lights, light to look up at any point and the opaque surfaces behind them, out goes a layer
 //! that composition lays over the image.
 
 pub(in crate::render) mod blend;
+pub(in crate::render) mod glass;

@@ -67,7 +67,7 @@ impl Still {
     /// Updates everything from the scene. Boxes of what has come, gone or changed, where it was and where it is:
     /// a ray that meets none of them meets what it met before.
     pub fn update(&mut self, scene: &Scene) -> Vec<Aabb> {
-        let stands = |p: &&Primitive| p.casts_shadow && !p.moving && p.world_from_object.is_finite();
+        let stands = |p: &&Primitive| p.blocks_light() && !p.moving && p.world_from_object.is_finite();
         let mut before = std::mem::take(&mut self.objects).into_iter().peekable();
         let mut changed = Vec::new();
         for primitive in scene.primitives.iter().filter(stands) {

@@ -78,6 +78,8 @@ pub(in crate::world) enum SurfaceField {
     Specular,
     /// Colour of that reflection.
     SpecularColor,
+    /// Share of light that passes.
+    Transmission,
     /// Scale of the normal map.
     NormalScale,
     /// Alpha from which on a masked surface is drawn.
@@ -86,11 +88,12 @@ pub(in crate::world) enum SurfaceField {
     DoubleSided,
 }
 
-const SURFACE: [(&str, SurfaceField); 7] = [
+const SURFACE: [(&str, SurfaceField); 8] = [
     ("mesh.casts_shadow", SurfaceField::CastsShadow),
     ("casts_shadow", SurfaceField::CastsShadow),
     ("material.specular", SurfaceField::Specular),
     ("material.specular_color", SurfaceField::SpecularColor),
+    ("material.transmission", SurfaceField::Transmission),
     ("material.normal_scale", SurfaceField::NormalScale),
     ("material.alpha_mode.0", SurfaceField::AlphaCutoff),
     ("material.double_sided", SurfaceField::DoubleSided),

@@ -63,6 +63,11 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "HAZ", what: "light that media scatter: in cells, and towards the eye", passes: &["haze"] },
+    Stage {
+        name: "GLS",
+        what: "what is seen through glass and in it, by rays, and the image behind it",
+        passes: &["glass", "compose opaque"],
+    },
     Stage { name: "BLD", what: "blended surfaces", passes: &["blend", "ambient"] },
     Stage { name: "CMP", what: "put the light together", passes: &["compose"] },
     Stage { name: "DOF", what: "depth of field", passes: &["depth of field"] },

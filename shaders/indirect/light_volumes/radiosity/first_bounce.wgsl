@@ -13,7 +13,7 @@
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::surface_at
-#import lightwell::rays::{SHADOW, trace}
+#import lightwell::rays::{Ray, SHADOW, left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, next_pair}
 #import lightwell::sweep::Surfel
 
@@ -45,10 +45,11 @@ const PI: f32 = 3.14159265358979;
 
 // Light of a light, unless something is in its way.
 fn arriving(sample: LightSample) -> vec3f {
-    if sample.reach > 0.0 && trace(first_bounce.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
+    let hit = trace(first_bounce.root, sample.ray, sample.reach, SHADOW);
+    if hit.triangle != NONE {
         return vec3f(0.0);
     }
-    return bounded(sample.light);
+    return bounded(sample.light * passed(sample.ray, hit));
 }
 
 @compute @workgroup_size(64)
@@ -70,11 +71,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let direction = hit.direction;
         let surface = blurred(surface_at(hit.hit, direction), BLUR);
         var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
-        var passing = vec3f(1.0);
+        var passing = left_by_glass(first_bounce.root, Ray(position, direction), hit.hit.t);
 #ifdef HAZE
         let between = haze_along(position, direction, hit.hit.t, next_pair(&random).x);
         light += bounded(between.added);
-        passing = between.passing;
+        passing *= between.passing;
 #endif
 #ifdef LIGHTS
         var of_all = vec3f(0.0);

@@ -23,7 +23,7 @@
 #import lightwell::radiosity::{RAYS, Link, encode_link, link_start, no_link}
 #import lightwell::ray_scene::{NONE, primitive_of}
 #import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
-#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW, trace}
+#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW, left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
 
@@ -72,8 +72,9 @@ fn white_surface(surfel: Surfel) -> Surface {
 }
 
 fn unless_blocked(sample: LightSample) -> vec3f {
-    if sample.reach > 0.0 && trace(links.root, sample.ray, sample.reach, SHADOW).triangle == NONE {
-        return bounded(sample.light);
+    let hit = trace(links.root, sample.ray, sample.reach, SHADOW);
+    if sample.reach > 0.0 && hit.triangle == NONE {
+        return bounded(sample.light * passed(sample.ray, hit));
     }
     return vec3f(0.0);
 }
@@ -116,11 +117,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let direction = cosine_direction(surface.normal, next_pair(&random));
         light += sampled_light(surface, &random);
         let density = direction_density(surface, surface.normal, direction, 0.0);
-        let hit = trace(links.root, Ray(leave_surface(surface, direction), direction), select(0.0, 3e38, density > 0.0), LIGHT);
+        let ray = Ray(leave_surface(surface, direction), direction);
+        let hit = trace(links.root, ray, select(0.0, 3e38, density > 0.0), LIGHT);
         far += select(0u, 1u, hit.t > links.far);
-        var passing = vec3f(1.0);
+        var passing = left_by_glass(links.root, ray, hit.t);
 #ifdef MEDIA
-        passing = share_not_absorbed(surface.position, direction, select(hit.t, FARTHEST, hit.triangle == NONE));
+        passing *= share_not_absorbed(surface.position, direction, select(hit.t, FARTHEST, hit.triangle == NONE));
 #endif
         var link = no_link();
         if density > 0.0 {

@@ -36,7 +36,7 @@
 #endif
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at}
-#import lightwell::rays::{Frame, Hit, Ray, Walk, LIGHT, SHADOW, begin_walk, go_on, is_over, load_frame, trace}
+#import lightwell::rays::{Frame, Hit, Ray, Walk, LIGHT, SHADOW, begin_walk, go_on, is_over, left_by_glass, load_frame, passed, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
@@ -160,10 +160,12 @@ fn seen_along(vertex: Vertex, direction: vec3f) -> vec3f {
 }
 
 fn add_unless_blocked(sums: ptr<function, Sums>, seen: Vertex, vertex: Vertex, sample: LightSample) -> bool {
-    if sample.reach <= 0.0 || trace(gather.root, sample.ray, sample.reach, SHADOW).triangle != NONE {
+    let hit = trace(gather.root, sample.ray, sample.reach, SHADOW);
+    if sample.reach <= 0.0 || hit.triangle != NONE {
         return false;
     }
-    add(sums, seen, seen_along(vertex, normalize(sample.ray.direction)), vertex.throughput * bounded(sample.light));
+    let light = vertex.throughput * bounded(sample.light * passed(sample.ray, hit));
+    add(sums, seen, seen_along(vertex, normalize(sample.ray.direction)), light);
     return true;
 }
 
@@ -221,9 +223,13 @@ fn add_rsm_samples(sums: ptr<function, Sums>, seen: Vertex, first: u32) {
                 }
             }
         }
-        if chosen_weight > 0.0 && trace(gather.root, chosen.ray, 0.9999, SHADOW).triangle == NONE {
-            // The sums are those of all rays.
-            add(sums, seen, chosen.direction, bounded(chosen.light * (f32(RAYS) * total / chosen_weight)));
+        if chosen_weight > 0.0 {
+            let hit = trace(gather.root, chosen.ray, 0.9999, SHADOW);
+            if hit.triangle == NONE {
+                // The sums are those of all rays.
+                let scale = f32(RAYS) * total / chosen_weight;
+                add(sums, seen, chosen.direction, bounded(chosen.light * (scale * passed(chosen.ray, hit))));
+            }
         }
     }
 }
@@ -361,6 +367,7 @@ fn arrive(
 // Whether the light that waited arrives, and what the next ray meets.
 struct Met {
     is_lit: bool,
+    left: vec3f,           // what glass leaves of that light
     hit: Hit,
 }
 
@@ -368,6 +375,7 @@ struct Met {
 // others.
 fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met {
     var is_lit = false;
+    var left = vec3f(1.0);
     var walk = begin_walk(frame, next, reach, LIGHT);
     if waiting.reach > 0.0 {
         walk = begin_walk(frame, waiting.ray, waiting.reach, SHADOW);
@@ -376,10 +384,11 @@ fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met 
         go_on(&walk);
         if walk.kind == SHADOW && is_over(walk) {
             is_lit = walk.hit.triangle == NONE;
+            left = passed(walk.ray, walk.hit);
             walk = begin_walk(frame, next, reach, LIGHT);
         }
     }
-    return Met(is_lit, walk.hit);
+    return Met(is_lit, left, walk.hit);
 }
 
 fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
@@ -408,7 +417,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
         let reach = select(0.0, 3e38, any(ray.throughput > vec3f(0.0)));
         let met = trace_both(frame, waiting.sample, ray.ray, reach);
         if met.is_lit {
-            add(&sums, seen, waiting.seen_along, waiting.sample.light);
+            add(&sums, seen, waiting.seen_along, waiting.sample.light * met.left);
         }
         if begun > RAYS {
             break;
@@ -416,6 +425,7 @@ fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
         waiting.sample.reach = 0.0;
         vertex.depth = select(0u, vertex.depth, reach > 0.0);
         if reach > 0.0 {
+            ray.throughput *= left_by_glass(gather.root, ray.ray, met.hit.t);
             waiting = arrive(&sums, seen, &vertex, ray, met.hit, &random);
         }
     }

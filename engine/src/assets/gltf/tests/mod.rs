@@ -142,7 +142,7 @@ fn materials_lights_and_cameras() {
     let m = &node.primitives[0].1;
     assert_eq!((m.alpha_mode, m.double_sided, m.metallic, m.roughness), (AlphaMode::Mask(0.25), true, 0.5, 0.6));
     assert_eq!((m.emissive, m.normal_scale, m.specular), (Vec3::new(4.0, 2.0, 0.0), 0.5, 0.5));
-    assert!((m.specular_color - Vec3::new(1.0, 0.5, 0.0) * (1.0 / 9.0 / 0.04)).length() < 1e-5);
+    assert!((m.dielectric_reflectance() - Vec3::new(1.0, 0.5, 0.0) * (1.0 / 9.0 / 0.04)).length() < 1e-5);
     let (base, glow) = (m.base_color_texture.as_ref().unwrap(), m.emissive_texture.as_ref().unwrap());
     let normal = m.normal_texture.as_ref().unwrap();
     assert!(Arc::ptr_eq(base, glow) && base.srgb && !normal.srgb);

@@ -159,7 +159,7 @@ impl<'a> Caster<'a> {
         let triangle = &self.bvh.triangles[index as usize];
         let (t, u, v) = intersect_triangle(ray, triangle.corners, f32::INFINITY)?;
         let counts = is_nearer(t, index, bound, closest.map(|best| (best.t, best.triangle)))
-            && self.scene.primitives[triangle.primitive as usize].casts_shadow
+            && self.scene.primitives[triangle.primitive as usize].blocks_light()
             && !is_cut_out(self.scene, self.bvh, index, [u, v]);
         counts.then_some(CastHit { t, triangle: index, barycentric: [u, v] })
     }
@@ -256,7 +256,7 @@ fn object(primitive: &Primitive, first: u32, count: u32) -> Object {
             (Form::Mesh(MeshBvh::from_triangles((0..count).map(corner).collect())), Affine3A::IDENTITY)
         }
     };
-    Object { local_from_world: world_from_local.inverse(), form, first, count, casts_shadow: primitive.casts_shadow }
+    Object { local_from_world: world_from_local.inverse(), form, first, count, casts_shadow: primitive.blocks_light() }
 }
 
 /// The unit square in z = 0 stretched to a box that is flat along an axis.

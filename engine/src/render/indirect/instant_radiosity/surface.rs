@@ -133,7 +133,7 @@ fn with_material(primitive: &Primitive, place: &Place) -> Met {
     let metallic = unit(material.metallic * rough.z);
     let specular = unit(material.specular * place.texel(&material.specular_texture, &maps.specular).w);
     let tint = place.texel(&material.specular_color_texture, &maps.specular_color).truncate();
-    let dielectric = (0.04 * material.specular_color * tint).clamp(Vec3::ZERO, Vec3::ONE) * specular;
+    let dielectric = (0.04 * material.dielectric_reflectance() * tint).clamp(Vec3::ZERO, Vec3::ONE) * specular;
     Met {
         position: Vec3::ZERO,
         geometric_normal: Vec3::Y,

@@ -83,5 +83,6 @@ impl IndirectMethod for LightVolumesMethod {
 /// Adds what glossy surfaces reflect of the volumes.
 fn of_all_surfaces<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, gbuffer: &GBuffer, light: Indirect) -> IndirectLight {
     let radiance = gloss::declare(graph, frame, gbuffer, &light, gloss::Names::ALL);
-    IndirectLight { radiance, mirrored: light.mirrored, field: Some(light.field), change: light.change }
+    let (scattered, change) = (light.scattered, light.change);
+    IndirectLight { radiance, mirrored: light.mirrored, field: Some(light.field), scattered, change }
 }

@@ -20,6 +20,7 @@ pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
 use crate::graph::{Buffer, Handle, PassContext, Texture};
+use crate::render::indirect::Scattered;
 use diffusion::relight;
 
 /// Most bounces that a `Count` may ask for.
@@ -37,6 +38,8 @@ pub(crate) struct Indirect {
     pub field: Field,
     /// The same of the sky's light alone, if that is wanted.
     pub sky: Option<Field>,
+    /// What rays find on surfaces that they meet, and in the air.
+    pub scattered: Scattered,
     /// How the light of patches changed since the frame before, where that is followed.
     pub change: Option<Handle<Buffer>>,
 }

@@ -140,7 +140,7 @@ impl Content {
         };
         self.u32s([alpha.0, u32::from(material.double_sided)]);
         self.f32s(material.base_color.to_array());
-        self.f32s(material.specular_color.to_array());
+        self.f32s(material.dielectric_reflectance().to_array());
         self.f32s(material.emissive.to_array());
         self.f32s([material.metallic, material.roughness, material.specular, material.normal_scale, alpha.1]);
         let textures = material.textures();
@@ -149,6 +149,11 @@ impl Content {
         if !material.is_plain() {
             textures[4..].iter().for_each(|(texture, _)| self.texture(*texture));
             material.uv_rows().into_iter().for_each(|row| self.f32s(row));
+        }
+        if material.is_glass() {
+            let volume = material.volume.map_or([-1.0; 3], |volume| volume.absorption().to_array());
+            self.f32s([material.transmission, material.ior]);
+            self.f32s(volume);
         }
     }
 

@@ -286,6 +286,9 @@ impl PathTracer {
             gpu.uniform("trace", &TraceUniform { first_row, first_sample, samples, ..progress.uniform.clone() });
         let mut group = vec![("params", Binding::Buffer(&uniform)), ("sums", Binding::Buffer(&progress.sums))];
         let mut key = self.scene.shader("indirect/path_tracer/path_trace.wgsl", "main");
+        if self.scene.has_glass() {
+            key = key.def("GLASS_REFLECTS", ShaderDef::Flag(true));
+        }
         if progress.subject.view.camera.is_orthographic() {
             key = key.def("ORTHOGRAPHIC", ShaderDef::Flag(true));
         }

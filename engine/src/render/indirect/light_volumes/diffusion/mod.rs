@@ -20,6 +20,7 @@ use super::volume::volumes;
 use super::{Field, Indirect};
 use crate::graph::Graph;
 use crate::render::error::RenderError;
+use crate::render::indirect::Scattered;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
 use crate::render::shadows::reflective::{self, Rsm};
@@ -67,6 +68,7 @@ pub(super) fn declare<'a>(
         is_glossy: false,
         field: Field::Propagated { uniform, lit },
         sky: None,
+        scattered: Scattered::default(),
         change: None,
     }))
 }

@@ -8,7 +8,7 @@ use wgpu::BufferUsages;
 
 /// Light in cells that rays look up on their way through media: see `lib/haze_along.wgsl`.
 #[derive(Clone, Copy)]
-pub(in crate::render) struct HazeCells {
+pub(crate) struct HazeCells {
     pub volume: Volume,
     pub light: Handle<Buffer>,
     /// Whether it is straight from the lights alone, and light that is scattered once more counts as if it went on.

@@ -63,13 +63,13 @@ use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::indirect::sky_reflection;
+use crate::render::indirect::{Scattered, sky_reflection};
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
 use glam::Vec3;
-use haze_cells::HazeCells;
+pub(crate) use haze_cells::HazeCells;
 use interleave::Interleave;
 use opacity::Obstacles;
 use transport::{Kept, Sky};
@@ -208,12 +208,15 @@ pub(super) fn declare<'a>(
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
     let ends_in_patches = is_gathered && !gather::are_paths(settings);
     let change = radiosity.filter(|_| ends_in_patches).and_then(|light| light.change);
+    let patches = radiosity.map(|light| light.patches).filter(|_| ends_in_patches);
+    let scattered = Scattered { patches, haze };
     let indirect = |level: &Level| Indirect {
         radiance,
         mirrored,
         is_glossy: is_gathered,
         field: sky::field_of(level),
         sky,
+        scattered,
         change,
     };
     Ok(levels.last().map(indirect))

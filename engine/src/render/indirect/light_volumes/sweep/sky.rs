@@ -8,6 +8,7 @@ use super::{BounceCount, Indirect, Level, grid, irradiance, opacity, surfels};
 use crate::graph::Graph;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::Scattered;
 use crate::render::indirect::light_volumes::{Field, Volume};
 use crate::scene::Aabb;
 use crate::world::{Precision, Quality};
@@ -29,7 +30,7 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
     let field = field_of(&level);
     let names = irradiance::Names { pass: "relight, sky", image: "sky radiance" };
     let radiance = irradiance::relight(graph, frame, gbuffer, names, 0.0, &[level]);
-    Indirect { radiance, mirrored: None, is_glossy: false, sky: Some(field.clone()), field, change: None }
+    Indirect { radiance, mirrored: None, is_glossy: false, sky: Some(field.clone()), field, scattered: Scattered::default(), change: None }
 }
 
 /// Declares the sweep of the sky's light through a grid.

@@ -1,0 +1,158 @@
+//! Glass that the camera sees: what passes it, refracted, and what it reflects, by rays. See `transparency/glass.wgsl`.
+//!
+//! The pass runs over the rectangle of pixels around all glass. Without rays, where a scene does not fit the device, glass is
+//! drawn like a blended surface, which what lies straight behind shows through.
+
+use crate::gpu::{Binding, ShaderDef};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::render::direct::{Region, region_around};
+use crate::render::frame::{Frame, ViewUniform};
+use crate::render::indirect::Scattered;
+use crate::render::indirect::light_volumes::sweep::HazeCells;
+use crate::render::post::compose::layer_index;
+use crate::render::rays::{RayScene, dispatch_rays};
+use encase::ShaderType;
+use glam::{UVec2, Vec3};
+
+/// Paths of one submit: each may be a dozen rays and as many shadow rays.
+const PATHS_A_SUBMIT: u64 = 1 << 15;
+/// Rays of a pixel through rough glass, in an image that stands by itself.
+const RAYS: u32 = 8;
+/// The same where images or frames are averaged.
+const RAYS_OF_MANY: u32 = 2;
+
+/// `Glass` of `transparency/glass.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct GlassUniform {
+    view: ViewUniform,
+    sky: Vec3,
+    sky_turn: f32,
+    origin: UVec2,
+    size: UVec2,
+    root: u32,
+    light_count: u32,
+    seed: u32,
+    patch_size: f32,
+}
+
+/// The pixels that may show glass; none, with the reason in the report, where there are none or no rays.
+pub(in crate::render) fn region(graph: &mut Graph, frame: &Frame) -> Option<Region> {
+    if !frame.gpu_scene.has_glass() {
+        graph.skip("glass", "no surface is of glass");
+    } else if !frame.settings.only.is_light() {
+        graph.skip("glass", "the layer that is shown holds no glass");
+    } else if let Some(why) = frame.refused_rays {
+        graph.skip("glass", "the scene does not fit the device as rays need it");
+        graph.warn(format!("glass does not refract: {why}"));
+    } else if let Some(region) = frame.shadow_rays.and_then(|rays| region_around(rays.glass_bounds(), frame.view)) {
+        return Some(region);
+    } else {
+        graph.skip("glass", "no glass is in view");
+    }
+    None
+}
+
+/// Declares the pass. The result is the radiance \[W/(m² sr)\] that is seen through the nearest glass of each pixel and in it, and
+/// how far that is from the near plane \[m\], 0 for none; outside of the region it is not defined. `opaque` is the radiance of all
+/// opaque surfaces.
+pub(in crate::render) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    depth: Handle<Texture>,
+    opaque: Handle<Texture>,
+    light: Scattered,
+    region: Region,
+) -> Handle<Texture> {
+    let seen = graph.retained_texture("seen through glass", frame.image_desc());
+    let mut pass = graph.pass("glass");
+    pass.read(depth);
+    pass.read(opaque);
+    light.patches.into_iter().chain(light.haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
+    let seen = pass.write(seen);
+    let rays = if frame.number().is_some() || frame.images() >= 4 { RAYS_OF_MANY } else { RAYS };
+    let revisions = &frame.scene.revisions;
+    pass.key(&(rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
+    pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings, frame.settings.only));
+    pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
+    let work = Work { frame: frame.clone(), depth, opaque, light, seen, region, rays };
+    pass.execute(move |cx| work.run(cx));
+    seen
+}
+
+struct Work<'a> {
+    frame: Frame<'a>,
+    depth: Handle<Texture>,
+    opaque: Handle<Texture>,
+    light: Scattered,
+    seen: Handle<Texture>,
+    region: Region,
+    rays: u32,
+}
+
+impl Work<'_> {
+    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
+        let scene =
+            self.frame.shadow_rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let Region { origin, size } = self.region;
+        cx.counts().texels += u64::from(size.x) * u64::from(size.y);
+        let paths_a_row = u64::from(size.x);
+        // Whole workgroups, eight rows high.
+        let step = (cx.work_a_submit(PATHS_A_SUBMIT) / paths_a_row / 8).clamp(1, 1 << 16) as usize * 8;
+        for first_row in (0..size.y).step_by(step) {
+            let rows = (size.y - first_row).min(step as u32);
+            cx.work(u64::from(rows) * paths_a_row, PATHS_A_SUBMIT);
+            let part = Region { origin: origin + UVec2::new(0, first_row), size: UVec2::new(size.x, rows) };
+            self.dispatch(cx, scene, part)?;
+        }
+        Ok(())
+    }
+
+    fn dispatch(&self, cx: &mut PassContext, scene: &RayScene, part: Region) -> Result<(), PassError> {
+        let uniform = cx.gpu.uniform("glass", &self.uniform(scene, part));
+        let [depth, opaque, seen] = [self.depth, self.opaque, self.seen].map(|handle| cx.view(handle));
+        let mut key = scene
+            .shader("transparency/glass.wgsl", "main")
+            .def("RAYS", ShaderDef::Uint(self.rays))
+            .def("LAYER", ShaderDef::Uint(layer_index(self.frame.settings.only)));
+        key = HazeCells::defined(self.light.haze.as_ref(), key);
+        let haze = self.light.haze.map(|haze| haze.bindings(cx));
+        let patches = self.light.patches.map(|light| cx.buffer(light).clone());
+        let mut group = vec![
+            ("glass", Binding::Buffer(&uniform)),
+            ("seen_through", Binding::Texture(&seen)),
+            ("depth", Binding::Texture(&depth)),
+            ("opaque_depth", Binding::Texture(&depth)),
+            ("opaque_radiance", Binding::Texture(&opaque)),
+        ];
+        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
+        match &patches {
+            Some(light) => {
+                group.push(("patch_light", Binding::Buffer(light)));
+                group.extend(self.frame.surfels.patches().bindings());
+            }
+            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
+        }
+        if self.frame.scene.sky_map.is_some() {
+            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
+        } else {
+            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
+        }
+        let groups = [part.size.x.div_ceil(8), part.size.y.div_ceil(8), 1];
+        dispatch_rays(cx, &key, &group, scene, groups)
+    }
+
+    fn uniform(&self, rays: &RayScene, part: Region) -> GlassUniform {
+        let scene = self.frame.scene;
+        GlassUniform {
+            view: self.frame.view_values(),
+            sky: scene.sky,
+            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+            origin: part.origin,
+            size: part.size,
+            root: rays.root(),
+            light_count: rays.light_count,
+            seed: self.frame.seed(),
+            patch_size: self.frame.surfels.patch_size(),
+        }
+    }
+}
