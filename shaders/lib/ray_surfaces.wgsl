@@ -25,6 +25,7 @@ struct Surface {
     eta: f32,              // index of refraction on this side over that on the other; 1 for a thin wall
     absorption: vec3f,     // of the body that it bounds [1/m]
     is_solid: bool,        // it bounds a body
+    is_inside: bool,       // in which the ray came
     is_crossed: bool,      // the light that counts here is that which passes
 #endif
 #ifdef MEDIA
@@ -101,6 +102,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.is_solid = materials[material].is_solid != 0u;
     surface.eta = select(1.0, select(1.0 / materials[material].ior, materials[material].ior, back), surface.is_solid);
     surface.absorption = materials[material].absorption;
+    surface.is_inside = back && surface.is_solid;
     surface.visible = surface.visible || materials[material].transmission > 0.0;
 #endif
 #ifdef DARK

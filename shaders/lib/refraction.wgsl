@@ -18,7 +18,7 @@ struct Crossing {
 // Fresnel's term with total reflection: where light leaves a body, Schlick's term is that of the angle outside.
 fn fresnel_of(surface: Surface, cosine: f32) -> vec3f {
     var outside = cosine;
-    if surface.eta > 1.0 {
+    if surface.is_inside {
         let sine_squared = surface.eta * surface.eta * (1.0 - cosine * cosine);
         if sine_squared >= 1.0 {
             return vec3f(1.0);
@@ -42,7 +42,7 @@ fn masking(cosine: f32, alpha: f32) -> f32 {
 // term of the mean normal, which may be that of total reflection.
 fn reflecting(surface: Surface, to_eye: vec3f) -> Surface {
     var result = surface;
-    if surface.eta > 1.0 {
+    if surface.is_inside {
         let f = fresnel_of(surface, abs(dot(surface.normal, to_eye)));
         result.normal_reflectance = f;
         result.grazing_reflectance = largest(f);
@@ -85,13 +85,26 @@ fn cross_surface(surface: Surface, to_eye: vec3f, random: vec2f) -> Crossing {
     return Crossing(direction, select(vec3f(0.0), left * masking(down, surface.alpha), down > 0.0));
 }
 
+// The direction of a reflection at the same visible normal, and what is reflected that way over its chance.
+fn mirror_at_surface(surface: Surface, to_eye: vec3f, random: vec2f) -> Crossing {
+    let n = surface.normal;
+    if dot(n, to_eye) <= 0.0 {
+        return Crossing(to_eye, vec3f(0.0));
+    }
+    let h = visible_ggx_normal(n, to_eye, surface.alpha, random);
+    let direction = reflect(-to_eye, h);
+    let up = dot(direction, n);
+    let f = fresnel_of(surface, dot(to_eye, h));
+    return Crossing(direction, select(vec3f(0.0), f * masking(up, surface.alpha), up > 0.0));
+}
+
 // Radiance towards the eye over the light that arrives from a direction beyond the surface, times its cosine [1/sr]. Light on
 // its way into a body goes on to another surface of it, which counts.
 fn transmitted(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
     let n = surface.normal;
     let down = -dot(direction, n);
     let n_dot_v = dot(n, to_eye);
-    if surface.alpha <= CLEAR || down <= 0.0 || n_dot_v <= 0.0 || (surface.is_solid && surface.eta <= 1.0) {
+    if surface.alpha <= CLEAR || down <= 0.0 || n_dot_v <= 0.0 || (surface.is_solid && !surface.is_inside) {
         return vec3f(0.0);
     }
     if !surface.is_solid {

@@ -29,7 +29,7 @@
 #ifdef GLASS
 #import lightwell::ray_surfaces::leave_surface
 #import lightwell::rays::{Ray, SEEN}
-#import lightwell::refraction::{CLEAR, Crossing, cross_surface, crossing_share, reflecting}
+#import lightwell::refraction::{CLEAR, cross_surface, crossing_share, mirror_at_surface, reflecting}
 #endif
 #import lightwell::rays::{Hit, LIGHT, SHADOW, passed, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, basis, next_pair}
@@ -177,19 +177,19 @@ struct Ways {
 fn ways_from(surface: Surface, branch: Branch, random: ptr<function, Sampler>) -> Ways {
     let to_eye = -branch.ray.ray.direction;
     let share = crossing_share(surface, to_eye);
-    let crossing = cross_surface(surface, to_eye, next_pair(random));
+    let normal = next_pair(random);
+    let crossing = cross_surface(surface, to_eye, normal);
     var passing = branch;
     let origin = leave_surface(surface, crossing.direction);
     passing.ray = SeenRay(Ray(origin, crossing.direction), 0.0, branch.ray.throughput * crossing.weight);
     if surface.is_solid {
-        passing.absorption = select(vec3f(0.0), surface.absorption, surface.eta <= 1.0);
+        passing.absorption = select(surface.absorption, vec3f(0.0), surface.is_inside);
     }
     passing.blur = max(branch.blur, surface.alpha);
     var mirroring = branch;
-    var mirror = reflecting(surface, to_eye);
-    mirror.albedo = vec3f(0.0);
-    let reflected_ray = ray_from(VisibleSurface(mirror, to_eye, 1.0, false), random);
-    mirroring.ray = SeenRay(reflected_ray.ray, 0.0, branch.ray.throughput * reflected_ray.throughput);
+    let mirror = mirror_at_surface(surface, to_eye, normal);
+    let mirror_ray = Ray(leave_surface(surface, mirror.direction), mirror.direction);
+    mirroring.ray = SeenRay(mirror_ray, 0.0, branch.ray.throughput * mirror.weight);
     mirroring.blur = max(branch.blur, surface.alpha);
     mirroring.is_straight = false;
     if share >= 0.5 {
@@ -208,8 +208,11 @@ fn lit_crossed(surface: Surface, direction: vec3f, random: ptr<function, Sampler
     return lit_radiance(crossed, direction, random);
 }
 
-// What lights make of a surface of glass: what it reflects of them, and, where it is rough, their glow.
+// What lights make of a surface of glass: what it reflects of them, and their glow. In clear glass neither is more than a point.
 fn lit_glass(surface: Surface, direction: vec3f, random: ptr<function, Sampler>) -> vec3f {
+    if surface.alpha <= CLEAR {
+        return vec3f(0.0);
+    }
     return lit_radiance(reflecting(surface, -direction), direction, random) + lit_crossed(surface, direction, random);
 }
 #endif

@@ -3,7 +3,7 @@
 // Glass that the camera sees: what passes it, refracted, and what it reflects, by rays. Rays start at the nearest glass of a pixel;
 // what they show is taken from the image of the opaque surfaces, where that shows it too, see lib/seen_along.wgsl. Light that
 // the glass itself scatters, and highlights, are drawn by blend.wgsl.
-//   RAYS        rays of a pixel through rough glass, and as many for its reflection
+//   RAYS        rays of a pixel at rough glass; clear glass has one that passes and one that it reflects
 //   LAYER       the light that is asked for
 //   ONE_BOUNCE, HAZE and others: as in lib/seen_along.wgsl
 
@@ -12,7 +12,7 @@
 #import lightwell::ray_surfaces::{Surface, surface_at}
 #import lightwell::rays::{PANE, Ray, trace}
 #import lightwell::refraction::CLEAR
-#import lightwell::sampling::{Sampler, hash_pair}
+#import lightwell::sampling::{Sampler, hash_pair, next_pair}
 #import lightwell::seen_along::{Around, Branch, ROOM, around, lit_crossed, of_layer, screen, seen_by, ways_from}
 #import lightwell::view::{View, toward_eye}
 #import lightwell::visible_surface::{SeenRay, number_of}
@@ -33,6 +33,8 @@ struct Glass {
 // Radiance [W/(m² sr)], and how far from where the camera's rays start the glass is [m]; 0: there is none.
 @group(0) @binding(1) var seen_through: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(2) var depth: texture_depth_2d;
+// That of the nearest glass.
+@group(0) @binding(3) var mask: texture_depth_2d;
 
 #ifdef RAYS
 const RAYS: u32 = #{RAYS}u;
@@ -60,19 +62,39 @@ fn sight_of(pixel: vec2u) -> Sight {
     return Sight(Ray(start, direction), reach);
 }
 
+fn strength(way: Branch) -> f32 {
+    let t = way.ray.throughput;
+    return max(t.r, max(t.g, t.b));
+}
+
 fn radiance_of(surface: Surface, ray: Ray, number: u32) -> vec3f {
-    let rays = select(1u, RAYS, surface.alpha > CLEAR);
+    var rays = 1u;
+    if surface.alpha > CLEAR {
+        rays = RAYS;
+    }
     var sum = vec3f(0.0);
     for (var i = 0u; i < rays; i++) {
         var random = Sampler(hash_pair(glass.seed, 0x3c6ef372u), number * RAYS + i, 0u);
         let light = lit_crossed(surface, ray.direction, &random);
         sum += of_layer(light, vec3f(0.0), true);
         let seen = Branch(SeenRay(ray, 0.0, vec3f(1.0)), vec3f(0.0), 0.0, true);
-        let ways = ways_from(surface, seen, &random);
+        var ways = ways_from(surface, seen, &random);
         var waiting: array<Branch, ROOM>;
         waiting[0] = ways.smaller;
         waiting[1] = ways.larger;
-        sum += seen_by(&waiting, 2u, &random).radiance;
+        var count = 2u;
+        if rays > 1u {
+            // Of several rays each goes one way, by chance.
+            let smaller = strength(ways.smaller);
+            let share = smaller / max(smaller + strength(ways.larger), 1e-30);
+            let takes_smaller = next_pair(&random).x < share;
+            if !takes_smaller {
+                waiting[0] = ways.larger;
+            }
+            waiting[0].ray.throughput /= max(select(1.0 - share, share, takes_smaller), 1e-6);
+            count = 1u;
+        }
+        sum += seen_by(&waiting, count, &random).radiance;
     }
     return sum / f32(rays);
 }
@@ -86,7 +108,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     around = Around(glass.sky, glass.sky_turn, glass.root, glass.light_count, glass.patch_size);
     screen = glass.view;
     let sight = sight_of(pixel);
-    let hit = trace(glass.root, sight.ray, sight.reach, PANE);
+    let z = textureLoad(mask, pixel, 0);
+    let is_there = z > 0.0 && z >= textureLoad(depth, pixel, 0) * (1.0 - SLACK);
+    let hit = trace(glass.root, sight.ray, select(0.0, sight.reach, is_there), PANE);
     var seen = vec4f(0.0);
     if hit.triangle != NONE {
         let surface = surface_at(hit, sight.ray.direction);

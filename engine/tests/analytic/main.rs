@@ -8,6 +8,7 @@ mod direct_light;
 mod double_sided_shells;
 mod formulas;
 mod gather;
+mod glass;
 mod half_precision;
 mod instant_radiosity;
 mod lens;

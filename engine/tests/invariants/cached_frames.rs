@@ -130,6 +130,22 @@ fn fog_is_followed() {
     }
 }
 
+/// A thing becomes glass, of another colour, moves, turns and becomes stone, under each method.
+#[test]
+fn glass_is_followed() {
+    use Edit::*;
+    for method in 0..METHODS.len() {
+        check_edits(&[
+            &[Method(method), Surface(0, 6), Shown(0)],
+            &[Surface(0, 7)],
+            &[Surface(1, 5), ThingComesOrGoes(1)],
+            &[ThingMoves(0, 2)],
+            &[LightColor(0)],
+            &[Surface(0, 0)],
+        ]);
+    }
+}
+
 #[test]
 fn all_virtual_lights_shine_after_those_in_reach_did() {
     use Edit::*;

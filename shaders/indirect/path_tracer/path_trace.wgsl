@@ -360,7 +360,7 @@ fn cross_glass(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, rando
     (*path).crossings += 1u;
     (*path).has_crossed = true;
     if surface.is_solid {
-        (*path).absorption = select(vec3f(0.0), surface.absorption, surface.eta <= 1.0);
+        (*path).absorption = select(surface.absorption, vec3f(0.0), surface.is_inside);
     }
     (*path).ray = Ray(leave_surface(surface, crossing.direction), crossing.direction);
     (*path).reach = 3e38;
@@ -420,6 +420,8 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
             surface = reflecting(surface, to_eye);
         } else {
             met_by_chance(path, surface, hit);
+            // Light that it mirrors onto others is spread as light that passes is: no caustics.
+            surface.alpha = max(surface.alpha, MIRRORS);
         }
     }
     (*path).has_crossed = false;

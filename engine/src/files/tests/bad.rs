@@ -62,6 +62,10 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ),
     ("(materials: {\"red\": (color: ‸(1, -1, 0))})", Kind::BadValue, "color", "use 0 to 1"),
     ("(materials: {\"red\": (roughness: ‸1.5)})", Kind::BadValue, "roughness", "use 0 to 1"),
+    ("(materials: {\"g\": (transmission: ‸1.5)})", Kind::BadValue, "transmission", "use 0 to 1"),
+    ("(materials: {\"g\": (ior: ‸0.5)})", Kind::BadValue, "ior", "use 1 to 10"),
+    ("(materials: {\"g\": (volume: (distance: ‸0))})", Kind::BadValue, "distance", "use"),
+    ("(materials: {\"g\": (volume: (color: ‸(0, 2, 0)))})", Kind::BadValue, "color", "use 0 to 1"),
     ("(entities: [(name: \"A\", light: (kind: Point, intensity: ‸-1))])", Kind::BadValue, "intensity", "zero up"),
     (
         "(entities: [(name: \"A\", light: (kind: ‸Spot(inner: 40, outer: 30), intensity: 1))])",

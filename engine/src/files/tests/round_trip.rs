@@ -123,7 +123,7 @@ fn a_failed_write_leaves_the_file() {
 }
 
 /// Scenes that need no models of others.
-pub(super) const SHIPPED: [&str; 14] = [
+pub(super) const SHIPPED: [&str; 15] = [
     "bleeding_gloss",
     "cathedral",
     "cornell",
@@ -137,6 +137,7 @@ pub(super) const SHIPPED: [&str; 14] = [
     "plaza",
     "prefabs",
     "smoke",
+    "glassware",
     "studio",
 ];
 
@@ -324,12 +325,18 @@ fn animation() -> impl Strategy<Value = Animation> {
 }
 
 fn material() -> impl Strategy<Value = MaterialRef> {
-    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>()).prop_map(
-        |(color, roughness, double_sided)| {
+    let volume = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 1e-3f32..1e3)
+        .prop_map(|(color, distance)| AttenuationFile { color: color.into(), distance });
+    let glass = (0.0f32..1.0, 1.0f32..10.0, of(volume));
+    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>(), glass).prop_map(
+        |(color, roughness, double_sided, (transmission, ior, volume))| {
             MaterialRef::Inline(Box::new(MaterialFile {
                 color: color.into(),
                 roughness,
                 double_sided,
+                transmission,
+                ior,
+                volume,
                 ..Default::default()
             }))
         },

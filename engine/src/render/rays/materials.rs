@@ -129,7 +129,7 @@ impl GpuMaterials {
         let before = std::mem::take(&mut self.least_roughness);
         let mut is_any = false;
         for material in scene.primitives.iter().map(|primitive| &primitive.material) {
-            if !reflects_specularly(material) {
+            if !reflects_specularly(material) || material.is_glass() {
                 continue;
             }
             let least = material.metallic_roughness_texture.as_ref().map_or(1.0, |texture| {

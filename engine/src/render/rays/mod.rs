@@ -287,6 +287,9 @@ impl RayScene {
         // Its content is noted where it is made.
         let media = self.media.as_ref().filter(|_| pipeline.declares(1, "media")).map(|media| media.buffer(gpu));
         used.extend(media.iter().map(|media| ("media", Binding::Buffer(media))));
+        if pipeline.declares(1, "glass_box") {
+            gpu.audit.note("glass_box", &self.content("glass_box"));
+        }
         let glass = pipeline.declares(1, "glass_box").then(|| gpu.uniform("glass", &GlassBoxUniform::of(&self.glass)));
         used.extend(glass.iter().map(|glass| ("glass_box", Binding::Buffer(glass))));
         pipeline.bind(gpu, 1, &used)

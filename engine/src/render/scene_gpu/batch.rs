@@ -71,6 +71,8 @@ pub struct DrawFilter<'a> {
     pub casters_only: bool,
     /// Only those of which a part hides what lies behind.
     pub opaque_only: bool,
+    /// Only those of glass.
+    pub glass_only: bool,
     /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
     pub least_wall: f32,
     /// Only those that move, or that do not.
@@ -80,12 +82,17 @@ pub struct DrawFilter<'a> {
 impl<'a> DrawFilter<'a> {
     /// Instances that a camera may see.
     pub fn seen(frustum: &'a Frustum) -> Self {
-        Self { frustum, casters_only: false, opaque_only: false, least_wall: 0.0, motion: Motion::Any }
+        Self { frustum, casters_only: false, opaque_only: false, glass_only: false, least_wall: 0.0, motion: Motion::Any }
     }
 
     /// Of that, what hides what lies behind.
     pub fn opaque(frustum: &'a Frustum) -> Self {
         Self { opaque_only: true, ..Self::seen(frustum) }
+    }
+
+    /// Of that, what is of glass.
+    pub fn glass(frustum: &'a Frustum) -> Self {
+        Self { glass_only: true, ..Self::seen(frustum) }
     }
 
     /// Instances that cast shadows.
@@ -117,7 +124,9 @@ impl Member {
 impl Batch {
     /// Whether the filter may let anything of it pass.
     pub fn passes(&self, filter: &DrawFilter) -> bool {
-        filter.motion.takes(self.moving) && !(filter.opaque_only && self.nowhere_opaque)
+        filter.motion.takes(self.moving)
+            && !(filter.opaque_only && self.nowhere_opaque)
+            && (self.class.glass || !filter.glass_only)
     }
 
     /// Its part of all members.

@@ -3,6 +3,7 @@
 //! The pass runs over the rectangle of pixels around all glass. Without rays, where a scene does not fit the device, glass is
 //! drawn like a blended surface, which what lies straight behind shows through.
 
+use super::glass_depth;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::direct::{Region, region_around};
@@ -17,7 +18,7 @@ use glam::{UVec2, Vec3};
 /// Paths of one submit: each may be a dozen rays and as many shadow rays.
 const PATHS_A_SUBMIT: u64 = 1 << 15;
 /// Rays of a pixel through rough glass, in an image that stands by itself.
-const RAYS: u32 = 8;
+const RAYS: u32 = 4;
 /// The same where images or frames are averaged.
 const RAYS_OF_MANY: u32 = 2;
 
@@ -63,10 +64,10 @@ pub(in crate::render) fn declare<'a>(
     light: Scattered,
     region: Region,
 ) -> Handle<Texture> {
+    let mask = glass_depth::declare(graph, frame);
     let seen = graph.retained_texture("seen through glass", frame.image_desc());
     let mut pass = graph.pass("glass");
-    pass.read(depth);
-    pass.read(opaque);
+    [depth, mask, opaque].into_iter().for_each(|input| pass.read(input));
     light.patches.into_iter().chain(light.haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
     let seen = pass.write(seen);
     let rays = if frame.number().is_some() || frame.images() >= 4 { RAYS_OF_MANY } else { RAYS };
@@ -74,7 +75,7 @@ pub(in crate::render) fn declare<'a>(
     pass.key(&(rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
     pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings, frame.settings.only));
     pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
-    let work = Work { frame: frame.clone(), depth, opaque, light, seen, region, rays };
+    let work = Work { frame: frame.clone(), depth, mask, opaque, light, seen, region, rays };
     pass.execute(move |cx| work.run(cx));
     seen
 }
@@ -82,6 +83,7 @@ pub(in crate::render) fn declare<'a>(
 struct Work<'a> {
     frame: Frame<'a>,
     depth: Handle<Texture>,
+    mask: Handle<Texture>,
     opaque: Handle<Texture>,
     light: Scattered,
     seen: Handle<Texture>,
@@ -109,7 +111,7 @@ impl Work<'_> {
 
     fn dispatch(&self, cx: &mut PassContext, scene: &RayScene, part: Region) -> Result<(), PassError> {
         let uniform = cx.gpu.uniform("glass", &self.uniform(scene, part));
-        let [depth, opaque, seen] = [self.depth, self.opaque, self.seen].map(|handle| cx.view(handle));
+        let [depth, mask, opaque, seen] = [self.depth, self.mask, self.opaque, self.seen].map(|handle| cx.view(handle));
         let mut key = scene
             .shader("transparency/glass.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
@@ -121,6 +123,7 @@ impl Work<'_> {
             ("glass", Binding::Buffer(&uniform)),
             ("seen_through", Binding::Texture(&seen)),
             ("depth", Binding::Texture(&depth)),
+            ("mask", Binding::Texture(&mask)),
             ("opaque_depth", Binding::Texture(&depth)),
             ("opaque_radiance", Binding::Texture(&opaque)),
         ];

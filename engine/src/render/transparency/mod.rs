@@ -3,3 +3,4 @@
 
 pub(in crate::render) mod blend;
 pub(in crate::render) mod glass;
+mod glass_depth;

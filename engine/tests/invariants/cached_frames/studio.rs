@@ -1,7 +1,7 @@
 //! The world that random edits change.
 
 use glam::{Quat, Vec3, Vec3Swizzles, Vec4};
-use lightwell::assets::{AlphaMode, AssetId, Material, Mesh, Shape};
+use lightwell::assets::{AlphaMode, AssetId, Attenuation, Material, Mesh, Shape};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use lightwell::scene::{Extractor, Scene, SceneView};
 use lightwell::world::*;
@@ -133,8 +133,14 @@ pub const METHODS: [fn(&mut Studio); 11] = [
 
 const SETTINGS: usize = 20;
 
-const SURFACES: usize = 5;
+const SURFACES: usize = 8;
 const SKIES: usize = 7;
+
+/// A solid body of glass.
+fn glass_body(color: Vec3, roughness: f32) -> Material {
+    let volume = Some(Attenuation { color, distance: 0.5 });
+    Material { transmission: 1.0, roughness, volume, ..Material::new("body") }
+}
 
 /// The world that is edited, and how it is drawn.
 pub struct Studio {
@@ -166,8 +172,11 @@ impl Studio {
             Material {
                 alpha_mode: AlphaMode::Blend,
                 base_color: Vec4::new(0.4, 0.7, 0.9, 0.5),
-                ..Material::new("glass")
+                ..Material::new("veil")
             },
+            Material { transmission: 0.9, double_sided: true, roughness: 0.3, ..Material::new("pane") },
+            glass_body(Vec3::new(0.9, 0.4, 0.2), 0.0),
+            glass_body(Vec3::new(0.2, 0.4, 0.9), 0.0),
         ];
         let mut studio = Self {
             world,

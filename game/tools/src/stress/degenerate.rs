@@ -86,6 +86,11 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
     };
     let with_fog =
         |fields: &str| whole(&format!("(name: \"Fog\", transform: (translation: (0, 0.5, 0)), fog: ({fields})),"));
+    let with_glass = |fields: &str| {
+        whole(&format!(
+            "(name: \"Glass\", transform: (translation: (0.3, 0.5, 0.8)), mesh: Sphere(radius: 0.3), material: ({fields})),"
+        ))
+    };
     let with_camera = |at: &str, fields: &str| {
         scene(&[
             floor,
@@ -155,6 +160,30 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
         ),
         ("a million cascades", Refused("use 1 to 4"), with_clpv("transport: Diffusion, cascades: 1000000")),
         ("four thousand million steps", Refused("use 0 to 1024"), with_clpv("transport: Diffusion, steps: 4000000000")),
+        ("glass", Lit, with_glass("transmission: 1, roughness: 0, volume: ()")),
+        ("a ball that is a thin wall", Lit, with_glass("transmission: 1, roughness: 0, double_sided: true")),
+        ("glass that takes all light", Lit, with_glass("transmission: 1, volume: (color: (0, 0, 0), distance: 1e-6)")),
+        ("glass of the largest index", Lit, with_glass("transmission: 1, ior: 10, roughness: 0, volume: ()")),
+        ("glass that is only air", Lit, with_glass("transmission: 1, ior: 1, roughness: 1, volume: ()")),
+        ("glass of metal", Lit, with_glass("transmission: 1, metallic: 1, volume: ()")),
+        ("glass that shines", Lit, with_glass("transmission: 1, emissive: (5, 5, 5), volume: ()")),
+        ("blended glass", Lit, with_glass("transmission: 1, alpha: 0.5, alpha_mode: Blend, volume: ()")),
+        (
+            "a lamp in fog in glass",
+            Lit,
+            whole(
+                "(name: \"Ball of glass\", transform: (translation: (0, 0.6, 0.9)), mesh: Sphere(radius: 0.4), material: (transmission: 1, roughness: 0.2, volume: ()), children: [(name: \"Inside\", light: (kind: Point, intensity: 1), fog: (shape: Sphere(radius: 0.3), extinction: 2))]),",
+            ),
+        ),
+        (
+            "a camera in glass",
+            Drawn,
+            whole("(name: \"Around\", transform: (translation: (0, 1, 3)), mesh: Sphere(radius: 0.5), material: (transmission: 1, double_sided: true, volume: ())),"),
+        ),
+        ("an index of refraction of 0", Refused("use 1 to 10"), with_glass("transmission: 1, ior: 0")),
+        ("an index of refraction of NaN", Refused("use 1 to 10"), with_glass("transmission: 1, ior: NaN")),
+        ("transmission above 1", Refused("use 0 to 1"), with_glass("transmission: 2")),
+        ("absorption over no distance", Refused("`distance` is 0"), with_glass("transmission: 1, volume: (distance: 0)")),
         ("fog that lets no light pass", Drawn, with_fog("extinction: 1e6")),
         ("fog of 1e-30", Lit, with_fog("extinction: 1e-30")),
         ("fog of nothing", Lit, with_fog("extinction: 0")),

@@ -166,6 +166,41 @@ fn materials_lights_and_cameras() {
 }
 
 #[test]
+fn glass_is_a_thin_wall_or_a_body() {
+    let mut bytes = square_bytes();
+    let picture = png(3, 2);
+    bytes.extend(&picture);
+    let views =
+        VIEWS.replace("12}]", &format!("12}},{{\"buffer\":0,\"byteOffset\":92,\"byteLength\":{}}}]", picture.len()));
+    let load_one = |extensions: &str| {
+        let mesh = MESH.replace("\"indices\"", "\"material\":0,\"indices\"");
+        let rest = format!(
+            r#""extensionsUsed":["KHR_materials_transmission","KHR_materials_volume","KHR_materials_ior"],
+            "images":[{{"bufferView":3,"mimeType":"image/png"}}],"textures":[{{"source":0}}],
+            "materials":[{{"name":"m","extensions":{{{extensions}}}}}],"nodes":[{{"mesh":0}}]"#
+        );
+        let model = load(&document(&bytes, &[&views, ACCESSORS, &mesh, &rest])).unwrap();
+        (model.nodes[0].primitives[0].1.clone(), model.warnings)
+    };
+    let factor = r#""KHR_materials_transmission":{"transmissionFactor":0.75,"transmissionTexture":{"index":0}}"#;
+    let (wall, warnings) = load_one(factor);
+    assert_eq!((wall.transmission, wall.ior, wall.volume, wall.is_glass()), (0.75, 1.5, None, false), "a metal by default");
+    assert!(!wall.transmission_texture.as_ref().unwrap().srgb && warnings.is_empty(), "{warnings:?}");
+    let volume = |fields: &str| format!("{factor},\"KHR_materials_ior\":{{\"ior\":1.33}},\"KHR_materials_volume\":{{{fields}}}");
+    let (water, _) = load_one(&volume(r#""thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[0.5,1,0.25]"#));
+    let attenuation = water.volume.unwrap();
+    assert_eq!((water.ior, attenuation.distance), (1.33, 2.0));
+    let left = (-attenuation.absorption() * 2.0).exp();
+    assert!((left - Vec3::new(0.5, 1.0, 0.25)).length() < 1e-5, "{left}");
+    let f0 = (0.33_f32 / 2.33).powi(2) / 0.04;
+    assert!((water.dielectric_reflectance() - Vec3::splat(f0)).length() < 1e-5);
+    let (clear, _) = load_one(&volume(r#""thicknessFactor":0.1"#));
+    assert_eq!(clear.volume.unwrap().absorption(), Vec3::ZERO);
+    let (thin, _) = load_one(&volume(r#""thicknessFactor":0,"attenuationDistance":2"#));
+    assert_eq!(thin.volume, None);
+}
+
+#[test]
 fn sparse_and_normalised_accessors() {
     let mut bytes = square_bytes();
     bytes.extend([0u8, 255, 255, 255, 255, 0, 0, 0].iter().flat_map(|b| [*b, 0, 0, 0]).take(16)); // 92: padding
