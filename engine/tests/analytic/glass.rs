@@ -207,7 +207,7 @@ fn a_room_is_lit_through_glass() {
     let mut stage = Stage::new(Vec3::new(0.0, 1.0, 1.85), Vec3::new(0.0, 0.9, 0.0), 64);
     stage.add_room(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(4.0, 2.0, 4.0), Vec3::new(0.7, 0.65, 0.6));
     // A wall of two panes between the lamp and the rest.
-    for (x, color) in [(-1.0, Vec3::new(0.9, 0.2, 0.1)), (1.0, Vec3::new(0.1, 0.4, 0.9))] {
+    for (x, color) in [(-1.0, Vec3::new(0.9, 0.2, 0.05)), (1.0, Vec3::new(0.9, 0.4, 0.05))] {
         let pane = Material { double_sided: true, ..clear(color, 1.5, None) };
         let place = Affine3A::from_rotation_translation(
             Quat::from_rotation_arc(Vec3::Y, Vec3::Z),
@@ -235,9 +235,16 @@ fn a_room_is_lit_through_glass() {
     let drawn = ImageF32 { width: 64, height: 64, rgba: sum };
     let traced = trace(&gpu, &stage, 1024, Layer::Total);
     let (error, bias) = error(&drawn, &traced);
-    println!("a room lit through glass: nrmse {error:.4}, bias {bias:+.4}");
+    let channels = [0, 1, 2].map(|channel| {
+        let sum = |pixels: &mut dyn Iterator<Item = f32>| pixels.sum::<f32>();
+        let found = sum(&mut drawn.rgba.iter().map(|pixel| pixel[channel]));
+        found / sum(&mut traced.pixels().iter().map(|pixel| pixel[channel])) - 1.0
+    });
+    println!("a room lit through glass: nrmse {error:.4}, bias {bias:+.4}, by channel {channels:?}");
     // What glass reflects of light between surfaces is left out.
-    assert!(error < 0.14 && (-0.07..0.01).contains(&bias), "nrmse {error}, bias {bias}");
+    assert!(error < 0.14 && (-0.08..0.01).contains(&bias), "nrmse {error}, bias {bias}");
+    // Hardly any blue passes: patches of the wall that lie on both sides of a pane bring more.
+    assert!(channels[2] < 0.25, "by channel {channels:?}");
 }
 
 /// Nothing is done for glass where there is none, nor again where nothing changed.
