@@ -184,7 +184,11 @@ fn shadows_of_glass_have_its_colour() {
     ] {
         for kind in [LightShape::Directional, LightShape::Point] {
             let mut stage = Stage::new(Vec3::new(0.0, 1.0, 2.0), Vec3::ZERO, EDGE);
-            stage.add(Shape::Box { size: [60.0, 0.2, 60.0] }, Vec3::splat(albedo), Affine3A::from_translation(-0.1 * Vec3::Y));
+            stage.add(
+                Shape::Box { size: [60.0, 0.2, 60.0] },
+                Vec3::splat(albedo),
+                Affine3A::from_translation(-0.1 * Vec3::Y),
+            );
             stage.add_material(shape.clone(), clear(color, 1.5, volume), Affine3A::from_translation(Vec3::Y * 3.0));
             let far = 4000.0;
             let intensity = if kind == LightShape::Point { irradiance * far * far } else { irradiance };
@@ -209,10 +213,8 @@ fn a_room_is_lit_through_glass() {
     // A wall of two panes between the lamp and the rest.
     for (x, color) in [(-1.0, Vec3::new(0.9, 0.2, 0.05)), (1.0, Vec3::new(0.9, 0.4, 0.05))] {
         let pane = Material { double_sided: true, ..clear(color, 1.5, None) };
-        let place = Affine3A::from_rotation_translation(
-            Quat::from_rotation_arc(Vec3::Y, Vec3::Z),
-            Vec3::new(x, 1.0, -1.0),
-        );
+        let place =
+            Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, Vec3::Z), Vec3::new(x, 1.0, -1.0));
         stage.add_material(Shape::Plane { size: [2.0; 2], subdivisions: [1; 2] }, pane, place);
     }
     let body = clear(Vec3::ONE, 1.5, Some(Attenuation { color: Vec3::new(0.5, 0.9, 0.6), distance: 0.3 }));
@@ -256,8 +258,9 @@ fn without_glass_nothing_is_done_for_it() {
         let settings = RenderSettings { gi: GiMethod::NONE, ..Default::default() };
         [(); 2].map(|()| {
             let (_, report) = stage.render_with(&gpu, &mut renderer, &settings);
-            let found = ["glass", "glass depth", "compose opaque"]
-                .map(|name| report.passes.iter().find(|pass| pass.name == name).map(|pass| pass.state == PassState::Ran));
+            let found = ["glass", "glass depth", "compose opaque"].map(|name| {
+                report.passes.iter().find(|pass| pass.name == name).map(|pass| pass.state == PassState::Ran)
+            });
             found.map(|ran| ran.unwrap_or(false))
         })
     };

@@ -82,7 +82,14 @@ pub struct DrawFilter<'a> {
 impl<'a> DrawFilter<'a> {
     /// Instances that a camera may see.
     pub fn seen(frustum: &'a Frustum) -> Self {
-        Self { frustum, casters_only: false, opaque_only: false, glass_only: false, least_wall: 0.0, motion: Motion::Any }
+        Self {
+            frustum,
+            casters_only: false,
+            opaque_only: false,
+            glass_only: false,
+            least_wall: 0.0,
+            motion: Motion::Any,
+        }
     }
 
     /// Of that, what hides what lies behind.

@@ -178,12 +178,18 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
         (
             "a camera in glass",
             Drawn,
-            whole("(name: \"Around\", transform: (translation: (0, 1, 3)), mesh: Sphere(radius: 0.5), material: (transmission: 1, double_sided: true, volume: ())),"),
+            whole(
+                "(name: \"Around\", transform: (translation: (0, 1, 3)), mesh: Sphere(radius: 0.5), material: (transmission: 1, double_sided: true, volume: ())),",
+            ),
         ),
         ("an index of refraction of 0", Refused("use 1 to 10"), with_glass("transmission: 1, ior: 0")),
         ("an index of refraction of NaN", Refused("use 1 to 10"), with_glass("transmission: 1, ior: NaN")),
         ("transmission above 1", Refused("use 0 to 1"), with_glass("transmission: 2")),
-        ("absorption over no distance", Refused("`distance` is 0"), with_glass("transmission: 1, volume: (distance: 0)")),
+        (
+            "absorption over no distance",
+            Refused("`distance` is 0"),
+            with_glass("transmission: 1, volume: (distance: 0)"),
+        ),
         ("fog that lets no light pass", Drawn, with_fog("extinction: 1e6")),
         ("fog of 1e-30", Lit, with_fog("extinction: 1e-30")),
         ("fog of nothing", Lit, with_fog("extinction: 0")),

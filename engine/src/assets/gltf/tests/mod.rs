@@ -184,10 +184,16 @@ fn glass_is_a_thin_wall_or_a_body() {
     };
     let factor = r#""KHR_materials_transmission":{"transmissionFactor":0.75,"transmissionTexture":{"index":0}}"#;
     let (wall, warnings) = load_one(factor);
-    assert_eq!((wall.transmission, wall.ior, wall.volume, wall.is_glass()), (0.75, 1.5, None, false), "a metal by default");
+    assert_eq!(
+        (wall.transmission, wall.ior, wall.volume, wall.is_glass()),
+        (0.75, 1.5, None, false),
+        "a metal by default"
+    );
     assert!(!wall.transmission_texture.as_ref().unwrap().srgb && warnings.is_empty(), "{warnings:?}");
-    let volume = |fields: &str| format!("{factor},\"KHR_materials_ior\":{{\"ior\":1.33}},\"KHR_materials_volume\":{{{fields}}}");
-    let (water, _) = load_one(&volume(r#""thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[0.5,1,0.25]"#));
+    let volume =
+        |fields: &str| format!("{factor},\"KHR_materials_ior\":{{\"ior\":1.33}},\"KHR_materials_volume\":{{{fields}}}");
+    let (water, _) =
+        load_one(&volume(r#""thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[0.5,1,0.25]"#));
     let attenuation = water.volume.unwrap();
     assert_eq!((water.ior, attenuation.distance), (1.33, 2.0));
     let left = (-attenuation.absorption() * 2.0).exp();
