@@ -4,6 +4,7 @@
 // arrives. That share is a ratio of samples with and without shadows, filtered (Heitz, Hill and McGuire 2018, "Combining
 // analytic direct illumination and stochastic shadows"): where nothing casts a shadow there is no noise.
 //   SHADOW_RAYS  the share was found by `direct/area_shadows.wgsl`
+//   GLASS        glass colours it
 //   SHADOW_MAP   it is that of the light's middle, by its shadow map: the scene is not there for rays
 // Without both, all of it arrives.
 
@@ -15,6 +16,9 @@
 #import lightwell::gbuffer::{Surface, decode_normal, decode_surface, world_position}
 #import lightwell::lights::{Incidence, Light, SUN, SPHERE, DISC, RECTANGLE, TUBE, light_incidence, range_window}
 #import lightwell::sampling::{TAU, basis}
+#ifdef GLASS
+#import lightwell::shadow_rays::left_on_way
+#endif
 #ifdef SHADOW_RAYS
 #import lightwell::shadow_tiles::{DARK, MIXED, kinds_of, tile_of}
 #endif
@@ -27,6 +31,7 @@ struct Area {
     origin: vec2u,         // first pixel
     size: vec2u,           // [pixels]
     radius: u32,           // of the filter [pixels]
+    root: u32,             // of the hierarchy for rays
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -386,7 +391,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     // As from its middle.
     let toward = light_incidence(light, position);
     let passing = through_media(Incidence(toward.to_light, toward.distance, vec3f(1.0), 0.0), position).irradiance;
-    let reflected = (shown.diffuse * share.x + shown.specular * share.y) * passing;
+    var reflected = (shown.diffuse * share.x + shown.specular * share.y) * passing;
+#ifdef GLASS
+    // How much glass takes was found by rays, its colour is that of light from the middle.
+    let left = left_on_way(view, area.root, position, surface.normal, toward);
+    let mean = dot(vec3f(1.0 / 3.0), left);
+    reflected *= select(vec3f(1.0), left / max(mean, 1e-6), mean > 1e-6);
+#endif
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

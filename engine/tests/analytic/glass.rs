@@ -182,7 +182,7 @@ fn shadows_of_glass_have_its_colour() {
         ("a pane", Shape::Plane { size: [40.0; 2], subdivisions: [1; 2] }, None, pane),
         ("a body", Shape::Box { size: [40.0, 0.3, 40.0] }, Some(inside), body),
     ] {
-        for kind in [LightShape::Directional, LightShape::Point] {
+        for kind in [LightShape::Directional, LightShape::Point, LightShape::Sphere { radius: 0.5 }] {
             let mut stage = Stage::new(Vec3::new(0.0, 1.0, 2.0), Vec3::ZERO, EDGE);
             stage.add(
                 Shape::Box { size: [60.0, 0.2, 60.0] },
@@ -191,7 +191,7 @@ fn shadows_of_glass_have_its_colour() {
             );
             stage.add_material(shape.clone(), clear(color, 1.5, volume), Affine3A::from_translation(Vec3::Y * 3.0));
             let far = 4000.0;
-            let intensity = if kind == LightShape::Point { irradiance * far * far } else { irradiance };
+            let intensity = if kind != LightShape::Directional { irradiance * far * far } else { irradiance };
             stage.light(kind, Vec3::splat(intensity), toward * far, -toward);
             let expected = expected * (albedo * irradiance * toward.y / PI);
             let drawn = stage.render(&gpu, GiMethod::NONE, Layer::Direct);

@@ -7,6 +7,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::rays::{RayScene, dispatch_rays};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::shadow_map::ShadowMap;
 use encase::ShaderType;
@@ -21,6 +22,7 @@ pub(crate) struct AreaUniform {
     origin: UVec2,
     size: UVec2,
     radius: u32,
+    root: u32,
 }
 
 /// How it is found what of the light arrives.
@@ -42,6 +44,9 @@ pub(super) fn declare<'a>(
     direct_light: DirectLight<'a>,
 ) -> Handle<Texture> {
     let share = match (&direct_light.shadow, frame.shadow_rays) {
+        (None, Some(_)) if direct_light.may_be_filtered(frame) => {
+            Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light))
+        }
         (None, _) => Share::Whole,
         (Some(_), Some(_)) => Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light)),
         (Some(map), None) => Share::Map(map.clone()),
@@ -64,6 +69,7 @@ pub(super) fn declare<'a>(
         Share::Map(_) => u32::MAX,
     };
     pass.key(&(frame.media_key(), direct_light.light.revision, kind, frame.view_key()));
+    pass.key(&direct_light.may_be_filtered(frame).then(|| frame.geometry_key()));
     let work = Work { frame: frame.clone(), direct_light, share, inputs, radiance };
     pass.execute(move |cx| work.run(cx));
     radiance
@@ -77,7 +83,12 @@ struct Work<'a> {
     radiance: Handle<Texture>,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    /// The scene for rays, if glass may colour the light.
+    fn glass(&self) -> Option<&'a RayScene> {
+        self.frame.shadow_rays.filter(|_| self.direct_light.may_be_filtered(&self.frame))
+    }
+
     fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
         let gpu = cx.gpu;
         let Region { origin, size } = self.direct_light.region;
@@ -89,7 +100,7 @@ impl Work<'_> {
         let view = self.frame.view_uniform(gpu);
         let light = LightUniform::buffer(gpu, self.direct_light.light);
         let radius = if let Share::Rays(shadows) = &self.share { shadows.radius } else { 0 };
-        let area = gpu.uniform("area", &AreaUniform { origin, size, radius });
+        let area = gpu.uniform("area", &AreaUniform { origin, size, radius, root: self.glass().map_or(0, RayScene::root) });
         let lobes = gpu.constants("lobes", LOBES);
         let mut group = vec![
             ("view", Binding::Buffer(&view)),
@@ -111,7 +122,15 @@ impl Work<'_> {
             Share::Rays(shadows) => {
                 let (arrived, tiles) = (cx.view(shadows.arrived), cx.buffer(shadows.tiles).clone());
                 group.extend([("arrived", Binding::Texture(&arrived)), ("tiles", Binding::Buffer(&tiles))]);
-                cx.dispatch(&key.def("SHADOW_RAYS", ShaderDef::Flag(true)), &group, groups)
+                let flag = ("SHADOW_RAYS", ShaderDef::Flag(true));
+                match self.glass() {
+                    Some(scene) => {
+                        let key = scene.shader("direct/area.wgsl", "main").def(flag.0, flag.1);
+                        let group: Vec<_> = group.into_iter().filter(|(name, _)| *name != "media").collect();
+                        dispatch_rays(cx, &key, &group, scene, groups)
+                    }
+                    None => cx.dispatch(&key.def(flag.0, flag.1), &group, groups),
+                }
             }
             Share::Map(shadow) => {
                 let (uniform, map) =

@@ -50,7 +50,7 @@ pub fn declare<'a>(
     }
     let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) = points
         .iter()
-        .partition(|light| light.shadow.is_some() || (light.light.casts_shadow && frame.gpu_scene.has_glass()));
+        .partition(|light| light.shadow.is_some() || light.may_be_filtered(frame));
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
     let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {
@@ -74,6 +74,13 @@ pub struct DirectLight<'a> {
     /// Its shadow map, if it casts shadows.
     pub shadow: Option<ShadowMap>,
     region: Region,
+}
+
+impl DirectLight<'_> {
+    /// Whether glass may take a part of it.
+    fn may_be_filtered(&self, frame: &Frame) -> bool {
+        self.light.casts_shadow && frame.gpu_scene.has_glass()
+    }
 }
 
 /// Declares the shadow maps of all lights that reach the view.
@@ -127,8 +134,8 @@ fn declare_light<'a>(
     }
     let radiance = pass.write(radiance);
     pass.key(&(frame.media_key(), direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
-    let may_be_filtered = direct_light.light.casts_shadow && frame.gpu_scene.has_glass();
-    let casts_rays = frame.shadow_rays.is_some() && (direct_light.shadow.is_some() || may_be_filtered);
+    let may_cast = direct_light.shadow.is_some() || direct_light.may_be_filtered(frame);
+    let casts_rays = frame.shadow_rays.is_some() && may_cast;
     pass.key(&casts_rays.then(|| frame.geometry_key()));
     let frame = frame.clone();
     pass.execute(move |cx| {
