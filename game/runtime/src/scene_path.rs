@@ -2,16 +2,20 @@
 
 use anyhow::{Result, bail};
 use lightwell::files::suggestion;
+use lightwell::packed;
 use std::path::{Path, PathBuf};
 
 const ENDINGS: [&str; 3] = ["scene.ron", "gltf", "glb"];
 
 /// The scene's file: the path itself if it exists, else `scenes/NAME.scene.ron` in the current folder, above it,
-/// beside the program or above that, or in the source tree.
+/// beside the program or above that, or in the source tree. A packed game looks among its own files, see [`packed::Packed::find`], and then for a path as it is written.
 ///
 /// # Errors
 /// If there is none; lists the scenes that exist.
 pub fn find(scene: &str) -> Result<PathBuf> {
+    if let Some(found) = packed::game().and_then(|packed| packed.find(Path::new(scene), &ENDINGS)) {
+        return Ok(found);
+    }
     let path = PathBuf::from(scene);
     if path.is_file() {
         return Ok(path);
@@ -48,6 +52,9 @@ pub fn name_of(path: &Path) -> String {
 }
 
 fn scene_folders() -> Vec<PathBuf> {
+    if let Some(packed) = packed::game() {
+        return vec![packed.assets().join("scenes"), packed.assets()];
+    }
     let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
     let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("scenes")));
     let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
