@@ -1,6 +1,6 @@
 //! The licences of all libraries that a program is made of.
 
-use super::program::{self, Program, cargo, output};
+use super::program::{self, Program, bare_cargo, cargo, output};
 use crate::cli::PackArgs;
 use anyhow::{Context, Result};
 use serde_json::Value;
@@ -60,7 +60,15 @@ fn libraries(args: &PackArgs) -> Result<Vec<Library>> {
         .filter_map(|line| line.split_once(' '))
         .map(|(name, rest)| (name, rest.split(' ').next().unwrap_or_default().trim_start_matches('v')))
         .collect();
-    let all = output(cargo(args, "metadata").args(["--format-version", "1"]))?;
+    // Libraries for other systems need not be here.
+    let host = output(bare_cargo("--version").arg("--verbose"))?;
+    let host = host.lines().find_map(|line| line.strip_prefix("host: ")).context("cargo does not name this system")?;
+    let mut all = cargo(args, "metadata");
+    all.args(["--format-version", "1", "--filter-platform", host]);
+    if let Some(features) = &args.features {
+        all.args(["--features", features]);
+    }
+    let all = output(&mut all)?;
     let all: Value = serde_json::from_str(&all).context("cargo metadata cannot be read")?;
     let packages = all["packages"].as_array().map(Vec::as_slice).unwrap_or_default();
     let mut libraries: Vec<Library> = packages

@@ -40,10 +40,16 @@ impl Program {
     }
 }
 
-/// Cargo with a command, and with the package that is asked for.
-pub fn cargo(args: &PackArgs, command: &str) -> Command {
+/// Cargo with a command, without anything about the game.
+pub fn bare_cargo(command: &str) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.arg(command);
+    cargo
+}
+
+/// Cargo with a command, for the game's Cargo.toml.
+pub fn cargo(args: &PackArgs, command: &str) -> Command {
+    let mut cargo = bare_cargo(command);
     if let Some(path) = &args.manifest_path {
         cargo.arg("--manifest-path").arg(path);
     }
