@@ -104,15 +104,16 @@ fn what_a_script_loads_and_what_is_included_is_packed() {
     let packed = files(&folder.path().join("packed"));
     let assets: Vec<&str> = packed.iter().filter_map(|name| name.strip_prefix("assets/")).collect();
     let all = [
-        "bush.prefab.ron",
-        "court.scene.ron",
-        "cypress.prefab.ron",
-        "firefly.prefab.ron",
-        "lamp.prefab.ron",
-        "lamplight.actions.ron",
-        "lit.wav",
-        "tile.prefab.ron",
-        "won.wav",
+        "game/examples/lamplight/bush.prefab.ron",
+        "game/examples/lamplight/court.scene.ron",
+        "game/examples/lamplight/cypress.prefab.ron",
+        "game/examples/lamplight/firefly.prefab.ron",
+        "game/examples/lamplight/lamp.prefab.ron",
+        "game/examples/lamplight/lamplight.actions.ron",
+        "game/examples/lamplight/lit.wav",
+        "game/examples/lamplight/tile.prefab.ron",
+        "game/examples/lamplight/won.wav",
+        "prefabs/column.prefab.ron",
     ];
     assert_eq!(assets, all);
     let licences = std::fs::read_to_string(folder.path().join("packed/LICENCES.txt")).unwrap();

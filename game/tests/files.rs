@@ -160,7 +160,7 @@ fn a_missing_file_is_named_with_the_file_that_mentions_it() {
     let folder = Folder::new();
     let app = folder.app().systems(FixedUpdate, |mut sounds: ResMut<Sounds>| sounds.play("stop.wav", 1.0));
     let fault = folder.fault(app, 1);
-    assert!(fault.contains("step 1") && fault.contains("`stop.wav`") && fault.contains("hall"), "{fault}");
+    assert!(fault.contains("step 1") && fault.contains("`stop.wav`") && fault.contains("hall.scene.ron"), "{fault}");
 }
 
 #[test]

@@ -61,8 +61,9 @@ fn note(game: &mut Game, found: &mut BTreeSet<PathBuf>) -> Result<()> {
         let path = scene.beside(&name);
         if !path.is_file() {
             bail!(
-                "the game plays the sound `{name}`, and there is no file {}; put it there, or correct its name where a \
-                 system plays it",
+                "in {} the game plays the sound `{name}`, and there is no file {}; put it there, or correct its name where \
+                 a system plays it",
+                scene.path.display(),
                 path.display()
             );
         }
