@@ -10,10 +10,11 @@
 
 pub mod cli;
 mod play;
+mod shipped;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use lightwell_runtime::logging;
+use lightwell_runtime::{logging, scene_path};
 use lightwell_tools::{commands, pack, sheet, stress};
 use std::process::ExitCode;
 
@@ -21,6 +22,7 @@ use std::process::ExitCode;
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     logging::start(cli.common.verbose);
+    scene_path::set_shipped(shipped::scenes);
     let common = &cli.common;
     let result = match &cli.command {
         Command::Play(args) => play::run(args, common).map(|()| ExitCode::SUCCESS),

@@ -124,3 +124,57 @@ fn collect(path: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn paths(root: &Path, names: &[&str]) -> Vec<PathBuf> {
+        names.iter().map(|name| root.join(name)).collect()
+    }
+
+    #[test]
+    fn files_keep_their_places_and_models_get_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let loaded = paths(root, &["game/scenes/a.scene.ron", "game/prefabs/b.prefab.ron", "models/hall/hall.glb"]);
+        let more = paths(root, &["game/sounds/c.wav", "game/scenes/a.scene.ron"]);
+        let layout = Layout::new(&loaded, &more, Some(&root.join("models"))).unwrap();
+        let to: Vec<_> = layout.files.iter().map(|file| (file.to.as_str(), file.is_loaded)).collect();
+        let expected = [
+            ("assets/scenes/a.scene.ron", true),
+            ("assets/prefabs/b.prefab.ron", true),
+            ("assets/third_party/hall/hall.glb", true),
+            ("assets/sounds/c.wav", false),
+        ];
+        assert_eq!(to, expected);
+        assert_eq!(layout.packed(&more[0]), Some("assets/sounds/c.wav"));
+        let alone = Layout::new(&loaded[..1], &[], None).unwrap();
+        assert_eq!(alone.files[0].to, "assets/a.scene.ron");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn files_of_the_whole_system_are_no_game() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("a.scene.ron");
+        let error = Layout::new(&[scene, "/etc/sky.hdr".into()], &[], None).unwrap_err().to_string();
+        assert!(error.starts_with("/etc/sky.hdr lies outside of"), "{error}");
+        assert!(Layout::new(&[], &[], None).is_err());
+    }
+
+    #[test]
+    fn folders_are_included_without_what_is_hidden() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b.wav", "inner/a.wav", ".git/config", "inner/.hidden"] {
+            std::fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let root = folder.path().canonicalize().unwrap();
+        let found = included(&[folder.path().to_owned(), folder.path().join("b.wav")]).unwrap();
+        assert_eq!(found, paths(&root, &["b.wav", "inner/a.wav"]));
+        let error = included(&["no/such".into()]).unwrap_err().to_string();
+        assert_eq!(error, "--include no/such: there is no such file");
+    }
+}
