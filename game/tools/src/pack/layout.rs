@@ -45,9 +45,11 @@ impl Layout {
                 project.display()
             );
         }
-        let to = |path: &Path| match models.filter(|_| is_model(path)) {
-            Some(models) => Ok(format!("{ASSETS}/{MODELS}/{}", below(path, models)?)),
-            None => Ok(format!("{ASSETS}/{}", below(path, &root)?)),
+        let to = |path: &Path| -> Result<String> {
+            match models.filter(|_| is_model(path)) {
+                Some(models) => Ok(format!("{ASSETS}/{MODELS}/{}", below(path, models)?)),
+                None => Ok(format!("{ASSETS}/{}", below(path, &root)?)),
+            }
         };
         let files = all
             .iter()
