@@ -85,8 +85,8 @@ fn a_packed_game_runs_from_an_empty_folder_and_draws_the_same() {
     // A folder of shaders beside the program does take the place of those within it.
     std::fs::create_dir_all(moved.join("shaders/geometry")).unwrap();
     std::fs::write(moved.join("shaders/geometry/gbuffer.wgsl"), "nonsense").unwrap();
-    let said = Command::new(&packed).args(["--headless", "--steps", "1", "--every", "1"]).current_dir(empty.path());
-    let said = said.output().unwrap();
+    let words = ["--headless", "--steps", "1", "--every", "1"];
+    let said = Command::new(&packed).args(words).current_dir(empty.path()).output().unwrap();
     let errors = String::from_utf8_lossy(&said.stderr);
     assert!(!said.status.success() && errors.contains("gbuffer.wgsl:1:"), "{errors}");
 }
@@ -167,7 +167,7 @@ fn what_cannot_be_packed_is_told_before_anything_is_there() {
     refused(PackArgs { include: vec!["no/such.wav".into()], ..args() }, &["no/such.wav", "there is no such file"]);
     let away = folder.path().join("away.wav");
     std::fs::write(&away, "").unwrap();
-    refused(PackArgs { include: vec![away], ..args() }, &["away.wav lies outside of", "move it there"]);
+    refused(PackArgs { include: vec![away], ..args() }, &["away.wav lies outside of", "move it there", "--trust"]);
     let prefab = root().join("game/examples/lamplight/broken.prefab.ron");
     let broken = folder.path().join("broken.scene.ron");
     std::fs::write(&broken, "Scene(entities: [(name: \"A\", prefab: \"gone.prefab.ron\")])").unwrap();

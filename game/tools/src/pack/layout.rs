@@ -16,6 +16,15 @@ pub struct Packed {
     pub is_loaded: bool,
 }
 
+/// Folders that files of a game lie in, beside the project of its first scene. All paths are absolute.
+#[derive(Debug, Default)]
+pub struct Folders {
+    /// The one that the game's paths start at, then what the user trusts.
+    pub own: Vec<PathBuf>,
+    /// That of third-party models.
+    pub models: Option<PathBuf>,
+}
+
 /// All files of a game, its first scene first.
 #[derive(Debug)]
 pub struct Layout {
@@ -23,28 +32,29 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The layout of files that a game loads, its first scene first, and of more files. All paths are absolute; `models`
-    /// is the folder of third-party models.
+    /// The layout of files that a game loads, its first scene first, and of more files. All paths are absolute.
     ///
     /// # Errors
-    /// If files lie in folders that have nothing to do with each other.
-    pub fn new(loaded: &[PathBuf], more: &[PathBuf], models: Option<&Path>) -> Result<Self> {
+    /// If a file lies outside of the game's folders.
+    pub fn new(loaded: &[PathBuf], more: &[PathBuf], folders: &Folders) -> Result<Self> {
         let scene = loaded.first().context("the game names no scene")?;
-        let is_model = |path: &Path| models.is_some_and(|models| path.starts_with(models));
         let known: BTreeSet<&PathBuf> = loaded.iter().collect();
         let more = more.iter().filter(|path| !known.contains(path)).map(|path| (path.as_path(), false));
         let all: Vec<(&Path, bool)> = loaded.iter().map(|path| (path.as_path(), true)).chain(more).collect();
+        let models = folders.models.as_deref();
+        let is_model = |path: &Path| models.is_some_and(|models| path.starts_with(models));
         let own: Vec<&Path> = all.iter().map(|(path, _)| *path).filter(|path| !is_model(path)).collect();
-        let root = common_folder(&own).unwrap_or_default();
-        if !is_game_folder(&root) {
-            let project = project_root(scene);
-            let away = own.iter().find(|path| !path.starts_with(&project)).copied().unwrap_or(scene);
+        let project = project_root(scene);
+        let allowed: Vec<&Path> = std::iter::once(&project).chain(&folders.own).map(PathBuf::as_path).collect();
+        if let Some(away) = own.iter().find(|path| !allowed.iter().any(|folder| path.starts_with(folder))) {
             bail!(
-                "{} lies outside of {}, the folder of the game; move it there, or pass --models with its folder",
+                "{} lies outside of the game's folder {}; move it there, or pass its folder with --trust, or with --models \
+                 if scenes name it from there",
                 away.display(),
-                project.display()
+                folders.own.first().unwrap_or(&project).display()
             );
         }
+        let root = common_folder(&own).unwrap_or_default();
         let to = |path: &Path| -> Result<String> {
             match models.filter(|_| is_model(path)) {
                 Some(models) => Ok(format!("{ASSETS}/{MODELS}/{}", below(path, models)?)),
@@ -77,12 +87,6 @@ fn common_folder(files: &[&Path]) -> Option<PathBuf> {
     folders
         .map(Path::to_owned)
         .reduce(|a, b| a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(part, _)| part).collect())
-}
-
-/// Whether it is not the folder of all files of a system or a user.
-fn is_game_folder(folder: &Path) -> bool {
-    let home = std::env::home_dir().and_then(|home| home.canonicalize().ok());
-    folder.parent().is_some() && home.is_none_or(|home| !home.starts_with(folder))
 }
 
 fn below(path: &Path, folder: &Path) -> Result<String> {
@@ -142,7 +146,8 @@ mod tests {
         let root = folder.path();
         let loaded = paths(root, &["game/scenes/a.scene.ron", "game/prefabs/b.prefab.ron", "models/hall/hall.glb"]);
         let more = paths(root, &["game/sounds/c.wav", "game/scenes/a.scene.ron"]);
-        let layout = Layout::new(&loaded, &more, Some(&root.join("models"))).unwrap();
+        let folders = Folders { own: vec![root.join("game")], models: Some(root.join("models")) };
+        let layout = Layout::new(&loaded, &more, &folders).unwrap();
         let to: Vec<_> = layout.files.iter().map(|file| (file.to.as_str(), file.is_loaded)).collect();
         let expected = [
             ("assets/scenes/a.scene.ron", true),
@@ -152,18 +157,20 @@ mod tests {
         ];
         assert_eq!(to, expected);
         assert_eq!(layout.packed(&more[0]), Some("assets/sounds/c.wav"));
-        let alone = Layout::new(&loaded[..1], &[], None).unwrap();
+        let alone = Layout::new(&loaded[..1], &[], &Folders::default()).unwrap();
         assert_eq!(alone.files[0].to, "assets/a.scene.ron");
     }
 
     #[test]
-    #[cfg(unix)]
-    fn files_of_the_whole_system_are_no_game() {
+    fn files_of_other_folders_are_packed_only_if_they_are_trusted() {
         let folder = tempfile::tempdir().unwrap();
-        let scene = folder.path().join("a.scene.ron");
-        let error = Layout::new(&[scene, "/etc/sky.hdr".into()], &[], None).unwrap_err().to_string();
-        assert!(error.starts_with("/etc/sky.hdr lies outside of"), "{error}");
-        assert!(Layout::new(&[], &[], None).is_err());
+        let loaded = paths(folder.path(), &["game/a.scene.ron", "elsewhere/sky.hdr"]);
+        let error = Layout::new(&loaded, &[], &Folders::default()).unwrap_err().to_string();
+        assert!(error.contains("sky.hdr lies outside of") && error.contains("--trust"), "{error}");
+        let folders = Folders { own: vec![folder.path().join("elsewhere")], models: None };
+        let layout = Layout::new(&loaded, &[], &folders).unwrap();
+        assert_eq!(layout.files[1].to, "assets/elsewhere/sky.hdr");
+        assert!(Layout::new(&[], &[], &folders).is_err());
     }
 
     #[test]

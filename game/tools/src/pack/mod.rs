@@ -17,7 +17,8 @@ mod program;
 use crate::cli::PackArgs;
 use anyhow::{Context, Result, bail};
 use game::Game;
-use layout::Layout;
+use layout::{Folders, Layout};
+use lightwell::files::ComponentTypes;
 use lightwell::packed::{ASSETS, LIST, MODELS};
 use lightwell_runtime::cli::Common;
 use lightwell_runtime::say;
@@ -41,10 +42,9 @@ pub fn run(args: &PackArgs, common: &Common) -> Result<()> {
     let place = Place::new(&output, args.force)?;
     let included = layout::included(&args.include)?;
     let program = Program::find(args, name)?;
-    let models = common.models.as_deref().map(absolute).transpose()?;
     let game = Game { program: &program.file, folder: program.folder.clone(), script: args.script.as_deref() };
     let loaded = game.files(&included, &common.arguments())?;
-    let layout = Layout::new(&loaded, &included, models.as_deref())?;
+    let layout = Layout::new(&loaded, &included, &folders(&game, common)?)?;
 
     let aside = place.aside()?;
     let file_name = format!("{}{}", program.name, std::env::consts::EXE_SUFFIX);
@@ -64,6 +64,14 @@ pub fn run(args: &PackArgs, common: &Common) -> Result<()> {
         size as f64 * 1e-6
     );
     Ok(())
+}
+
+/// The folders that the game's files may lie in.
+fn folders(game: &Game, common: &Common) -> Result<Folders> {
+    let start = game.folder.as_deref().unwrap_or(Path::new("."));
+    let trusted = common.load_options(ComponentTypes::default()).trusted;
+    let own = std::iter::once(start).chain(trusted.iter().map(PathBuf::as_path)).map(absolute);
+    Ok(Folders { own: own.collect::<Result<_>>()?, models: common.models.as_deref().map(absolute).transpose()? })
 }
 
 /// The text of [`LIST`].
