@@ -266,3 +266,22 @@ impl State {
         events.into_values().collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_shaders_built_in_are_those_of_the_source_tree() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+        let (library, source) = (ShaderLibrary::built_in(), ShaderLibrary::open(&folder).unwrap());
+        assert_eq!(library.state().sources, source.state().sources);
+        assert!(library.dir().is_none() && library.poll().is_empty());
+        assert!(library.entry_points("geometry/gbuffer.wgsl").is_ok());
+        // The file and the line of a fault are named as ever.
+        library.add("broken.wgsl", "#import lightwell::brdf\n\nnonsense");
+        let error = library.entry_points("broken.wgsl").unwrap_err();
+        assert_eq!((error.file.as_str(), error.line), ("broken.wgsl", 3), "{error}");
+    }
+}
