@@ -74,7 +74,8 @@ pub(super) fn declare<'a>(
         lights.blended = Some(blend::declare(graph, frame, &gbuffer, gpu, direct_lights, behind));
     }
     let has_focus = depth_of_field::is_wanted(graph, frame);
-    let mut radiance = compose::declare(graph, frame, &gbuffer, lights, if has_focus { Purpose::Sharp } else { Purpose::Final });
+    let mut radiance =
+        compose::declare(graph, frame, &gbuffer, lights, if has_focus { Purpose::Sharp } else { Purpose::Final });
     if has_focus {
         radiance = depth_of_field::declare(graph, frame, &gbuffer, radiance);
     }

@@ -252,7 +252,8 @@ fn paint_bits(m: &Material) -> [u32; 17] {
     let [i, j, k] = m.specular_color.to_array();
     let cutoff = if let AlphaMode::Mask(cutoff) = m.alpha_mode { cutoff } else { 0.0 };
     let sides = f32::from(u8::from(m.double_sided));
-    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.transmission, m.normal_scale, cutoff, sides].map(f32::to_bits)
+    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.transmission, m.normal_scale, cutoff, sides]
+        .map(f32::to_bits)
 }
 
 /// Compared by bits, so that frames do not depend on the sign of a zero that was there before.

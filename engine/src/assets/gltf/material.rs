@@ -1,7 +1,9 @@
 //! Materials and the textures they use.
 
 use super::source;
-use crate::assets::{AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap};
+use crate::assets::{
+    AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap,
+};
 use crate::assets::{image, parallel, pixels};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 use gltf::Document;

@@ -24,7 +24,10 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, rsm: Rsm<'a>
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let layers = rsm.views.len() as u32;
     let mut target = |part: &str, format| {
-        graph.retained_texture(format!("{name} {part}"), TextureDesc::d2_array(rsm.size, rsm.size, layers, format, usage))
+        graph.retained_texture(
+            format!("{name} {part}"),
+            TextureDesc::d2_array(rsm.size, rsm.size, layers, format, usage),
+        )
     };
     let base_color = target("base color", TextureFormat::Rgba16Uint);
     let specular = target("specular", TextureFormat::R32Uint);

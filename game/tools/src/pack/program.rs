@@ -7,13 +7,22 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The profile that programs are packed with where the game's workspace has none of that name: small, and without the
-/// paths of sources.
-const PROFILE: [&str; 5] = [
+/// paths of sources. As in the Cargo.toml of Lightwell.
+const PROFILE: [&str; 14] = [
     "profile.dist.inherits=\"release\"",
+    "profile.dist.opt-level=2",
     "profile.dist.debug=false",
     "profile.dist.strip=true",
-    "profile.dist.lto=\"thin\"",
+    "profile.dist.lto=\"fat\"",
+    "profile.dist.codegen-units=1",
     "profile.dist.incremental=false",
+    "profile.dist.package.\"*\".opt-level=\"s\"",
+    "profile.dist.package.bevy_ecs.opt-level=2",
+    "profile.dist.package.glam.opt-level=2",
+    "profile.dist.package.hashbrown.opt-level=2",
+    "profile.dist.package.lightwell.opt-level=2",
+    "profile.dist.package.wgpu-core.opt-level=2",
+    "profile.dist.package.wgpu-hal.opt-level=2",
 ];
 
 /// A program that was built.

@@ -103,7 +103,7 @@ impl Work<'_> {
                 double_sided: false,
                 masked: false,
                 blended: false,
-glass: false,
+                glass: false,
                 mirrored: false,
                 plain: true,
             }),

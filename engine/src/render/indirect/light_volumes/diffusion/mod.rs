@@ -20,9 +20,9 @@ use super::volume::volumes;
 use super::{Field, Indirect};
 use crate::graph::Graph;
 use crate::render::error::RenderError;
-use crate::render::indirect::Scattered;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
+use crate::render::indirect::Scattered;
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv};
 

@@ -30,7 +30,15 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
     let field = field_of(&level);
     let names = irradiance::Names { pass: "relight, sky", image: "sky radiance" };
     let radiance = irradiance::relight(graph, frame, gbuffer, names, 0.0, &[level]);
-    Indirect { radiance, mirrored: None, is_glossy: false, sky: Some(field.clone()), field, scattered: Scattered::default(), change: None }
+    Indirect {
+        radiance,
+        mirrored: None,
+        is_glossy: false,
+        sky: Some(field.clone()),
+        field,
+        scattered: Scattered::default(),
+        change: None,
+    }
 }
 
 /// Declares the sweep of the sky's light through a grid.
