@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// The list of a packed game's files, beside its program: a line of words, then a path a line. A program with such a
+/// The list of a packed game's files, beside its program: a line of words, then a path a line, with `/` on every system. A program with such a
 /// list beside it is packed.
 pub const LIST: &str = "packed.txt";
 /// The folder of what the game loads, beside its program.
@@ -30,7 +30,10 @@ impl Packed {
     /// The packed game in a folder; none if there is no list that can be read.
     pub fn read(folder: &Path) -> Option<Self> {
         let list = std::fs::read_to_string(folder.join(LIST)).ok()?;
-        Some(Self { folder: folder.to_owned(), files: list.lines().skip(1).map(PathBuf::from).collect() })
+        Some(Self {
+            folder: folder.to_owned(),
+            files: list.lines().skip(1).map(|line| line.split('/').collect()).collect(),
+        })
     }
 
     /// The folder of the program.

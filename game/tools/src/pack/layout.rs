@@ -16,6 +16,15 @@ pub struct Packed {
     pub is_loaded: bool,
 }
 
+impl Packed {
+    /// Where it lies if the packed folder is this one.
+    pub fn within(&self, folder: &Path) -> PathBuf {
+        let mut path = folder.to_owned();
+        path.extend(self.to.split('/'));
+        path
+    }
+}
+
 /// Folders that files of a game lie in, beside the project of its first scene. All paths are absolute.
 #[derive(Debug, Default)]
 pub struct Folders {
@@ -68,8 +77,8 @@ impl Layout {
     }
 
     /// Where a file lies in the packed folder.
-    pub fn packed(&self, from: &Path) -> Option<&str> {
-        self.files.iter().find(|file| file.from == from).map(|file| file.to.as_str())
+    pub fn packed(&self, from: &Path) -> Option<&Packed> {
+        self.files.iter().find(|file| file.from == from)
     }
 
     /// Copies all files into a folder.
@@ -77,7 +86,7 @@ impl Layout {
     /// # Errors
     /// If one cannot be read or written.
     pub fn copy(&self, folder: &Path) -> Result<()> {
-        self.files.iter().try_for_each(|file| super::copy(&file.from, &folder.join(&file.to)))
+        self.files.iter().try_for_each(|file| super::copy(&file.from, &file.within(folder)))
     }
 }
 
@@ -156,7 +165,7 @@ mod tests {
             ("assets/sounds/c.wav", false),
         ];
         assert_eq!(to, expected);
-        assert_eq!(layout.packed(&more[0]), Some("assets/sounds/c.wav"));
+        assert_eq!(layout.packed(&more[0]), layout.files.last());
         let alone = Layout::new(&loaded[..1], &[], &Folders::default()).unwrap();
         assert_eq!(alone.files[0].to, "assets/a.scene.ron");
     }

@@ -93,7 +93,8 @@ fn check(game: &Game, program: &Path, layout: &Layout, included: &[PathBuf]) -> 
     let empty = tempfile::tempdir().context("cannot make a temporary folder")?;
     let folder = program.parent().unwrap_or(Path::new("")).canonicalize()?;
     let packed = Game { program, folder: Some(empty.path().to_owned()), script: game.script };
-    let included: Vec<PathBuf> = included.iter().filter_map(|path| Some(folder.join(layout.packed(path)?))).collect();
+    let included: Vec<PathBuf> =
+        included.iter().filter_map(|path| Some(layout.packed(path)?.within(&folder))).collect();
     let files = packed.files_alone(&included).context("the packed game does not load")?;
     let outside = files.iter().find(|file| !file.starts_with(folder.join(ASSETS)));
     if let Some(file) = outside {
@@ -104,7 +105,7 @@ fn check(game: &Game, program: &Path, layout: &Layout, included: &[PathBuf]) -> 
         );
     }
     let found: BTreeSet<PathBuf> = files.into_iter().collect();
-    let lost = layout.files.iter().find(|file| file.is_loaded && !found.contains(&folder.join(&file.to)));
+    let lost = layout.files.iter().find(|file| file.is_loaded && !found.contains(&file.within(&folder)));
     match lost {
         Some(file) => bail!("the packed game does not load {}, which the game loads", file.from.display()),
         None => Ok(()),

@@ -159,3 +159,25 @@ fn build(args: &PackArgs, name: &str) -> Result<PathBuf> {
     let path = programs.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?))).last();
     path.with_context(|| format!("cargo built no program `{name}`"))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn games_elsewhere_have_the_profile_of_this_workspace() {
+        let manifest = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.toml")).unwrap();
+        let own = manifest.split("[profile.dist]").nth(1).unwrap();
+        for line in PROFILE {
+            let (key, value) = line.strip_prefix("profile.dist.").unwrap().split_once('=').unwrap();
+            let written = match key.strip_prefix("package.") {
+                // A member of this workspace.
+                Some("lightwell.opt-level") => continue,
+                Some(package) => format!("{} = {{ opt-level = {value} }}", package.strip_suffix(".opt-level").unwrap()),
+                None => format!("{key} = {value}"),
+            };
+            assert!(own.contains(&written), "no line `{written}` in Cargo.toml");
+        }
+    }
+}
