@@ -156,7 +156,7 @@ fn build(args: &PackArgs, name: &str) -> Result<PathBuf> {
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     let messages = lines.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     let programs = messages.filter(|message| message["target"]["name"] == name);
-    let path = programs.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?))).last();
+    let path = programs.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?))).next_back();
     path.with_context(|| format!("cargo built no program `{name}`"))
 }
 
