@@ -90,7 +90,7 @@ impl Folder {
     /// What a game says that cannot list its files.
     fn fault(&self, app: App, steps: u64) -> String {
         let result = app.files(&InputScript { steps, ..Default::default() }, &[]);
-        format!("{:#}", result.err().expect("a fault"))
+        format!("{:#}", result.expect_err("a fault"))
     }
 }
 
