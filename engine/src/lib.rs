@@ -20,13 +20,13 @@
 //! ```no_run
 //! use lightwell::assets::AssetLibrary;
 //! use lightwell::files::{LoadOptions, load_scene};
-//! use lightwell::gpu::{Gpu, GpuOptions, default_shader_dir, read_texture_f32};
+//! use lightwell::gpu::{Gpu, GpuOptions, read_texture_f32};
 //! use lightwell::render::{RenderSettings, Renderer};
 //! use lightwell::scene::{Extractor, Scene, SceneView};
 //! use std::path::Path;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let gpu = Gpu::headless(&GpuOptions { adapter: None, shader_dir: default_shader_dir()? })?;
+//! let gpu = Gpu::headless(&GpuOptions::default())?;
 //! let mut library = AssetLibrary::new();
 //! let mut world = load_scene(Path::new("scenes/cornell.scene.ron"), &mut library, &LoadOptions::default())?;
 //! let (mut extractor, mut scene, mut renderer) = (Extractor::new(), Scene::default(), Renderer::new(&gpu));
@@ -74,6 +74,7 @@ pub mod game;
 pub mod gpu;
 pub mod graph;
 pub mod measure;
+pub mod packed;
 pub mod profile;
 pub mod render;
 pub mod scene;

@@ -124,6 +124,7 @@ fn imported_beside(
     let name = beside.file_name().unwrap_or_default().to_string_lossy();
     roots.check("import settings", &name, &beside, &Document::in_memory(path), &[])?;
     let (document, settings) = Document::read::<ImportSettings>(&beside)?;
+    library.note(&beside);
     library.imported(whole, &settings).map_err(|fault| import_error(&document, &[], fault))
 }
 

@@ -3,6 +3,7 @@
 use super::audit::Audit;
 use super::pipeline_file::PipelineFile;
 use super::reuse::{BindKey, ConstantsKey, Kept, ViewKey};
+use super::shader_folder::default_shader_dir;
 use super::{HostCounts, PipelineCache, ShaderLibrary};
 use bytemuck::Pod;
 use encase::ShaderType;
@@ -16,7 +17,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 pub struct GpuOptions {
     /// Part of the adapter's name, in any case; none: the fastest kind there is.
     pub adapter: Option<String>,
-    /// Folder of the WGSL files; empty: [`default_shader_dir`].
+    /// Folder of the WGSL files; empty: [`default_shader_dir`], or else those that are built into the program.
     pub shader_dir: PathBuf,
 }
 
@@ -51,11 +52,6 @@ pub enum GpuError {
         /// The driver's reason.
         source: wgpu::RequestDeviceError,
     },
-    /// The WGSL files are missing.
-    #[error(
-        "no folder `shaders` was found beside the program or above the current folder; set LIGHTWELL_SHADERS to it"
-    )]
-    NoShaders,
     /// The WGSL files cannot be read.
     #[error("cannot read shader folder {path}: {source}")]
     ReadShaders {
@@ -123,7 +119,7 @@ impl Gpu {
     /// Opens a device without a window.
     ///
     /// # Errors
-    /// No adapter, none of that name, no device, or no shaders.
+    /// No adapter, none of that name, no device, or shaders that cannot be read.
     pub fn headless(options: &GpuOptions) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(instance_descriptor(wgpu::InstanceDescriptor::new_without_display_handle()));
         Self::open(options, &instance, None)
@@ -134,7 +130,7 @@ impl Gpu {
     /// was never written by a shader: zeros, or what was uploaded.
     ///
     /// # Errors
-    /// No shaders.
+    /// Shaders that cannot be read.
     pub fn noop(options: &GpuOptions) -> Result<Self, GpuError> {
         let noop = wgpu::NoopBackendOptions {
             limits: Some(noop_limits()),
@@ -171,12 +167,13 @@ impl Gpu {
         instance: &wgpu::Instance,
         surface: Option<&wgpu::Surface>,
     ) -> Result<Self, GpuError> {
-        let dir = match options.shader_dir.as_os_str().is_empty() {
-            true => default_shader_dir()?,
-            false => options.shader_dir.clone(),
+        let given = Some(&options.shader_dir).filter(|dir| !dir.as_os_str().is_empty()).cloned();
+        let shaders = match given.or_else(default_shader_dir) {
+            Some(path) => {
+                ShaderLibrary::open(&path).map_err(|source| GpuError::ReadShaders { path: path.clone(), source })?
+            }
+            None => ShaderLibrary::built_in(),
         };
-        let shaders =
-            ShaderLibrary::open(&dir).map_err(|source| GpuError::ReadShaders { path: dir.clone(), source })?;
         let adapter = choose_adapter(options, instance, surface)?;
         let info = adapter.get_info();
         let features = adapter.features() & WELCOME_FEATURES;
@@ -372,19 +369,4 @@ fn choose_adapter(
             wgpu::DeviceType::Other => 4,
         })
         .ok_or(GpuError::NoSuchAdapter { wanted, found })
-}
-
-/// The folder of the WGSL files: `LIGHTWELL_SHADERS`, else `shaders` in the current folder or above it, else
-/// beside the program or above it, else in the source tree that the program was built from.
-///
-/// # Errors
-/// If there is none.
-pub fn default_shader_dir() -> Result<PathBuf, GpuError> {
-    if let Some(dir) = std::env::var_os("LIGHTWELL_SHADERS") {
-        return Ok(dir.into());
-    }
-    let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
-    let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("shaders")));
-    let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders");
-    above.chain([source]).find(|dir| dir.join("geometry/gbuffer.wgsl").is_file()).ok_or(GpuError::NoShaders)
 }

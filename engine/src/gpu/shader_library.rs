@@ -42,9 +42,9 @@ pub enum ShaderEvent {
     Broken(ShaderError),
 }
 
-/// All WGSL files of a folder.
+/// All WGSL files of a folder, or those built into the program.
 pub struct ShaderLibrary {
-    dir: PathBuf,
+    dir: Option<PathBuf>,
     watcher: Mutex<Option<Watcher>>,
     state: Mutex<State>,
 }
@@ -74,17 +74,26 @@ impl ShaderLibrary {
             .inspect_err(|error| log::warn!("shaders in {} are not watched for changes: {error}", dir.display()))
             .ok();
         let sources = watch::read_shaders(dir)?;
+        Ok(Self::of(Some(dir.to_owned()), watcher, sources))
+    }
+
+    /// The WGSL that is built into the program.
+    pub(super) fn built_in() -> Self {
+        Self::of(None, None, built_in())
+    }
+
+    fn of(dir: Option<PathBuf>, watcher: Option<Watcher>, sources: Sources) -> Self {
         let state = State { sources, revision: 1, ..Default::default() };
-        Ok(Self { dir: dir.to_owned(), watcher: Mutex::new(watcher), state: Mutex::new(state) })
+        Self { dir, watcher: Mutex::new(watcher), state: Mutex::new(state) }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The folder.
-    pub fn dir(&self) -> &Path {
-        &self.dir
+    /// The folder; none for the shaders built into the program.
+    pub fn dir(&self) -> Option<&Path> {
+        self.dir.as_deref()
     }
 
     /// Counts up with every shader that was reloaded well: part of every cache key.
@@ -174,13 +183,14 @@ impl ShaderLibrary {
         if !watcher.as_ref().is_some_and(Watcher::changed) {
             return Vec::new();
         }
-        match watch::read_shaders(&self.dir) {
-            Ok(found) => self.state().take_sources(found),
-            Err(error) => {
-                log::warn!("cannot read shader folder {}: {error}", self.dir.display());
-                Vec::new()
-            }
-        }
+        self.read().map_or_else(Vec::new, |found| self.state().take_sources(found))
+    }
+
+    /// What the files say now; none if they cannot be read.
+    fn read(&self) -> Option<Sources> {
+        let Some(dir) = &self.dir else { return Some(built_in()) };
+        let failed = |error: &std::io::Error| log::warn!("cannot read shader folder {}: {error}", dir.display());
+        watch::read_shaders(dir).inspect_err(failed).ok()
     }
 }
 
@@ -192,19 +202,16 @@ impl ShaderLibrary {
 
     /// Rereads and recompiles all shaders, changed or not; all that depends on them is rebuilt.
     pub fn reload_all(&self) -> Vec<ShaderEvent> {
-        match watch::read_shaders(&self.dir) {
-            Ok(found) => {
-                let all = found.keys().cloned().collect();
-                let mut state = self.state();
-                state.sources.extend(found);
-                state.recompile(&all)
-            }
-            Err(error) => {
-                log::warn!("cannot read shader folder {}: {error}", self.dir.display());
-                Vec::new()
-            }
-        }
+        let Some(found) = self.read() else { return Vec::new() };
+        let all = found.keys().cloned().collect();
+        let mut state = self.state();
+        state.sources.extend(found);
+        state.recompile(&all)
     }
+}
+
+fn built_in() -> Sources {
+    lightwell_shaders::FILES.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect()
 }
 
 impl Variant {
@@ -257,5 +264,24 @@ impl State {
             }
         }
         events.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_shaders_built_in_are_those_of_the_source_tree() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+        let (library, source) = (ShaderLibrary::built_in(), ShaderLibrary::open(&folder).unwrap());
+        assert_eq!(library.state().sources, source.state().sources);
+        assert!(library.dir().is_none() && library.poll().is_empty());
+        assert!(library.entry_points("geometry/gbuffer.wgsl").is_ok());
+        // The file and the line of a fault are named as ever.
+        library.add("broken.wgsl", "#import lightwell::brdf\n\nnonsense");
+        let error = library.entry_points("broken.wgsl").unwrap_err();
+        assert_eq!((error.file.as_str(), error.line), ("broken.wgsl", 3), "{error}");
     }
 }

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use lightwell_runtime::cli::{Common, LookArgs, parse_frame_rate, parse_size};
 use lightwell_tools::cli::{
-    BenchArgs, CompareArgs, ExplainArgs, QualityArgs, RenderArgs, SheetArgs, StressArgs, TestArgs,
+    BenchArgs, CompareArgs, ExplainArgs, PackArgs, QualityArgs, RenderArgs, SheetArgs, StressArgs, TestArgs,
 };
 
 const EXAMPLES: &str = "\
@@ -19,6 +19,7 @@ Examples:
   lightwell test                              the scene tests in tests/scenes
   lightwell sheet ~/models -o out/sheets      a thumbnail of each model below a folder
   lightwell stress -o out/stress              what must hold for every scene
+  lightwell pack --example corner             a game as a folder to give away
 
 A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
 Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
@@ -54,6 +55,8 @@ pub enum Command {
     Sheet(SheetArgs),
     /// Check what must hold for every scene, at extreme scales, lights and places
     Stress(StressArgs),
+    /// Make a folder of a game, which runs on machines without its source
+    Pack(PackArgs),
     /// Show the graphics adapter, its features and limits
     Info,
 }

@@ -10,17 +10,19 @@
 
 pub mod cli;
 mod play;
+mod shipped;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use lightwell_runtime::logging;
-use lightwell_tools::{commands, sheet, stress};
+use lightwell_runtime::{logging, scene_path};
+use lightwell_tools::{commands, pack, sheet, stress};
 use std::process::ExitCode;
 
 /// Runs the program: parses its arguments, does what they ask for, and prints an error once.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     logging::start(cli.common.verbose);
+    scene_path::set_shipped(shipped::scenes);
     let common = &cli.common;
     let result = match &cli.command {
         Command::Play(args) => play::run(args, common).map(|()| ExitCode::SUCCESS),
@@ -31,6 +33,7 @@ pub fn run() -> ExitCode {
         Command::Test(args) => commands::test::run(args, common),
         Command::Sheet(args) => sheet::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Stress(args) => stress::run(args, common),
+        Command::Pack(args) => pack::run(args, common).map(|()| ExitCode::SUCCESS),
         Command::Info => commands::info::run(common).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {

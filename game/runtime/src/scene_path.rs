@@ -2,16 +2,29 @@
 
 use anyhow::{Result, bail};
 use lightwell::files::suggestion;
+use lightwell::packed;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 const ENDINGS: [&str; 3] = ["scene.ron", "gltf", "glb"];
 
+static SHIPPED: OnceLock<fn() -> Option<PathBuf>> = OnceLock::new();
+
+/// Sets where a program has scenes of its own, for where there is no source tree. It is asked when it is needed.
+pub fn set_shipped(folder: fn() -> Option<PathBuf>) {
+    let _ = SHIPPED.set(folder);
+}
+
 /// The scene's file: the path itself if it exists, else `scenes/NAME.scene.ron` in the current folder, above it,
-/// beside the program or above that, or in the source tree.
+/// beside the program or above that, in the source tree, or among those that the program brings along. A packed game
+/// looks among its own files first, see [`packed::Packed::find`], and has no folders but its own.
 ///
 /// # Errors
 /// If there is none; lists the scenes that exist.
 pub fn find(scene: &str) -> Result<PathBuf> {
+    if let Some(found) = packed::game().and_then(|packed| packed.find(Path::new(scene), &ENDINGS)) {
+        return Ok(found);
+    }
     let path = PathBuf::from(scene);
     if path.is_file() {
         return Ok(path);
@@ -48,10 +61,17 @@ pub fn name_of(path: &Path) -> String {
 }
 
 fn scene_folders() -> Vec<PathBuf> {
+    if let Some(packed) = packed::game() {
+        return vec![packed.assets().join("scenes"), packed.assets()];
+    }
     let starts = [std::env::current_dir().ok(), std::env::current_exe().ok()];
     let above = starts.iter().flatten().flat_map(|start| start.ancestors().map(|dir| dir.join("scenes")));
     let source = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    above.chain([source]).filter(|folder| folder.is_dir()).collect()
+    let last = match SHIPPED.get() {
+        Some(shipped) if !source.is_dir() => shipped(),
+        _ => Some(source),
+    };
+    above.chain(last).filter(|folder| folder.is_dir()).collect()
 }
 
 fn names_in(folder: &Path) -> Vec<String> {

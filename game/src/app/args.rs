@@ -23,6 +23,13 @@ pub struct GameArgs {
     /// Keep the input as a script
     #[arg(long, value_name = "FILE", conflicts_with = "headless")]
     pub record: Option<PathBuf>,
+    /// Print the files that the game loads, the first scene first; with --script also those that it loads while the script
+    /// plays
+    #[arg(long, conflicts_with_all = ["edit", "headless", "record"])]
+    pub list_files: bool,
+    /// With --list-files: another file that the game loads, with what it names
+    #[arg(long, value_name = "FILE", requires = "list_files")]
+    pub also: Vec<PathBuf>,
     /// Without a window: number of steps [default: the script's, or two seconds]
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,

@@ -30,6 +30,7 @@
 
 mod args;
 mod canvas;
+mod files;
 mod headless;
 mod hud;
 #[cfg(feature = "editor")]
@@ -248,6 +249,9 @@ impl App {
             return self.edit(args, again);
         }
         let script = args.script.as_deref().map(InputScript::read).transpose()?;
+        if args.list_files {
+            return files::print(self, args, script);
+        }
         if args.headless || !has_display() {
             return headless::run_args(self, args, script);
         }
@@ -340,6 +344,15 @@ impl App {
             }
         }
         Ok(game)
+    }
+
+    /// The files that the game loads until a script is through: its first scene, then the table of actions, other scenes,
+    /// prefabs, models with their buffers, images, and sounds. Those of `also`, and what they name, are loaded besides.
+    ///
+    /// # Errors
+    /// If the game cannot begin, a system fails, or a file is missing or faulty.
+    pub fn files(self, script: &InputScript, also: &[PathBuf]) -> Result<Vec<PathBuf>> {
+        files::list(self, None, script, also, &Common::default())
     }
 
     /// Plays a script without a window, with images.

@@ -78,7 +78,7 @@ impl Handler<'_> {
         let attributes =
             Window::default_attributes().with_title(&self.title).with_inner_size(PhysicalSize::new(width, height));
         let window = Arc::new(event_loop.create_window(attributes).context("no window can be opened")?);
-        let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(&self.args.common)?)?;
+        let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(&self.args.common))?;
         session::keep_pipelines(&gpu);
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);

@@ -12,6 +12,7 @@
 //! | measure time, memory and error of methods | [`bench`](mod@bench) |
 //! | check what holds for every scene | [`stress`] |
 //! | see many models at once | [`sheet`] |
+//! | make a folder of a game | [`pack`] |
 //! | know why a pass runs, and what the device can do | [`commands::explain`], [`commands::info`] |
 
 pub mod bench;
@@ -19,6 +20,7 @@ mod capture;
 pub mod cli;
 pub mod commands;
 mod jitter;
+pub mod pack;
 pub mod scene_test;
 mod sequence;
 pub mod sheet;

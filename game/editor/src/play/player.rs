@@ -93,7 +93,7 @@ impl Player {
         own: &EditedGame,
     ) -> Result<Self> {
         let window = Arc::new(window);
-        let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common)?)?;
+        let (gpu, screen) = Screen::open(event_loop, Arc::clone(&window), &session::gpu_options(common))?;
         session::keep_pipelines(&gpu);
         let context = egui::Context::default();
         set_fonts(&context);

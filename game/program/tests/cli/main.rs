@@ -35,12 +35,22 @@ fn picture(folder: &Path, name: &str, size: [u32; 2], color: [f32; 3]) -> PathBu
 fn help_teaches_by_example() {
     let help = lightwell(&["--help"]);
     assert_eq!(help.status.code(), Some(0));
-    for word in
-        ["play", "render", "compare", "explain", "test", "sheet", "info", "Examples:", "LIGHTWELL_MODELS", "Exit codes"]
-    {
+    for word in [
+        "play",
+        "render",
+        "compare",
+        "explain",
+        "test",
+        "sheet",
+        "pack",
+        "info",
+        "Examples:",
+        "LIGHTWELL_MODELS",
+        "Exit codes",
+    ] {
         assert!(out(&help).contains(word), "no {word} in\n{}", out(&help));
     }
-    for command in ["play", "render", "compare", "explain", "test", "sheet", "info"] {
+    for command in ["play", "render", "compare", "explain", "test", "sheet", "pack", "info"] {
         let help = lightwell(&[command, "--help"]);
         assert_eq!(help.status.code(), Some(0), "{command}: {}", err(&help));
     }

@@ -9,6 +9,7 @@ pub use parse::{parse_assignment, parse_frame_rate, parse_size};
 use clap::Args;
 use lightwell::assets::LoadBudget;
 use lightwell::files::{ComponentTypes, LoadOptions};
+use lightwell::packed;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -47,8 +48,11 @@ impl Common {
             // They were checked when the command line was read.
             let _ = budget.set(written);
         }
-        let trusted = self.trust.iter().cloned().chain(listed).collect();
-        LoadOptions { models: self.models.clone(), trusted, budget, types }
+        // All that lies in a packed game is its own.
+        let assets = packed::game().map(packed::Packed::assets);
+        let packed = assets.as_ref().map(|assets| assets.join(packed::MODELS)).filter(|folder| folder.is_dir());
+        let trusted = self.trust.iter().cloned().chain(listed).chain(assets).collect();
+        LoadOptions { models: self.models.clone().or(packed), trusted, budget, types }
     }
 
     /// The arguments that say the same to another process of this program.

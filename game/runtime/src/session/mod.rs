@@ -26,11 +26,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The device that all options ask for.
-///
-/// # Errors
-/// No shaders, no driver, or no adapter of that name.
-pub fn gpu_options(common: &Common) -> Result<GpuOptions> {
-    Ok(GpuOptions { adapter: common.adapter.clone(), shader_dir: gpu::default_shader_dir()? })
+pub fn gpu_options(common: &Common) -> GpuOptions {
+    GpuOptions { adapter: common.adapter.clone(), ..GpuOptions::default() }
 }
 
 /// Keeps what the driver makes of shaders in the user's cache folder, for windows: they are to open quickly.
@@ -43,9 +40,9 @@ pub fn keep_pipelines(gpu: &Gpu) {
 /// Opens the device without a window.
 ///
 /// # Errors
-/// As [`gpu_options`].
+/// No driver, no adapter of that name, or shaders that cannot be read.
 pub fn open_gpu(common: &Common) -> Result<Gpu> {
-    Ok(Gpu::headless(&gpu_options(common)?)?)
+    Ok(Gpu::headless(&gpu_options(common))?)
 }
 
 /// A loaded scene with the device that draws it.

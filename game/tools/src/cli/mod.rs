@@ -3,6 +3,7 @@
 mod bench;
 mod compare;
 mod explain;
+mod pack;
 mod parse;
 mod quality;
 mod render;
@@ -13,6 +14,7 @@ mod test;
 pub use bench::{BenchArgs, Bounces, Grows, Sweep};
 pub use compare::{CompareArgs, Metric};
 pub use explain::ExplainArgs;
+pub use pack::PackArgs;
 pub use quality::{Quality, QualityArgs};
 pub use render::RenderArgs;
 pub use sheet::SheetArgs;

@@ -8,7 +8,7 @@ use lightwell_runtime::session::open_gpu;
 /// Prints the adapter in use with what matters of its features and limits, and the other adapters.
 ///
 /// # Errors
-/// If there is no adapter, or no shader folder.
+/// If there is no adapter.
 pub fn run(common: &Common) -> Result<()> {
     let gpu = open_gpu(common)?;
     let info = &gpu.info;
@@ -17,7 +17,7 @@ pub fn run(common: &Common) -> Result<()> {
     line("adapter", info.name.clone());
     line("kind", format!("{:?} through {:?}", info.device_type, info.backend));
     line("driver", format!("{} {}", info.driver, info.driver_info).trim().to_owned());
-    line("shaders", gpu.shaders.dir().display().to_string());
+    line("shaders", gpu.shaders.dir().map_or("built in".to_owned(), |dir| dir.display().to_string()));
     say!("\nfeatures");
     for (feature, name) in [
         (wgpu::Features::TIMESTAMP_QUERY, "times of passes"),
