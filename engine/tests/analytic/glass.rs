@@ -162,6 +162,7 @@ fn clear_bodies_vanish_in_a_furnace() {
             let lit: Vec<f32> = image.pixels().iter().map(|pixel| pixel[0]).collect();
             let mean = lit.iter().sum::<f32>() / lit.len() as f32;
             let brightest = lit.iter().copied().fold(0.0, f32::max);
+            println!("{what}, roughness {roughness}: mean {mean:.4}, brightest {brightest:.4}");
             assert!((mean - 1.0).abs() < bound, "{what}, roughness {roughness}: mean {mean}");
             assert!(what == "traced" || brightest < 1.001, "{what}: light out of nothing, {brightest}");
         }

@@ -84,7 +84,7 @@ pub(in crate::render) fn declare<'a>(
     let sun = disc.map_or([0.0; 3], |sun| sun.radiance.to_array());
     let toward = disc.map_or([0.0; 3], |sun| sun.toward.to_array());
     let cosine = disc.map_or(2.0, |sun| sun.half_angle.cos());
-    let layer = layer_index(frame.settings.only);
+    let layer = frame.settings.only.index();
     pass.key(&(
         sky.to_array().map(f32::to_bits),
         map.map(|map| map.id),
@@ -135,16 +135,4 @@ pub(in crate::render) fn declare<'a>(
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });
     radiance
-}
-
-/// The constants of `post/compose.wgsl`.
-pub(in crate::render) fn layer_index(layer: Layer) -> u32 {
-    match layer {
-        Layer::Total => 0,
-        Layer::Direct => 1,
-        Layer::Indirect => 2,
-        Layer::Albedo => 3,
-        Layer::Normal => 4,
-        Layer::Depth => 5,
-    }
 }

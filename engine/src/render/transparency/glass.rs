@@ -10,7 +10,6 @@ use crate::render::direct::{Region, region_around};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::indirect::Scattered;
 use crate::render::indirect::light_volumes::sweep::HazeCells;
-use crate::render::post::compose::layer_index;
 use crate::render::rays::{RayScene, dispatch_rays};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
@@ -115,7 +114,7 @@ impl Work<'_> {
         let mut key = scene
             .shader("transparency/glass.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
-            .def("LAYER", ShaderDef::Uint(layer_index(self.frame.settings.only)));
+            .def("LAYER", ShaderDef::Uint(self.frame.settings.only.index()));
         key = HazeCells::defined(self.light.haze.as_ref(), key);
         let haze = self.light.haze.map(|haze| haze.bindings(cx));
         let patches = self.light.patches.map(|light| cx.buffer(light).clone());
