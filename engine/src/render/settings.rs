@@ -75,6 +75,18 @@ impl Layer {
     pub fn shows_indirect(self) -> bool {
         matches!(self, Self::Total | Self::Indirect)
     }
+
+    /// Its number in shaders: `LAYER`.
+    pub(in crate::render) fn index(self) -> u32 {
+        match self {
+            Self::Total => 0,
+            Self::Direct => 1,
+            Self::Indirect => 2,
+            Self::Albedo => 3,
+            Self::Normal => 4,
+            Self::Depth => 5,
+        }
+    }
 }
 
 /// The reference beside the drawn image.

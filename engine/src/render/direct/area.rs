@@ -100,7 +100,8 @@ impl<'a> Work<'a> {
         let view = self.frame.view_uniform(gpu);
         let light = LightUniform::buffer(gpu, self.direct_light.light);
         let radius = if let Share::Rays(shadows) = &self.share { shadows.radius } else { 0 };
-        let area = gpu.uniform("area", &AreaUniform { origin, size, radius, root: self.glass().map_or(0, RayScene::root) });
+        let area =
+            gpu.uniform("area", &AreaUniform { origin, size, radius, root: self.glass().map_or(0, RayScene::root) });
         let lobes = gpu.constants("lobes", LOBES);
         let mut group = vec![
             ("view", Binding::Buffer(&view)),

@@ -48,9 +48,8 @@ pub fn declare<'a>(
     for direct_light in area {
         radiance = area::declare(graph, frame, gbuffer, radiance, direct_light.clone());
     }
-    let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) = points
-        .iter()
-        .partition(|light| light.shadow.is_some() || light.may_be_filtered(frame));
+    let (shadowed, others): (Vec<&DirectLight>, Vec<&DirectLight>) =
+        points.iter().partition(|light| light.shadow.is_some() || light.may_be_filtered(frame));
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
     let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {

@@ -5,7 +5,6 @@ use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::haze::Haze;
-use crate::render::settings::Layer;
 use crate::render::zero_texture::zero_texture;
 use encase::ShaderType;
 use glam::Vec3;

@@ -6,8 +6,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The profile that programs are packed with where the game's workspace has none of that name: small, and without the
-/// paths of sources. As in the Cargo.toml of Lightwell.
+/// The profile that programs are packed with where the game's workspace has none of that name: small, and without debug
+/// information. As in the Cargo.toml of Lightwell.
 const PROFILE: [&str; 14] = [
     "profile.dist.inherits=\"release\"",
     "profile.dist.opt-level=2",
