@@ -83,7 +83,7 @@ struct GlassBox {
     high: vec3f,
 }
 // Around all that is of glass.
-@group(1) @binding(8) var<uniform> glass_box: GlassBox;
+@group(1) @binding(9) var<uniform> glass_box: GlassBox;
 #endif
 #ifndef PLAIN
 // Three texels a triangle, one a corner: second u, v, colour and alpha of 16 bits each. Sampled, since four storage

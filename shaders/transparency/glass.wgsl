@@ -17,7 +17,7 @@
 #import lightwell::view::{View, toward_eye}
 #import lightwell::visible_surface::{SeenRay, number_of}
 
-struct Glass {
+struct SeenThrough {
     view: View,
     sky: vec3f,            // radiance [W/(m² sr)]
     sky_turn: f32,         // of the sky's map [rad]
@@ -29,7 +29,7 @@ struct Glass {
     patch_size: f32,       // [m]
 }
 
-@group(0) @binding(0) var<uniform> glass: Glass;
+@group(0) @binding(0) var<uniform> glass: SeenThrough;
 // Radiance [W/(m² sr)], and how far from where the camera's rays start the glass is [m]; 0: there is none.
 @group(0) @binding(1) var seen_through: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(2) var depth: texture_depth_2d;

@@ -39,7 +39,7 @@ use super::shadows::reflective::{RsmLayerUniform, RsmViewUniform};
 use super::shadows::shadow_map::{ShadowUniform, ShadowViewUniform};
 use super::shadows::through_glass::ThroughGlassUniform;
 use super::transparency::blend::BlendUniform;
-use super::transparency::glass::GlassUniform;
+use super::transparency::glass::SeenThroughUniform;
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
 use encase::ShaderType;
@@ -90,7 +90,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, AverageUniform::min_size().get(), "indirect/accumulate.wgsl", "Average");
     check(&gpu, ReflectionUniform::min_size().get(), "indirect/sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "transparency/blend.wgsl", "Blend");
-    check(&gpu, GlassUniform::min_size().get(), "transparency/glass.wgsl", "Glass");
+    check(&gpu, SeenThroughUniform::min_size().get(), "transparency/glass.wgsl", "SeenThrough");
     check(&gpu, GlassBoxUniform::min_size().get(), "transparency/glass.wgsl", "GlassBox");
     check(&gpu, ThroughGlassUniform::min_size().get(), "shadows/through_glass.wgsl", "ThroughGlass");
     check(&gpu, RsmViewUniform::min_size().get(), "shadows/reflective.wgsl", "RsmView");

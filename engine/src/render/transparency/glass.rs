@@ -21,9 +21,9 @@ const RAYS: u32 = 4;
 /// The same where images or frames are averaged.
 const RAYS_OF_MANY: u32 = 2;
 
-/// `Glass` of `transparency/glass.wgsl`.
+/// `SeenThrough` of `transparency/glass.wgsl`.
 #[derive(ShaderType)]
-pub(crate) struct GlassUniform {
+pub(crate) struct SeenThroughUniform {
     view: ViewUniform,
     sky: Vec3,
     sky_turn: f32,
@@ -143,9 +143,9 @@ impl Work<'_> {
         dispatch_rays(cx, &key, &group, scene, groups)
     }
 
-    fn uniform(&self, rays: &RayScene, part: Region) -> GlassUniform {
+    fn uniform(&self, rays: &RayScene, part: Region) -> SeenThroughUniform {
         let scene = self.frame.scene;
-        GlassUniform {
+        SeenThroughUniform {
             view: self.frame.view_values(),
             sky: scene.sky,
             sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
