@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// The list of a packed game's files, beside its program: a line of words, then a path a line, with `/` on every system. A program with such a
-/// list beside it is packed.
+/// The list of a packed game's files, beside its program: a line of words, then a path a line, with `/` on every system. A
+/// program with such a list beside it is packed.
 pub const LIST: &str = "packed.txt";
 /// The folder of what the game loads, beside its program.
 pub const ASSETS: &str = "assets";

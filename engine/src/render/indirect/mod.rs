@@ -15,9 +15,11 @@ mod methods;
 pub(super) mod mirror_average;
 mod none;
 pub mod path_tracer;
+mod scattered;
 pub(in crate::render) mod sky_reflection;
 
 pub use methods::Methods;
+pub(crate) use scattered::Scattered;
 
 use super::error::RenderError;
 use super::frame::{Frame, Kept};
@@ -27,7 +29,6 @@ use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
 use light_volumes::Field;
-use light_volumes::sweep::HazeCells;
 use std::any::Any;
 
 /// Whether a method casts rays into the scene.
@@ -75,15 +76,6 @@ impl IndirectLight {
     pub fn at_pixels(radiance: Handle<Texture>) -> Self {
         Self { radiance, mirrored: None, field: None, scattered: Scattered::default(), change: None }
     }
-}
-
-/// The light of a method that rays find on the surfaces which they meet, and in the air.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Scattered {
-    /// Irradiance of the surfels' patches \[W/m²\].
-    pub patches: Option<Handle<Buffer>>,
-    /// Light in media.
-    pub haze: Option<HazeCells>,
 }
 
 /// The door of a method. All but [`declare`](Self::declare) has a default that asks for nothing, so that a method whose

@@ -24,6 +24,10 @@ pub struct MaterialClass {
 }
 
 impl MaterialClass {
+    /// The front of opaque surfaces without anything that costs more: for passes that draw no material.
+    pub const SIMPLEST: Self =
+        Self { double_sided: false, masked: false, blended: false, glass: false, mirrored: false, plain: true };
+
     pub(super) fn of(primitive: &Primitive) -> Self {
         Self {
             double_sided: primitive.material.double_sided,

@@ -67,7 +67,7 @@ pub(in crate::render) fn declare<'a>(
     let seen = graph.retained_texture("seen through glass", frame.image_desc());
     let mut pass = graph.pass("glass");
     [depth, mask, opaque].into_iter().for_each(|input| pass.read(input));
-    light.patches.into_iter().chain(light.haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
+    light.handles().for_each(|light| pass.read(light));
     let seen = pass.write(seen);
     let rays = if frame.number().is_some() || frame.images() >= 4 { RAYS_OF_MANY } else { RAYS };
     let revisions = &frame.scene.revisions;
@@ -111,13 +111,12 @@ impl Work<'_> {
     fn dispatch(&self, cx: &mut PassContext, scene: &RayScene, part: Region) -> Result<(), PassError> {
         let uniform = cx.gpu.uniform("glass", &self.uniform(scene, part));
         let [depth, mask, opaque, seen] = [self.depth, self.mask, self.opaque, self.seen].map(|handle| cx.view(handle));
-        let mut key = scene
+        let key = scene
             .shader("transparency/glass.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
             .def("LAYER", ShaderDef::Uint(self.frame.settings.only.index()));
-        key = HazeCells::defined(self.light.haze.as_ref(), key);
-        let haze = self.light.haze.map(|haze| haze.bindings(cx));
-        let patches = self.light.patches.map(|light| cx.buffer(light).clone());
+        let key = self.light.defined(&self.frame, key);
+        let light = self.light.buffers(cx);
         let mut group = vec![
             ("glass", Binding::Buffer(&uniform)),
             ("seen_through", Binding::Texture(&seen)),
@@ -126,19 +125,7 @@ impl Work<'_> {
             ("opaque_depth", Binding::Texture(&depth)),
             ("opaque_radiance", Binding::Texture(&opaque)),
         ];
-        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        match &patches {
-            Some(light) => {
-                group.push(("patch_light", Binding::Buffer(light)));
-                group.extend(self.frame.surfels.patches().bindings());
-            }
-            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
-        }
-        if self.frame.scene.sky_map.is_some() {
-            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
-        } else {
-            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
-        }
+        group.extend(self.light.bindings(&self.frame, &light));
         let groups = [part.size.x.div_ceil(8), part.size.y.div_ceil(8), 1];
         dispatch_rays(cx, &key, &group, scene, groups)
     }

@@ -97,17 +97,7 @@ impl Work<'_> {
         let [base_color, normal, object, depth] = self.inputs.map(|handle| cx.view(handle));
         let target = cx.view(self.indirect);
         let lights = cx.buffer(self.lights.buffer).clone();
-        let pipeline = gpu.pipelines.raster(
-            gpu,
-            &self.raster_key(MaterialClass {
-                double_sided: false,
-                masked: false,
-                blended: false,
-                glass: false,
-                mirrored: false,
-                plain: true,
-            }),
-        )?;
+        let pipeline = gpu.pipelines.raster(gpu, &self.raster_key(MaterialClass::SIMPLEST))?;
         let letter = LetterUniform { index, root: self.state.rays.root(), scale: 1.0, pad: 0 };
         let letter = gpu.uniform("letter", &letter);
         let surfaces = pipeline.bind(

@@ -60,15 +60,7 @@ fn draw_along(
     coverage: &wgpu::Buffer,
 ) -> Result<(), PassError> {
     let view = cx.gpu.uniform("volume", &volume.uniform());
-    let any_class = MaterialClass {
-        double_sided: false,
-        masked: false,
-        blended: false,
-        glass: false,
-        mirrored: false,
-        plain: true,
-    };
-    let pipeline = cx.gpu.pipelines.raster(cx.gpu, &raster_key(any_class, axis))?;
+    let pipeline = cx.gpu.pipelines.raster(cx.gpu, &raster_key(MaterialClass::SIMPLEST, axis))?;
     let group = pipeline.bind(cx.gpu, 1, &[("closed", Binding::Buffer(coverage))])?;
     let mut pass = cx
         .render_pass(&wgpu::RenderPassDescriptor {

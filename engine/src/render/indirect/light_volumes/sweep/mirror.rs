@@ -7,9 +7,10 @@
 use super::gather;
 use super::haze_cells::HazeCells;
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::indirect::Scattered;
 use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
 use crate::world::{Clpv, GatherRays};
 use encase::ShaderType;
@@ -42,25 +43,25 @@ pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u3
 }
 
 /// Declares the pass; the result is the radiance \[W/(m² sr)\] that mirrors reflect, with the distance \[m\] of what they
-/// show. `light` is that of the patches, if more than one bounce counts, `haze` that in the air, if there are media.
+/// show.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
-    (light, haze): (Option<Handle<Buffer>>, Option<HazeCells>),
+    light: Scattered,
     rays: u32,
 ) -> Handle<Texture> {
     let mirrored = graph.retained_texture("mirrored radiance", frame.image_desc());
     let mut pass = graph.pass("mirror");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
-    light.into_iter().chain(haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
+    light.handles().for_each(|light| pass.read(light));
     let mirrored = pass.write(mirrored);
-    pass.key(&(rays, frame.seed(), frame.view_key(), light.is_some(), frame.surfels.revision()));
+    pass.key(&(rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
     let revisions = &frame.scene.revisions;
     pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
-    pass.key(&(frame.media_key(), HazeCells::key(haze.as_ref())));
-    let work = Work { frame: frame.clone(), inputs, light, haze, mirrored, rays };
+    pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
+    let work = Work { frame: frame.clone(), inputs, light, mirrored, rays };
     pass.execute(move |cx| work.run(cx));
     mirrored
 }
@@ -68,8 +69,7 @@ pub(super) fn declare<'a>(
 struct Work<'a> {
     frame: Frame<'a>,
     inputs: [Handle<Texture>; 4],
-    light: Option<Handle<Buffer>>,
-    haze: Option<HazeCells>,
+    light: Scattered,
     mirrored: Handle<Texture>,
     rays: u32,
 }
@@ -101,30 +101,17 @@ impl Work<'_> {
         let uniform = cx.gpu.uniform("mirror", &self.uniform(scene, first_row));
         let views = self.inputs.map(|handle| cx.view(handle));
         let target = cx.view(self.mirrored);
-        let light = self.light.map(|handle| cx.buffer(handle).clone());
         let (name, value) = mirror_define();
-        let mut key = scene
+        let key = scene
             .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
             .def(name, value);
-        key = HazeCells::defined(self.haze.as_ref(), key);
-        let haze = self.haze.map(|haze| haze.bindings(cx));
+        let key = self.light.defined(&self.frame, key);
+        let light = self.light.buffers(cx);
         let mut group = vec![("mirror", Binding::Buffer(&uniform)), ("mirrored", Binding::Texture(&target))];
         let names = ["base_color", "normal", "object", "depth"];
         group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        match &light {
-            Some(light) => {
-                group.push(("patch_light", Binding::Buffer(light)));
-                group.extend(self.frame.surfels.patches().bindings());
-            }
-            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
-        }
-        if self.frame.scene.sky_map.is_some() {
-            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
-        } else {
-            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
-        }
+        group.extend(self.light.bindings(&self.frame, &light));
         dispatch_rays(cx, &key, &group, scene, groups)
     }
 

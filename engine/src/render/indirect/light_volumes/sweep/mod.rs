@@ -186,11 +186,13 @@ pub(super) fn declare<'a>(
         let light = level.light().axes;
         level.lamp_light.map(|lamps| haze_cells::declare(graph, frame, &level.volume, lamps, light))
     });
+    let ends_in_patches = is_gathered && !gather::are_paths(settings);
+    let patches = radiosity.map(|light| light.patches).filter(|_| ends_in_patches);
+    let scattered = Scattered { patches, haze };
     let mut mirrored = None;
     let radiance = if is_gathered {
-        let patches = radiosity.map(|light| light.patches).filter(|_| !gather::are_paths(settings));
         let interleave = Interleave::new(frame, patches.is_some());
-        mirrored = declare_mirrors(graph, frame, gbuffer, settings, (patches, haze), interleave);
+        mirrored = declare_mirrors(graph, frame, gbuffer, settings, scattered, interleave);
         let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
         gather::declare(graph, frame, gbuffer, settings, (patches, haze), lit, interleave)
     } else {
@@ -206,10 +208,7 @@ pub(super) fn declare<'a>(
         .filter(|_| !is_gathered && sky_reflection::is_mirrored(frame.scene))
         .map(|level| (level.obstacles, level.volume));
     let sky = sky.map(|(obstacles, volume)| sky::field_of(&sky::level(graph, frame, obstacles, &volume)));
-    let ends_in_patches = is_gathered && !gather::are_paths(settings);
     let change = radiosity.filter(|_| ends_in_patches).and_then(|light| light.change);
-    let patches = radiosity.map(|light| light.patches).filter(|_| ends_in_patches);
-    let scattered = Scattered { patches, haze };
     let indirect = |level: &Level| Indirect {
         radiance,
         mirrored,
@@ -228,7 +227,7 @@ fn declare_mirrors<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     settings: &Clpv,
-    light: (Option<Handle<Buffer>>, Option<HazeCells>),
+    light: Scattered,
     interleave: Interleave,
 ) -> Option<Handle<Texture>> {
     match mirror::rays(frame, settings, interleave.is_sparse()) {
