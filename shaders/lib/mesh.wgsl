@@ -34,8 +34,17 @@ struct Material {
     normal_scale: f32,
     double_sided: u32,
     transmission: f32,     // of light that is neither reflected nor a metal's
-    // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour, transmission.
-    uv_rows: array<vec4f, 14>,
+    clearcoat: f32,        // share of the surface that a clear coat covers; the layers: lib/layers.wgsl
+    clearcoat_roughness: f32,
+    clearcoat_normal_scale: f32,
+    sheen_color: vec3f,
+    sheen_roughness: f32,
+    anisotropy: vec3f,     // strength; cosine and sine of its turn from the tangent
+    iridescence: f32,      // share of the surface that a film covers
+    film: vec3f,           // its index of refraction; its least and most thickness [nm]
+    // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour, transmission,
+    // clear coat, its roughness and its normal, sheen colour and roughness, anisotropy, iridescence and thickness.
+    uv_rows: array<vec4f, 30>,
 }
 
 // `alpha_cutoff` of blended surfaces, above any cutoff of masked ones.

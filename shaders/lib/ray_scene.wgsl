@@ -11,7 +11,8 @@
 //   DARK        no material emits light
 //   GLASS       (the other way around) light passes a surface: see lib/glass.wgsl
 //   MOVERS      (the other way around) something moves
-//   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures of KHR_materials_specular
+//   LAYERED     (the other way around) a surface has more than the metallic-roughness base: see lib/layers.wgsl
+//   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures but those of the base
 
 #import lightwell::lights::Light
 
@@ -31,8 +32,12 @@ struct Material {
     transmission: f32,     // of light that is neither reflected nor a metal's; 0: no glass
     ior: f32,              // of the inside, relative to air
     is_solid: u32,         // it bounds a body; else it is a thin wall
-    pad_a: u32,
-    pad_b: u32,
+    dispersion: f32,       // 20 over its Abbe number
+    pad: u32,
+    sheen: vec4f,          // colour, roughness; the layers: lib/layers.wgsl
+    iridescence: vec4f,    // share of the surface, index of refraction, least and most thickness [nm]
+    clearcoat: vec3f,      // share of the surface, roughness, scale of its normal map
+    anisotropy: vec3f,     // strength; cosine and sine of its turn from the tangent
     base_color_texture: vec4u,
     metallic_roughness_texture: vec4u,
     normal_texture: vec4u,
@@ -40,8 +45,16 @@ struct Material {
     specular_texture: vec4u,
     specular_color_texture: vec4u,
     transmission_texture: vec4u,
+    clearcoat_texture: vec4u,
+    clearcoat_roughness_texture: vec4u,
+    clearcoat_normal_texture: vec4u,
+    sheen_color_texture: vec4u,
+    sheen_roughness_texture: vec4u,
+    anisotropy_texture: vec4u,
+    iridescence_texture: vec4u,
+    iridescence_thickness_texture: vec4u,
     // Two rows for each texture, as in lib/mesh.wgsl.
-    uv_rows: array<vec4f, 14>,
+    uv_rows: array<vec4f, 30>,
 }
 
 struct Emitter {

@@ -1,5 +1,7 @@
-//! Surface materials: glTF metallic-roughness with `KHR_materials_specular`, `_transmission`, `_volume` and emission.
+//! Surface materials: glTF metallic-roughness with emission, `KHR_materials_specular`, `_transmission`, `_volume` and the
+//! [`layers`](super::layers) over it.
 
+use super::layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 use super::{AssetId, Texture};
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -71,6 +73,17 @@ pub struct Material {
     /// `KHR_materials_volume`: the surface bounds a solid body, which refracts and absorbs light. Without, it is a thin wall,
     /// which light passes straight.
     pub volume: Option<Attenuation>,
+    /// `KHR_materials_dispersion`: 20 over the Abbe number of the inside; 0: all colours are refracted alike. Counts in solid
+    /// bodies alone.
+    pub dispersion: f32,
+    /// A clear layer over all others.
+    pub clearcoat: Clearcoat,
+    /// Fibres that stand off the surface.
+    pub sheen: Sheen,
+    /// What stretches the highlights of the base.
+    pub anisotropy: Anisotropy,
+    /// A thin film on the base.
+    pub iridescence: Iridescence,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
     /// Shows the emission whatever the light (`KHR_materials_unlit`); vertex colours multiply it.
@@ -91,6 +104,22 @@ pub struct Material {
     pub specular_color_texture: Option<Arc<Texture>>,
     /// `KHR_materials_transmission` factor in red.
     pub transmission_texture: Option<Arc<Texture>>,
+    /// Clear coat factor in red.
+    pub clearcoat_texture: Option<Arc<Texture>>,
+    /// Clear coat roughness in green.
+    pub clearcoat_roughness_texture: Option<Arc<Texture>>,
+    /// Normal map of the clear coat (linear).
+    pub clearcoat_normal_texture: Option<Arc<Texture>>,
+    /// Sheen colour (sRGB).
+    pub sheen_color_texture: Option<Arc<Texture>>,
+    /// Sheen roughness in alpha.
+    pub sheen_roughness_texture: Option<Arc<Texture>>,
+    /// Direction of the anisotropy in red and green, as a normal map has x and y; its strength in blue.
+    pub anisotropy_texture: Option<Arc<Texture>>,
+    /// Share of the film in red.
+    pub iridescence_texture: Option<Arc<Texture>>,
+    /// Thickness of the film in green, from its least to its most.
+    pub iridescence_thickness_texture: Option<Arc<Texture>>,
     /// Where each texture lies on the surface.
     pub uv: UvMaps,
 }
@@ -135,10 +164,49 @@ pub struct UvMaps {
     pub specular_color: UvMap,
     /// Transmission.
     pub transmission: UvMap,
+    /// Clear coat factor.
+    pub clearcoat: UvMap,
+    /// Clear coat roughness.
+    pub clearcoat_roughness: UvMap,
+    /// Normal map of the clear coat.
+    pub clearcoat_normal: UvMap,
+    /// Sheen colour.
+    pub sheen_color: UvMap,
+    /// Sheen roughness.
+    pub sheen_roughness: UvMap,
+    /// Anisotropy.
+    pub anisotropy: UvMap,
+    /// Share of the film.
+    pub iridescence: UvMap,
+    /// Thickness of the film.
+    pub iridescence_thickness: UvMap,
+}
+
+impl UvMaps {
+    /// All of them, in the order of [`Material::textures`].
+    pub(crate) fn all_mut(&mut self) -> [&mut UvMap; TEXTURE_COUNT] {
+        [
+            &mut self.base_color,
+            &mut self.metallic_roughness,
+            &mut self.normal,
+            &mut self.emissive,
+            &mut self.specular,
+            &mut self.specular_color,
+            &mut self.transmission,
+            &mut self.clearcoat,
+            &mut self.clearcoat_roughness,
+            &mut self.clearcoat_normal,
+            &mut self.sheen_color,
+            &mut self.sheen_roughness,
+            &mut self.anisotropy,
+            &mut self.iridescence,
+            &mut self.iridescence_thickness,
+        ]
+    }
 }
 
 /// Number of textures of a material.
-pub(crate) const TEXTURE_COUNT: usize = 7;
+pub(crate) const TEXTURE_COUNT: usize = 15;
 
 impl Material {
     /// A white, rough, opaque dielectric with the glTF default of a 4 % reflection at normal incidence.
@@ -156,6 +224,11 @@ impl Material {
             transmission: 0.0,
             ior: 1.5,
             volume: None,
+            dispersion: 0.0,
+            clearcoat: Clearcoat::default(),
+            sheen: Sheen::default(),
+            anisotropy: Anisotropy::default(),
+            iridescence: Iridescence::default(),
             alpha_mode: AlphaMode::Opaque,
             unlit: false,
             double_sided: false,
@@ -166,6 +239,14 @@ impl Material {
             specular_texture: None,
             specular_color_texture: None,
             transmission_texture: None,
+            clearcoat_texture: None,
+            clearcoat_roughness_texture: None,
+            clearcoat_normal_texture: None,
+            sheen_color_texture: None,
+            sheen_roughness_texture: None,
+            anisotropy_texture: None,
+            iridescence_texture: None,
+            iridescence_thickness_texture: None,
             uv: UvMaps::default(),
         }
     }
@@ -180,6 +261,14 @@ impl Material {
             (self.specular_texture.as_ref(), self.uv.specular),
             (self.specular_color_texture.as_ref(), self.uv.specular_color),
             (self.transmission_texture.as_ref(), self.uv.transmission),
+            (self.clearcoat_texture.as_ref(), self.uv.clearcoat),
+            (self.clearcoat_roughness_texture.as_ref(), self.uv.clearcoat_roughness),
+            (self.clearcoat_normal_texture.as_ref(), self.uv.clearcoat_normal),
+            (self.sheen_color_texture.as_ref(), self.uv.sheen_color),
+            (self.sheen_roughness_texture.as_ref(), self.uv.sheen_roughness),
+            (self.anisotropy_texture.as_ref(), self.uv.anisotropy),
+            (self.iridescence_texture.as_ref(), self.uv.iridescence),
+            (self.iridescence_thickness_texture.as_ref(), self.uv.iridescence_thickness),
         ]
     }
 
@@ -196,8 +285,27 @@ impl Material {
         self.transmission > 0.0 && self.metallic < 1.0 && self.emissive == Vec3::ZERO
     }
 
-    /// Whether all textures lie by the first set as it is, and none is one of `KHR_materials_specular` or
-    /// `KHR_materials_transmission`: what shaders do faster.
+    /// Whether there is a clear coat.
+    pub fn has_coat(&self) -> bool {
+        self.clearcoat.factor > 0.0 && !self.is_see_through()
+    }
+
+    /// Whether there is anything beyond the metallic-roughness base that is opaque: a clear coat, sheen, a film or anisotropy.
+    pub fn has_layers(&self) -> bool {
+        let has_sheen = self.sheen.color.max_element() > 0.0;
+        let is_stretched = self.anisotropy.strength > 0.0;
+        let has_film = self.iridescence.factor > 0.0;
+        !self.unlit
+            && (has_film || (self.clearcoat.factor > 0.0 || has_sheen || is_stretched) && !self.is_see_through())
+    }
+
+    /// Whether what lies behind shows through the surface: it has no layers but a film.
+    pub(crate) fn is_see_through(&self) -> bool {
+        self.is_glass() || self.alpha_mode == AlphaMode::Blend
+    }
+
+    /// Whether all textures lie by the first set as it is, and all are those of the metallic-roughness base: what shaders do
+    /// faster.
     pub(crate) fn is_plain(&self) -> bool {
         let textures = self.textures();
         textures.iter().all(|(texture, map)| texture.is_none() || *map == UvMap::default())

@@ -9,6 +9,7 @@ mod error;
 mod gltf;
 mod image;
 mod ktx2;
+pub mod layers;
 mod library;
 mod material;
 mod mesh;
@@ -38,7 +39,9 @@ pub use self::gltf::{
 pub use self::pixels::MAX_IMAGE_SIZE;
 pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use cube_table::CubeTable;
+pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use library::AssetLibrary;
+pub(crate) use material::TEXTURE_COUNT;
 pub use material::{AlphaMode, Attenuation, Material, UvMap, UvMaps};
 pub use mesh::{Mesh, Vertex, VertexExtra};
 pub use shape::{MAX_SEGMENTS, Shape};

@@ -227,6 +227,7 @@ fn convert(
             specular: uv_map(&gloss),
             specular_color: uv_map(&tint),
             transmission: uv_map(&passing),
+            ..Default::default()
         },
         ..Material::new(name.clone())
     };
@@ -254,16 +255,7 @@ fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
             used.len()
         ));
     }
-    let uv = &mut m.uv;
-    for map in [
-        &mut uv.base_color,
-        &mut uv.metallic_roughness,
-        &mut uv.normal,
-        &mut uv.emissive,
-        &mut uv.specular,
-        &mut uv.specular_color,
-        &mut uv.transmission,
-    ] {
+    for map in m.uv.all_mut() {
         map.set = u32::from(map.set == sets[1]);
     }
     let uses_second = m.textures().iter().any(|(texture, map)| texture.is_some() && map.set == 1);

@@ -2,9 +2,9 @@
 
 use super::atlas::Atlas;
 use super::{RayError, check_size};
-use crate::assets::{AssetId, Material, Texture};
+use crate::assets::{AssetId, Material, TEXTURE_COUNT, Texture};
 use crate::gpu::{Gpu, ShaderDef};
-use crate::render::scene_gpu::alpha_cutoff;
+use crate::render::scene_gpu::{MaterialLayers, alpha_cutoff};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
@@ -37,10 +37,17 @@ pub(crate) struct RayMaterial {
     transmission: f32,
     ior: f32,
     is_solid: u32,
-    padding: [u32; 2],
+    dispersion: f32,
+    padding: u32,
+    sheen: [f32; 4],
+    iridescence: [f32; 4],
+    clearcoat: [f32; 3],
+    padding_of_clearcoat: u32,
+    anisotropy: [f32; 3],
+    padding_of_anisotropy: u32,
     /// In the order of [`Material::textures`].
-    textures: [[u32; 4]; 7],
-    uv_rows: [[f32; 4]; 14],
+    textures: [[u32; 4]; TEXTURE_COUNT],
+    uv_rows: [[f32; 4]; 2 * TEXTURE_COUNT],
 }
 
 impl RayMaterial {
@@ -48,6 +55,7 @@ impl RayMaterial {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO).min(Vec3::splat(1e30)) } else { Vec3::ZERO };
         let base_color = material.base_color;
+        let layers = MaterialLayers::of(material);
         Self {
             base_color: if base_color.is_finite() { base_color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::W }
                 .to_array(),
@@ -63,7 +71,14 @@ impl RayMaterial {
             transmission: if material.is_glass() { unit(material.transmission) } else { 0.0 },
             ior: if material.ior.is_finite() { material.ior.clamp(1.0, 10.0) } else { 1.0 },
             is_solid: u32::from(material.volume.is_some()),
-            padding: [0; 2],
+            dispersion: if material.dispersion.is_finite() { material.dispersion.clamp(0.0, 100.0) } else { 0.0 },
+            padding: 0,
+            sheen: layers.sheen,
+            iridescence: layers.iridescence,
+            clearcoat: layers.clearcoat,
+            padding_of_clearcoat: 0,
+            anisotropy: layers.anisotropy,
+            padding_of_anisotropy: 0,
             textures: material.textures().map(|(texture, _)| texture.map_or([0; 4], |texture| atlas.slot(texture.id))),
             uv_rows: material.uv_rows(),
         }
@@ -80,6 +95,7 @@ pub(super) struct GpuMaterials {
     emissive: bool,
     plain: bool,
     has_glass: bool,
+    has_layers: bool,
     /// Least roughness of textures that were looked at.
     least_roughness: HashMap<AssetId, f32>,
 }
@@ -96,6 +112,7 @@ impl GpuMaterials {
             emissive: false,
             plain: true,
             has_glass: false,
+            has_layers: false,
             least_roughness: HashMap::new(),
         }
     }
@@ -109,6 +126,8 @@ impl GpuMaterials {
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         self.has_glass = scene.primitives.iter().any(|p| p.material.is_glass());
+        self.has_layers = scene.primitives.iter().any(|p| p.material.has_layers());
+        self.specular |= self.has_layers;
         let mut list = Vec::new();
         let of_kind = |is_moving: bool| scene.primitives.iter().filter(move |p| p.moving == is_moving);
         for primitive in of_kind(false).chain(of_kind(true)) {
@@ -162,6 +181,11 @@ impl GpuMaterials {
     /// Whether any surface lets light pass.
     pub(super) fn any_glass(&self) -> bool {
         self.has_glass
+    }
+
+    /// Whether any has more than the metallic-roughness base.
+    pub(super) fn any_layers(&self) -> bool {
+        self.has_layers
     }
 
     /// Whether any material emits light.

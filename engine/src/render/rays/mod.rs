@@ -266,6 +266,7 @@ impl RayScene {
             ("PLAIN", self.materials.is_plain()),
             ("AREA_LIGHTS", self.has_area_lights),
             ("GLASS", self.has_glass()),
+            ("LAYERED", self.materials.any_layers()),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
         let key = set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)));

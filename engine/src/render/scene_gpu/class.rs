@@ -18,15 +18,26 @@ pub struct MaterialClass {
     pub glass: bool,
     /// The transform mirrors: triangles wind the other way.
     pub mirrored: bool,
-    /// One set of texture coordinates as it is, no vertex colours, no textures of `KHR_materials_specular` or
-    /// `KHR_materials_transmission`.
+    /// One set of texture coordinates as it is, no vertex colours, no textures but those of the metallic-roughness base.
     pub plain: bool,
+    /// There is more than the metallic-roughness base.
+    pub layered: bool,
+    /// There is a clear coat.
+    pub coated: bool,
 }
 
 impl MaterialClass {
     /// The front of opaque surfaces without anything that costs more: for passes that draw no material.
-    pub const SIMPLEST: Self =
-        Self { double_sided: false, masked: false, blended: false, glass: false, mirrored: false, plain: true };
+    pub const SIMPLEST: Self = Self {
+        double_sided: false,
+        masked: false,
+        blended: false,
+        glass: false,
+        mirrored: false,
+        plain: true,
+        layered: false,
+        coated: false,
+    };
 
     pub(super) fn of(primitive: &Primitive) -> Self {
         Self {
@@ -36,12 +47,21 @@ impl MaterialClass {
             glass: primitive.material.is_glass(),
             mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
             plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
+            layered: primitive.material.has_layers(),
+            coated: primitive.material.has_coat(),
         }
     }
 
     /// The shader definitions of the parts that a pass leaves out.
     pub fn defs(self) -> Vec<(&'static str, ShaderDef)> {
         if self.plain { vec![("PLAIN", ShaderDef::Flag(true))] } else { Vec::new() }
+    }
+
+    /// The same for passes that draw the view, which see what layers there are.
+    pub fn defs_of_view(self) -> Vec<(&'static str, ShaderDef)> {
+        let mut defs = self.defs();
+        defs.extend(self.layered.then_some(("LAYERED", ShaderDef::Flag(true))));
+        defs
     }
 
     /// Layouts of [`Vertex`] and, where there is more than the plain, [`VertexExtra`].

@@ -1,7 +1,7 @@
 //! Upload of materials: factors in a uniform buffer, textures, and neutral textures where there is none.
 
 use super::texture::GpuTexture;
-use crate::assets::{AlphaMode, AssetId, Material, Sampling, Texture};
+use crate::assets::{AlphaMode, AssetId, Material, Sampling, TEXTURE_COUNT, Texture};
 use crate::gpu::{Binding, Gpu};
 use encase::ShaderType;
 use glam::{Vec3, Vec4};
@@ -21,13 +21,22 @@ pub(crate) struct MaterialUniform {
     normal_scale: f32,
     double_sided: u32,
     transmission: f32,
-    uv_rows: [Vec4; 14],
+    clearcoat: f32,
+    clearcoat_roughness: f32,
+    clearcoat_normal_scale: f32,
+    sheen_color: Vec3,
+    sheen_roughness: f32,
+    anisotropy: Vec3,
+    iridescence: f32,
+    film: Vec3,
+    uv_rows: [Vec4; 30],
 }
 
 impl MaterialUniform {
     fn new(material: &Material) -> Self {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
+        let layers = MaterialLayers::of(material);
         Self {
             base_color: if material.base_color.is_finite() {
                 material.base_color.clamp(Vec4::ZERO, Vec4::ONE)
@@ -47,7 +56,58 @@ impl MaterialUniform {
             },
             double_sided: u32::from(material.double_sided),
             transmission: if material.is_glass() { unit(material.transmission) } else { 0.0 },
+            clearcoat: layers.clearcoat[0],
+            clearcoat_roughness: layers.clearcoat[1],
+            clearcoat_normal_scale: layers.clearcoat[2],
+            sheen_color: Vec3::from_slice(&layers.sheen),
+            sheen_roughness: layers.sheen[3],
+            anisotropy: layers.anisotropy.into(),
+            iridescence: layers.iridescence[0],
+            film: Vec3::from_slice(&layers.iridescence[1..]),
             uv_rows: material.uv_rows().map(Vec4::from),
+        }
+    }
+}
+
+/// The layers of a material as shaders have them, within their ranges. A surface that shows what lies behind has none but a film.
+pub(in crate::render) struct MaterialLayers {
+    /// Factor, roughness, and the scale of the normal map; 0 without one.
+    pub clearcoat: [f32; 3],
+    /// Colour and roughness.
+    pub sheen: [f32; 4],
+    /// Strength, and cosine and sine of the turn.
+    pub anisotropy: [f32; 3],
+    /// Factor, index of refraction, and the range of the thickness \[nm\].
+    pub iridescence: [f32; 4],
+}
+
+impl MaterialLayers {
+    /// Indices of refraction, and thicknesses \[nm\], beyond which no film is.
+    const MOST_IOR: f32 = 10.0;
+    const MOST_THICKNESS: f32 = 1e5;
+
+    pub(in crate::render) fn of(material: &Material) -> Self {
+        let within =
+            |value: f32, least: f32, most: f32| if value.is_finite() { value.clamp(least, most) } else { least };
+        let unit = |value: f32| within(value, 0.0, 1.0);
+        let (coat, sheen) = (&material.clearcoat, &material.sheen);
+        let (stretch, film) = (&material.anisotropy, &material.iridescence);
+        let only = |is_there: bool, value: f32| if is_there { value } else { 0.0 };
+        let has_layers = material.has_layers();
+        let is_opaque = has_layers && !material.is_see_through();
+        let has_map = material.clearcoat_normal_texture.is_some() && coat.normal_scale.is_finite();
+        let color = sheen.color.to_array().map(|c| only(is_opaque, unit(c)));
+        let turn = if stretch.rotation.is_finite() { stretch.rotation } else { 0.0 };
+        Self {
+            clearcoat: [only(is_opaque, unit(coat.factor)), unit(coat.roughness), only(has_map, coat.normal_scale)],
+            sheen: [color[0], color[1], color[2], unit(sheen.roughness)],
+            anisotropy: [only(is_opaque, unit(stretch.strength)), turn.cos(), turn.sin()],
+            iridescence: [
+                only(has_layers, unit(film.factor)),
+                within(film.ior, 1.0, Self::MOST_IOR),
+                within(film.least_thickness, 0.0, Self::MOST_THICKNESS),
+                within(film.thickness, 0.0, Self::MOST_THICKNESS),
+            ],
         }
     }
 }
@@ -72,39 +132,43 @@ pub(super) fn is_nowhere_opaque(material: &Material) -> bool {
     material.is_glass() || material.alpha_mode == AlphaMode::Blend && material.base_color.w < OPAQUE_ALPHA
 }
 
+/// Names of the textures of a material in WGSL, with those of their samplers, in the order of `Material::textures`.
+const TEXTURE_NAMES: [[&str; 2]; TEXTURE_COUNT] = [
+    ["base_color_texture", "base_color_sampler"],
+    ["metallic_roughness_texture", "metallic_roughness_sampler"],
+    ["normal_texture", "normal_sampler"],
+    ["emissive_texture", "emissive_sampler"],
+    ["specular_texture", "specular_sampler"],
+    ["specular_color_texture", "specular_color_sampler"],
+    ["transmission_texture", "transmission_sampler"],
+    ["clearcoat_texture", "clearcoat_sampler"],
+    ["clearcoat_roughness_texture", "clearcoat_roughness_sampler"],
+    ["clearcoat_normal_texture", "clearcoat_normal_sampler"],
+    ["sheen_color_texture", "sheen_color_sampler"],
+    ["sheen_roughness_texture", "sheen_roughness_sampler"],
+    ["anisotropy_texture", "anisotropy_sampler"],
+    ["iridescence_texture", "iridescence_sampler"],
+    ["iridescence_thickness_texture", "iridescence_thickness_sampler"],
+];
+/// Which of them are normal maps.
+const NORMAL_MAPS: [usize; 2] = [2, 9];
+/// Which of them holds a direction.
+const DIRECTIONS: usize = 12;
+
 /// A material on the device.
 #[derive(Debug)]
 pub(super) struct GpuMaterial {
     uniform: wgpu::Buffer,
-    base_color: Arc<GpuTexture>,
-    metallic_roughness: Arc<GpuTexture>,
-    normal: Arc<GpuTexture>,
-    emissive: Arc<GpuTexture>,
-    specular: Arc<GpuTexture>,
-    specular_color: Arc<GpuTexture>,
-    transmission: Arc<GpuTexture>,
+    textures: [Arc<GpuTexture>; TEXTURE_COUNT],
 }
 
 impl GpuMaterial {
     /// All that a shader may bind of it, by its name in WGSL.
-    pub(super) fn bindings(&self) -> [(&'static str, Binding<'_>); 15] {
-        [
-            ("material", Binding::Buffer(&self.uniform)),
-            ("base_color_texture", Binding::Texture(&self.base_color.view)),
-            ("base_color_sampler", Binding::Sampler(&self.base_color.sampler)),
-            ("metallic_roughness_texture", Binding::Texture(&self.metallic_roughness.view)),
-            ("metallic_roughness_sampler", Binding::Sampler(&self.metallic_roughness.sampler)),
-            ("normal_texture", Binding::Texture(&self.normal.view)),
-            ("normal_sampler", Binding::Sampler(&self.normal.sampler)),
-            ("emissive_texture", Binding::Texture(&self.emissive.view)),
-            ("emissive_sampler", Binding::Sampler(&self.emissive.sampler)),
-            ("specular_texture", Binding::Texture(&self.specular.view)),
-            ("specular_sampler", Binding::Sampler(&self.specular.sampler)),
-            ("specular_color_texture", Binding::Texture(&self.specular_color.view)),
-            ("specular_color_sampler", Binding::Sampler(&self.specular_color.sampler)),
-            ("transmission_texture", Binding::Texture(&self.transmission.view)),
-            ("transmission_sampler", Binding::Sampler(&self.transmission.sampler)),
-        ]
+    pub(super) fn bindings(&self) -> Vec<(&'static str, Binding<'_>)> {
+        let textures = TEXTURE_NAMES.iter().zip(&self.textures).flat_map(|([name, sampler], texture)| {
+            [(*name, Binding::Texture(&texture.view)), (*sampler, Binding::Sampler(&texture.sampler))]
+        });
+        std::iter::once(("material", Binding::Buffer(&self.uniform))).chain(textures).collect()
     }
 }
 
@@ -118,6 +182,8 @@ pub(super) struct MaterialStore {
     textures: HashMap<AssetId, Arc<GpuTexture>>,
     white: Arc<GpuTexture>,
     flat_normal: Arc<GpuTexture>,
+    /// Along the tangent, at full strength.
+    along: Arc<GpuTexture>,
 }
 
 impl MaterialStore {
@@ -127,6 +193,7 @@ impl MaterialStore {
             textures: HashMap::new(),
             white: Arc::new(GpuTexture::new(gpu, &single_texel("white", [255; 4]))),
             flat_normal: Arc::new(GpuTexture::new(gpu, &single_texel("flat normal", [128, 128, 255, 255]))),
+            along: Arc::new(GpuTexture::new(gpu, &single_texel("along the tangent", [255, 128, 255, 255]))),
         }
     }
 
@@ -164,21 +231,17 @@ impl MaterialStore {
     }
 
     fn upload(&self, gpu: &Gpu, material: &Material) -> GpuMaterial {
-        let find = |texture: Option<&Arc<Texture>>, neutral: &Arc<GpuTexture>| {
+        let mut index = 0;
+        let textures = material.textures().map(|(texture, _)| {
+            let neutral = match index {
+                index if NORMAL_MAPS.contains(&index) => &self.flat_normal,
+                DIRECTIONS => &self.along,
+                _ => &self.white,
+            };
+            index += 1;
             texture.and_then(|t| self.textures.get(&t.id)).unwrap_or(neutral).clone()
-        };
-        let [base_color, metallic_roughness, normal, emissive, specular, specular_color, transmission] =
-            material.textures().map(|(texture, _)| texture);
-        GpuMaterial {
-            uniform: gpu.uniform(&material.name, &MaterialUniform::new(material)),
-            base_color: find(base_color, &self.white),
-            metallic_roughness: find(metallic_roughness, &self.white),
-            normal: find(normal, &self.flat_normal),
-            emissive: find(emissive, &self.white),
-            specular: find(specular, &self.white),
-            specular_color: find(specular_color, &self.white),
-            transmission: find(transmission, &self.white),
-        }
+        });
+        GpuMaterial { uniform: gpu.uniform(&material.name, &MaterialUniform::new(material)), textures }
     }
 
     /// Bytes of all textures on the device.

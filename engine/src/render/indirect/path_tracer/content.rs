@@ -2,6 +2,7 @@
 
 use super::TraceSettings;
 use crate::assets::{AlphaMode, AssetId, Material, Mesh, Texture};
+use crate::render::scene_gpu::MaterialLayers;
 use crate::scene::{LightShape, Scene, SceneCamera, SceneLight, SceneMedium, SceneView, ViewProjection};
 use crate::world::Lens;
 use std::collections::HashMap;
@@ -132,6 +133,8 @@ impl Content {
     }
 
     fn material(&mut self, material: &Material) {
+        /// Textures of materials without layers.
+        const OLDER: usize = 7;
         let alpha = match material.alpha_mode {
             AlphaMode::Opaque => (0, 0.0),
             AlphaMode::Mask(cutoff) => (1, cutoff),
@@ -147,13 +150,25 @@ impl Content {
         textures[..4].iter().for_each(|(texture, _)| self.texture(*texture));
         // Keys of materials without these are those of versions that did not know them.
         if !material.is_plain() {
-            textures[4..].iter().for_each(|(texture, _)| self.texture(*texture));
-            material.uv_rows().into_iter().for_each(|row| self.f32s(row));
+            textures[4..OLDER].iter().for_each(|(texture, _)| self.texture(*texture));
+            material.uv_rows().into_iter().take(2 * OLDER).for_each(|row| self.f32s(row));
+        }
+        if material.has_layers() {
+            let layers = MaterialLayers::of(material);
+            self.f32s(layers.clearcoat);
+            self.f32s(layers.sheen);
+            self.f32s(layers.anisotropy);
+            self.f32s(layers.iridescence);
+            textures[OLDER..].iter().for_each(|(texture, _)| self.texture(*texture));
+            material.uv_rows().into_iter().skip(2 * OLDER).for_each(|row| self.f32s(row));
         }
         if material.is_glass() {
             let volume = material.volume.map_or([-1.0; 3], |volume| volume.absorption().to_array());
             self.f32s([material.transmission, material.ior]);
             self.f32s(volume);
+            if material.dispersion != 0.0 {
+                self.f32s([material.dispersion]);
+            }
         }
     }
 
