@@ -7,6 +7,7 @@
 //   emissive    rg32uint      emitted radiance, shared exponent
 //   object      rg32uint      object id, 0 where there is nothing; √F0, ten bits a channel
 //   depth       depth32float  reversed: 1 near, 0 far and where there is nothing
+// With STRETCHED it is that of second lobes, whose base colour is what `encode_stretch` makes.
 
 struct Surface {
     position: vec3f,       // world [m]
@@ -15,6 +16,8 @@ struct Surface {
     normal_reflectance: vec3f, // F0. Names must not end in digits: the composer renames those.
     grazing_reflectance: f32,  // F90
     roughness: f32,        // perceptual; GGX α is its square
+    along: vec3f,          // direction in which the lobe is stretched, unit
+    alpha_along: f32,      // GGX α along it; 0: the lobe is round
     hit: bool,             // false where there is nothing
 }
 
@@ -87,6 +90,13 @@ fn decode_albedo(texel: vec4u) -> vec3f {
     return decode_base_color(texel) * (f32(65535u - texel.a) / 65535.0);
 }
 
+// In place of a base colour: the direction of a stretched lobe, octahedral, and the GGX α along it. Of a metal, which is black as
+// far as it is diffuse; α is never 0.
+fn encode_stretch(along: vec3f, alpha_along: f32) -> vec4u {
+    let e = round(encode_octahedral(along) * 32767.0) + 32767.0;
+    return vec4u(vec2u(e), max(u32(round(saturate(alpha_along) * 65535.0)), 1u), 65535u);
+}
+
 fn encode_object(id: u32, normal_reflectance: vec3f) -> vec2u {
     let root = vec3u(round(sqrt(saturate(normal_reflectance)) * 1023.0));
     return vec2u(id, root.r | (root.g << 10u) | (root.b << 20u));
@@ -106,5 +116,9 @@ fn decode_surface(base_color: vec4u, normal: vec4u, object: vec2u, depth: f32, p
     surface.normal_reflectance = decode_normal_reflectance(object);
     surface.grazing_reflectance = f32(normal.w) / 65535.0;
     surface.roughness = f32(normal.z) / 65535.0;
+#ifdef STRETCHED
+    surface.along = decode_octahedral((vec2f(base_color.xy) - 32767.0) / 32767.0);
+    surface.alpha_along = f32(base_color.z) / 65535.0;
+#endif
     return surface;
 }

@@ -42,6 +42,7 @@ struct Material {
     anisotropy: vec3f,     // strength; cosine and sine of its turn from the tangent
     iridescence: f32,      // share of the surface that a film covers
     film: vec3f,           // its index of refraction; its least and most thickness [nm]
+    even_layers: vec4f,    // what sheen reflects of even light, and what the layers leave of the base's diffuse reflection
     // Two rows for each texture: base colour, metallic-roughness, normal, emissive, specular, specular colour, transmission,
     // clear coat, its roughness and its normal, sheen colour and roughness, anisotropy, iridescence and thickness.
     uv_rows: array<vec4f, 30>,

@@ -15,6 +15,10 @@
 #import lightwell::area_lights::{is_area, sample_incidence, meet_light}
 #endif
 #import lightwell::lights::{Incidence, Light, is_distant, light_incidence}
+#ifdef LAYERED
+#import lightwell::layered_brdf::{coat_share, layered_brdf_cosine, layered_density, sample_layer}
+#import lightwell::ray_materials::emission_below_coat
+#endif
 #ifdef MEDIA
 #import lightwell::media::{FARTHEST, Span, equiangular, equiangular_density, equiangular_distance, extinction_of_all, phase, scattered_direction, scattering_at, share_not_absorbed, transmittance}
 #endif
@@ -52,6 +56,21 @@ const BLUR: f32 = 0.1;
 fn blurred(surface: Surface, least: f32) -> Surface {
     var result = surface;
     result.alpha = max(surface.alpha, least);
+#ifdef LAYERED
+    result.coat_alpha = max(surface.coat_alpha, least);
+    result.alpha_along = select(0.0, max(surface.alpha_along, least), surface.alpha_along > 0.0);
+#endif
+    return result;
+}
+
+// What a surface reflects by its specular lobes alone.
+fn specular_of(surface: Surface) -> Surface {
+    var result = surface;
+    result.albedo = vec3f(0.0);
+#ifdef LAYERED
+    result.sheen = vec3f(0.0);
+    result.sheen_albedo = vec3f(0.0);
+#endif
     return result;
 }
 
@@ -70,8 +89,12 @@ fn specular_share(surface: Surface, to_eye: vec3f) -> f32 {
         return 0.0;
     }
     let f = fresnel_schlick(surface.normal_reflectance, surface.grazing_reflectance, n_dot_v);
-    let specular = max(f.r, max(f.g, f.b));
-    let diffuse = max(surface.albedo.r, max(surface.albedo.g, surface.albedo.b)) * (1.0 - specular);
+    var specular = max(f.r, max(f.g, f.b));
+    var diffuse = max(surface.albedo.r, max(surface.albedo.g, surface.albedo.b)) * (1.0 - specular);
+#ifdef LAYERED
+    specular += surface.coat;
+    diffuse += max(surface.sheen_albedo.r, max(surface.sheen_albedo.g, surface.sheen_albedo.b));
+#endif
     if specular <= 0.0 {
         return 0.0;
     }
@@ -93,8 +116,12 @@ fn direction_density(surface: Surface, to_eye: vec3f, direction: vec3f, share: f
     if share <= 0.0 {
         return diffuse;
     }
+#ifdef LAYERED
+    let specular = layered_density(surface, to_eye, direction);
+#else
     let h = normalize(to_eye + direction);
     let specular = visible_normal_density(surface.normal, h, dot(surface.normal, to_eye), surface.alpha);
+#endif
     return mix(diffuse, specular, share);
 #endif
 }
@@ -107,8 +134,12 @@ fn sample_direction(surface: Surface, to_eye: vec3f, share: f32, choice: f32, ra
 #endif
 #ifndef DIFFUSE
     if choice < share {
+#ifdef LAYERED
+        return sample_layer(surface, to_eye, choice / share, random);
+#else
         let h = visible_ggx_normal(surface.normal, to_eye, surface.alpha, random);
         return reflect(-to_eye, h);
+#endif
     }
 #endif
     return cosine_direction(surface.normal, random);
@@ -128,9 +159,25 @@ fn reflected(surface: Surface, to_eye: vec3f, direction: vec3f) -> vec3f {
 #ifdef DIFFUSE
     return surface.albedo * (max(0.0, dot(surface.normal, direction)) * INVERSE_PI);
 #else
+#ifdef LAYERED
+    return layered_brdf_cosine(surface, to_eye, direction);
+#else
     return eval_brdf_cosine(
         surface.normal, to_eye, direction, surface.albedo, surface.normal_reflectance, surface.grazing_reflectance, surface.alpha,
     );
+#endif
+#endif
+}
+
+// GGX α of the lobe that `sample_direction` follows with these numbers; 1 for the diffuse ones.
+fn alpha_of_choice(surface: Surface, to_eye: vec3f, share: f32, choice: f32) -> f32 {
+    if choice >= share {
+        return 1.0;
+    }
+#ifdef LAYERED
+    return select(surface.alpha, surface.coat_alpha, choice < share * coat_share(surface, to_eye));
+#else
+    return surface.alpha;
 #endif
 }
 
@@ -151,7 +198,12 @@ fn diffuse_reflectance(surface: Surface) -> vec3f {
     return surface.albedo;
 #else
     let f = mix(surface.normal_reflectance, vec3f(surface.grazing_reflectance), 0.004);
-    return surface.albedo * (1.0 - max(f.r, max(f.g, f.b)));
+    let base = surface.albedo * (1.0 - max(f.r, max(f.g, f.b)));
+#ifdef LAYERED
+    return base + surface.sheen_albedo;
+#else
+    return base;
+#endif
 #endif
 }
 
@@ -161,9 +213,14 @@ fn even_reflectance(surface: Surface, to_eye: vec3f) -> vec3f {
 #ifdef DIFFUSE
     return diffuse;
 #else
-    return diffuse + lobe_reflectance(
+    let specular = lobe_reflectance(
         surface.normal_reflectance, surface.grazing_reflectance, sqrt(surface.alpha), dot(surface.normal, to_eye),
     );
+#ifdef LAYERED
+    return diffuse + specular + surface.coat;
+#else
+    return diffuse + specular;
+#endif
 #endif
 }
 
@@ -409,8 +466,11 @@ fn sample_emitter(
     // Solid angle of the triangle's area as seen from here.
     let density = candidates * (emitter.density * distance_squared / cosine);
     let weight = density / (density + direction_density(surface, to_eye, direction, share));
-    let emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
+    var emitted = emitted_at(emitter.triangle, triangle.material, barycentric)
         * coverage(emitter.triangle, triangle.material, barycentric);
+#ifdef LAYERED
+    emitted *= emission_below_coat(emitter.triangle, triangle.material, barycentric, cosine);
+#endif
     let origin = leave_surface(surface, direction);
     var light = response * emitted * (weight / density);
 #ifdef MEDIA

@@ -2,6 +2,9 @@
 
 // Textures and materials at a point of a triangle.
 
+#ifdef LAYERED
+#import lightwell::layers::coat_reflectance
+#endif
 #import lightwell::mesh::{BLENDED, emission_color}
 #import lightwell::ray_scene::{atlas, attributes, materials, triangle_texel}
 #ifndef PLAIN
@@ -123,6 +126,19 @@ fn coverage(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
     return saturate(alpha_at(triangle, material, barycentric));
 #endif
 }
+
+#ifdef LAYERED
+// What a clear coat leaves of the emission of a point, seen at a cosine.
+fn emission_below_coat(triangle: u32, material: u32, barycentric: vec2f, cosine: f32) -> f32 {
+    let coat = materials[material].clearcoat.x;
+    if coat <= 0.0 {
+        return 1.0;
+    }
+    let at = coordinates(triangle, barycentric);
+    let texel = sample_texture(materials[material].clearcoat_texture, uv_of_use(material, 7u, at), vec4f(1.0)).r;
+    return 1.0 - coat_reflectance(coat * texel, cosine);
+}
+#endif
 
 // Emitted radiance of a point of a triangle [W/(m² sr)].
 fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {

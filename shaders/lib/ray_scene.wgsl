@@ -10,6 +10,7 @@
 //   OPAQUE      no material's alpha is tested
 //   DARK        no material emits light
 //   GLASS       (the other way around) light passes a surface: see lib/glass.wgsl
+//   DISPERSION  (the other way around) a solid body of glass parts colours
 //   MOVERS      (the other way around) something moves
 //   LAYERED     (the other way around) a surface has more than the metallic-roughness base: see lib/layers.wgsl
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures but those of the base

@@ -3,6 +3,9 @@
 // What a ray meets: the surface at a hit.
 
 #import lightwell::gbuffer::decode_octahedral
+#ifdef LAYERED
+#import lightwell::layers::{alpha_along, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, sheen_albedo, stretch_direction}
+#endif
 #import lightwell::mesh::{emission_color, normalize_or_zero}
 #import lightwell::ray_materials::{Coordinates, coordinates, sample_texture, uv_of_use}
 #import lightwell::ray_scene::{DOUBLE_SIDED, NONE, attributes, load_triangle, materials, triangle_texel}
@@ -20,6 +23,22 @@ struct Surface {
     error: f32,            // how far rounding may have moved the position [m]
     emitter: u32,          // or NONE
     visible: bool,         // false: the back of a single-sided surface
+#ifdef LAYERED
+    // What is below a layer has that layer's share taken out already, as the ray sees it.
+    coat: f32,             // what the clear coat reflects of what its lobe gathers; 0: there is none
+    coat_alpha: f32,
+    coat_normal: vec3f,
+    sheen: vec3f,
+    sheen_roughness: f32,
+    sheen_albedo: vec3f,   // share of even light that it reflects
+    along: vec3f,          // direction of anisotropy, unit
+    alpha_along: f32,      // GGX α along it; 0: as across
+    film: f32,             // share of the surface that a film covers
+    film_ior: f32,
+    film_thickness: f32,   // [nm]
+    film_base: vec3f,      // F0 below the film
+    film_left: f32,        // what the layers above leave of it
+#endif
 #ifdef GLASS
     passing: vec3f,        // what of unreflected light passes the surface; 0: it is not of glass
     eta: f32,              // index of refraction on this side over that on the other; 1 for a thin wall
@@ -27,6 +46,9 @@ struct Surface {
     is_solid: bool,        // it bounds a body
     is_inside: bool,       // in which the ray came
     is_crossed: bool,      // the light that counts here is that which passes
+#ifdef DISPERSION
+    dispersion: f32,       // how much more blue light is refracted than green: a difference of the indices
+#endif
 #endif
 #ifdef MEDIA
     is_medium: bool,       // it is a point of a medium, whose albedo this one's is
@@ -41,6 +63,25 @@ fn decode_direction(code: u32) -> vec3f {
     }
     return decode_octahedral((vec2f(vec2u(code & 0xffffu, code >> 16u)) - 32768.0) / 32767.0);
 }
+
+#ifdef DISPERSION
+// Half of the difference of indices between blue and red light, over n − 1 and the material's dispersion: that is 20/V of Abbe's
+// number V = (n − 1)/(n_F − n_C) (KHR_materials_dispersion).
+const DISPERSION_SCALE: f32 = 0.025;
+
+// The light that is followed: −1 red, 0 green or all, 1 blue.
+var<private> followed_color: f32;
+
+// The surface as that light meets it.
+fn dispersed(surface: Surface) -> Surface {
+    var result = surface;
+    if surface.dispersion > 0.0 && followed_color != 0.0 {
+        let ior = max(select(1.0 / surface.eta, surface.eta, surface.is_inside) + followed_color * surface.dispersion, 1.0);
+        result.eta = select(1.0 / ior, ior, surface.is_inside);
+    }
+    return result;
+}
+#endif
 
 fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     let triangle = load_triangle(hit.triangle);
@@ -100,9 +141,16 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.passing = surface.albedo * transmission;
     surface.albedo *= 1.0 - transmission;
     surface.is_solid = materials[material].is_solid != 0u;
-    surface.eta = select(1.0, select(1.0 / materials[material].ior, materials[material].ior, back), surface.is_solid);
+    let ior = materials[material].ior;
+    surface.eta = select(1.0, select(1.0 / ior, ior, back), surface.is_solid);
+#ifdef DISPERSION
+    surface.dispersion = select(0.0, (ior - 1.0) * DISPERSION_SCALE * materials[material].dispersion, surface.is_solid);
+#endif
     surface.absorption = materials[material].absorption;
     surface.is_inside = back && surface.is_solid;
+#ifdef DISPERSION
+    surface.eta = dispersed(surface).eta;
+#endif
     surface.visible = surface.visible || materials[material].transmission > 0.0;
 #endif
 #ifdef DARK
@@ -122,6 +170,9 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     if all(n == vec3f(0.0)) {
         n = surface.geometric_normal;
     }
+#ifdef LAYERED
+    surface.coat_normal = n;
+#endif
 #ifndef UNTEXTURED
     if materials[material].normal_texture.w != 0u && materials[material].normal_scale != 0.0 {
         let tangent = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
@@ -133,8 +184,91 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     }
 #endif
     surface.normal = n;
+#ifdef LAYERED
+    let tangent_here = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
+        + hit.barycentric.y * decode_direction(c.w & ~1u);
+    add_layers(&surface, material, place, vec4f(tangent_here, select(1.0, -1.0, (a.w & 1u) != 0u)), -normalize(direction));
+#endif
     return surface;
 }
+
+#ifdef LAYERED
+// The layers of a surface whose base is known, seen from a unit direction.
+fn add_layers(surface: ptr<function, Surface>, material: u32, place: Coordinates, tangent: vec4f, to_eye: vec3f) {
+    let n_dot_v = abs(dot((*surface).normal, to_eye));
+    add_film(surface, material, place, n_dot_v);
+    add_stretch(surface, material, place, tangent);
+    var left = 1.0;
+    let sheen = materials[material].sheen;
+    if any(sheen.rgb > vec3f(0.0)) {
+        (*surface).sheen = sheen.rgb
+            * sample_texture(materials[material].sheen_color_texture, uv_of_use(material, 10u, place), vec4f(1.0)).rgb;
+        (*surface).sheen_roughness = sheen.a
+            * sample_texture(materials[material].sheen_roughness_texture, uv_of_use(material, 11u, place), vec4f(1.0)).a;
+        let albedo = sheen_albedo((*surface).sheen_roughness, n_dot_v);
+        (*surface).sheen_albedo = (*surface).sheen * albedo;
+        left = left_by_sheen((*surface).sheen, albedo);
+    }
+    let above = left_by_coat(surface, material, place, tangent, to_eye);
+    left *= above;
+    (*surface).albedo *= left;
+    (*surface).normal_reflectance *= left;
+    (*surface).grazing_reflectance *= left;
+    (*surface).film_left = left;
+    (*surface).sheen *= above;
+    (*surface).sheen_albedo *= above;
+}
+
+fn add_film(surface: ptr<function, Surface>, material: u32, place: Coordinates, n_dot_v: f32) {
+    let film = materials[material].iridescence;
+    if film.x <= 0.0 {
+        return;
+    }
+    (*surface).film = film.x
+        * sample_texture(materials[material].iridescence_texture, uv_of_use(material, 13u, place), vec4f(1.0)).r;
+    let part = sample_texture(materials[material].iridescence_thickness_texture, uv_of_use(material, 14u, place), vec4f(1.0)).g;
+    (*surface).film_ior = film.y;
+    (*surface).film_thickness = mix(film.z, film.w, part);
+    (*surface).film_base = (*surface).normal_reflectance;
+    let seen = film_reflectance((*surface).film_base, film.y, (*surface).film_thickness, n_dot_v);
+    let of_film = reflectance_of_film(seen, (*surface).grazing_reflectance, n_dot_v);
+    (*surface).normal_reflectance = mix((*surface).normal_reflectance, of_film, (*surface).film);
+}
+
+fn add_stretch(surface: ptr<function, Surface>, material: u32, place: Coordinates, tangent: vec4f) {
+    let stretch = materials[material].anisotropy;
+    if stretch.x <= 0.0 {
+        return;
+    }
+    let texel =
+        sample_texture(materials[material].anisotropy_texture, uv_of_use(material, 12u, place), vec4f(1.0, 0.5, 1.0, 1.0)).rgb;
+    let d = texel.rg * 2.0 - 1.0;
+    let turn = vec2f(d.x * stretch.y - d.y * stretch.z, d.x * stretch.z + d.y * stretch.y);
+    (*surface).along = stretch_direction((*surface).normal, tangent.xyz, tangent.w, turn);
+    (*surface).alpha_along = alpha_along((*surface).alpha, saturate(stretch.x * texel.b));
+}
+
+// Adds the clear coat, and tells what it leaves to all below.
+fn left_by_coat(surface: ptr<function, Surface>, material: u32, place: Coordinates, tangent: vec4f, to_eye: vec3f) -> f32 {
+    let coat = materials[material].clearcoat;
+    if coat.x <= 0.0 {
+        return 1.0;
+    }
+    let factor = coat.x * sample_texture(materials[material].clearcoat_texture, uv_of_use(material, 7u, place), vec4f(1.0)).r;
+    let roughness = saturate(coat.y
+        * sample_texture(materials[material].clearcoat_roughness_texture, uv_of_use(material, 8u, place), vec4f(1.0)).g);
+    (*surface).coat_alpha = max(roughness * roughness, 1e-3);
+    if coat.z != 0.0 {
+        let flat = vec4f(0.5, 0.5, 1.0, 1.0);
+        let sampled = sample_texture(materials[material].clearcoat_normal_texture, uv_of_use(material, 9u, place), flat).xyz;
+        (*surface).coat_normal = bent_normal((*surface).coat_normal, tangent.xyz, tangent.w, sampled, coat.z);
+    }
+    (*surface).coat = coat_reflectance(factor, abs(dot((*surface).coat_normal, to_eye)));
+    // As `emission_below_coat` of lib/ray_materials.wgsl, which knows the triangle alone.
+    (*surface).emissive *= 1.0 - coat_reflectance(factor, abs(dot((*surface).geometric_normal, to_eye)));
+    return 1.0 - (*surface).coat;
+}
+#endif
 
 #ifdef MEDIA
 // A point of a medium, where light is scattered: no surface, but a vertex of a path like one.

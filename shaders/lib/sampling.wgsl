@@ -89,9 +89,13 @@ fn is_chosen(pick: ptr<function, f32>, chance: f32) -> bool {
 // Microfacet normal with the density of those that v sees (Heitz 2018, "Sampling the GGX distribution of visible
 // normals"); v unit, in the hemisphere of n.
 fn visible_ggx_normal(n: vec3f, v: vec3f, alpha: f32, random: vec2f) -> vec3f {
-    let frame = basis(n);
+    return visible_normal_in(basis(n), v, vec2f(alpha), random);
+}
+
+// The same with other α along the first than along the second axis of a frame, whose third is the normal.
+fn visible_normal_in(frame: mat3x3f, v: vec3f, alphas: vec2f, random: vec2f) -> vec3f {
     let local = v * frame;
-    let stretched = normalize(vec3f(alpha * local.xy, local.z));
+    let stretched = normalize(vec3f(alphas * local.xy, local.z));
     let length_squared = dot(stretched.xy, stretched.xy);
     let first = select(
         vec3f(1.0, 0.0, 0.0), vec3f(-stretched.y, stretched.x, 0.0) * inverseSqrt(max(length_squared, 1e-30)), length_squared > 1e-12,
@@ -103,5 +107,5 @@ fn visible_ggx_normal(n: vec3f, v: vec3f, alpha: f32, random: vec2f) -> vec3f {
     let blend = 0.5 * (1.0 + stretched.z);
     let y = mix(sqrt(max(0.0, 1.0 - x * x)), radius * sin(angle), blend);
     let h = x * first + y * second + sqrt(max(0.0, 1.0 - x * x - y * y)) * stretched;
-    return normalize(frame * vec3f(alpha * h.xy, max(1e-7, h.z)));
+    return normalize(frame * vec3f(alphas * h.xy, max(1e-7, h.z)));
 }

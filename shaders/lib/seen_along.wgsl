@@ -16,7 +16,7 @@
 #ifdef HAZE
 #import lightwell::haze_along::haze_along
 #endif
-#import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_share}
+#import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_of, specular_share}
 #ifndef EVEN_SKY
 #import lightwell::sky::sky_radiance
 #endif
@@ -296,7 +296,7 @@ fn seen_along(first: SeenRay, alpha: f32, random: ptr<function, Sampler>) -> Ref
         var next = SeenRay(ray.ray, 0.0, vec3f(0.0));
         if specular_share(surface, -direction) > GLOSSY && depth < MOST_MIRRORS {
             light += diffuse_reflectance(surface) * patch_radiance(surface, hit, random);
-            surface.albedo = vec3f(0.0);
+            surface = specular_of(surface);
             next = ray_from(VisibleSurface(surface, -direction, 1.0, false), random);
         } else {
             light += even_reflectance(surface, -direction) * patch_radiance(surface, hit, random);
@@ -328,7 +328,7 @@ fn shown(met: Surface, hit: Hit, branch: ptr<function, Branch>, random: ptr<func
         var indirect = vec3f(0.0);
         if is_glossy {
             indirect = diffuse_reflectance(surface) * patch_radiance(surface, hit, random);
-            surface.albedo = vec3f(0.0);
+            surface = specular_of(surface);
             next = ray_from(VisibleSurface(surface, -direction, 1.0, false), random);
         } else {
             indirect = even_reflectance(surface, -direction) * patch_radiance(surface, hit, random);

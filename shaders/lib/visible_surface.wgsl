@@ -42,6 +42,15 @@ fn seen_surface(view: View, drawn: Drawn) -> VisibleSurface {
     seen.surface.normal_reflectance = drawn.normal_reflectance;
     seen.surface.grazing_reflectance = drawn.grazing_reflectance;
     seen.surface.alpha = max(drawn.roughness * drawn.roughness, 1e-3);
+#ifdef STRETCHED
+#ifdef LAYERED
+    if drawn.alpha_along > 0.0 {
+        seen.surface.along = drawn.along;
+        seen.surface.alpha_along = drawn.alpha_along;
+        seen.surface.alpha = seen.surface.alpha * seen.surface.alpha / drawn.alpha_along;
+    }
+#endif
+#endif
     // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
     let p = max(abs(drawn.position), abs(eye_offset(view, drawn.position)));
     seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;

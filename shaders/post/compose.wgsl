@@ -42,6 +42,8 @@ const LAYER: u32 = TOTAL;
 @group(0) @binding(9) var sky: texture_2d<f32>;
 // What mirrors reflect, where that is no part of `indirect`.
 @group(0) @binding(12) var mirrored: texture_2d<f32>;
+// What second lobes reflect beside the lights.
+@group(0) @binding(13) var second_lobe: texture_2d<f32>;
 // What surfaces reflect of the sky, where the indirect method has no light of it.
 @group(0) @binding(11) var sky_light: texture_2d<f32>;
 // Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
@@ -76,6 +78,7 @@ fn shown(pixel: vec2u) -> vec3f {
     let emitted = decode_radiance(textureLoad(emissive, pixel, 0).xy);
     let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb
         + textureLoad(mirrored, min(pixel, textureDimensions(mirrored) - 1u), 0).rgb
+        + textureLoad(second_lobe, min(pixel, textureDimensions(second_lobe) - 1u), 0).rgb
         + textureLoad(sky_light, min(pixel, textureDimensions(sky_light) - 1u), 0).rgb;
     switch LAYER {
         case DIRECT: { return reflected + emitted; }

@@ -96,7 +96,9 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let metallic = saturate(material.metallic * metallic_roughness.b);
     let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;
     let share = select(0.0, 1.0, reflects);
-    out.base_color = encode_base_color(share * base.rgb, metallic);
+    // Without the layers' textures, and for all directions alike: the flux goes to all.
+    let diffuse = base.rgb * material.even_layers.a + material.even_layers.rgb;
+    out.base_color = encode_base_color(share * diffuse, metallic);
     out.normal = encode_normal(n, material.roughness * metallic_roughness.g, share * mix(specular, 1.0, metallic));
     out.specular = encode_object(0u, share * mix(dielectric, base.rgb, metallic)).y;
     return out;

@@ -9,6 +9,9 @@
 
 #import lightwell::gbuffer::world_position
 #import lightwell::ray_scene::NONE
+#ifdef DISPERSION
+#import lightwell::ray_surfaces::{dispersed, followed_color}
+#endif
 #import lightwell::ray_surfaces::{Surface, surface_at}
 #import lightwell::rays::{PANE, Ray, trace}
 #import lightwell::refraction::CLEAR
@@ -67,6 +70,22 @@ fn strength(way: Branch) -> f32 {
     return max(t.r, max(t.g, t.b));
 }
 
+#ifdef DISPERSION
+// Where the nearest surface parts colours, each goes its own way.
+fn radiance_of_colors(surface: Surface, ray: Ray, number: u32) -> vec3f {
+    if surface.dispersion <= 0.0 {
+        return radiance_of(surface, ray, number);
+    }
+    var sum = vec3f(0.0);
+    for (var color = 0u; color < 3u; color++) {
+        followed_color = f32(color) - 1.0;
+        let found = radiance_of(dispersed(surface), ray, number);
+        sum = select(sum, found, vec3u(0u, 1u, 2u) == vec3u(color));
+    }
+    return sum;
+}
+#endif
+
 fn radiance_of(surface: Surface, ray: Ray, number: u32) -> vec3f {
     var rays = 1u;
     if surface.alpha > CLEAR {
@@ -114,7 +133,11 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     var seen = vec4f(0.0);
     if hit.triangle != NONE {
         let surface = surface_at(hit, sight.ray.direction);
+#ifdef DISPERSION
+        seen = vec4f(radiance_of_colors(surface, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+#else
         seen = vec4f(radiance_of(surface, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+#endif
     }
     textureStore(seen_through, pixel, seen);
 }

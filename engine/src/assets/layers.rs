@@ -20,6 +20,14 @@ impl Default for Clearcoat {
     }
 }
 
+impl Clearcoat {
+    /// Share of even light from all around that it reflects: the mean of Schlick's term of 4 %, 0.04 + 0.96/21.
+    pub(crate) fn mean_reflectance(&self) -> f32 {
+        const SMOOTH: f32 = 0.04 + 0.96 / 21.0;
+        if self.factor.is_finite() { SMOOTH * self.factor.clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
 /// Fibres that stand off the surface, as of cloth and velvet (`KHR_materials_sheen`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sheen {
@@ -33,6 +41,13 @@ impl Sheen {
     /// Least roughness: below, the lobe reflects more light at grazing angles than arrives (Estevez and Kulla 2017 fit its
     /// shadowing for rough cloth).
     pub const LEAST_ROUGHNESS: f32 = 0.3;
+
+    /// Share of even light from all around that white sheen of this roughness reflects: a fit to the integral of its lobe over
+    /// both directions, within 0.001.
+    pub(crate) fn mean_albedo(&self) -> f32 {
+        let r = if self.roughness.is_finite() { self.roughness.clamp(Self::LEAST_ROUGHNESS, 1.0) } else { 1.0 };
+        0.047_41 + r * (-0.155_74 + r * (0.973_62 - 0.566_28 * r))
+    }
 }
 
 /// Highlights that are longer across than along a direction, as of brushed metal (`KHR_materials_anisotropy`).

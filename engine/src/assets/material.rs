@@ -285,9 +285,10 @@ impl Material {
         self.transmission > 0.0 && self.metallic < 1.0 && self.emissive == Vec3::ZERO
     }
 
-    /// Whether there is a clear coat.
-    pub fn has_coat(&self) -> bool {
-        self.clearcoat.factor > 0.0 && !self.is_see_through()
+    /// Whether there is a lobe beside that of the base which frames draw apart: of a clear coat, or a stretched one in its place.
+    pub(crate) fn has_second_lobe(&self) -> bool {
+        let is_any = self.clearcoat.factor > 0.0 || self.anisotropy.strength > 0.0;
+        is_any && !self.unlit && !self.is_see_through()
     }
 
     /// Whether there is anything beyond the metallic-roughness base that is opaque: a clear coat, sheen, a film or anisotropy.
@@ -297,6 +298,18 @@ impl Material {
         let has_film = self.iridescence.factor > 0.0;
         !self.unlit
             && (has_film || (self.clearcoat.factor > 0.0 || has_sheen || is_stretched) && !self.is_see_through())
+    }
+
+    /// What the layers make of the diffuse reflection of even light: what they leave of the base's, and the sheen's own.
+    /// `coat` and `sheen` are what textures leave of the factor and the colour.
+    pub(crate) fn even_layers(&self, coat: f32, sheen: Vec3) -> (f32, Vec3) {
+        if !self.has_layers() || self.is_see_through() {
+            return (1.0, Vec3::ZERO);
+        }
+        let above = 1.0 - self.clearcoat.mean_reflectance() * coat.clamp(0.0, 1.0);
+        let color = (self.sheen.color * sheen).clamp(Vec3::ZERO, Vec3::ONE);
+        let albedo = self.sheen.mean_albedo();
+        (above * (1.0 - color.max_element() * albedo), color * (above * albedo))
     }
 
     /// Whether what lies behind shows through the surface: it has no layers but a film.

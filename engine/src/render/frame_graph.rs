@@ -6,6 +6,7 @@
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      ├─ haze scatter ─ haze integrate (where there are media) ─┤
+//!      ├─ second lobe ─ direct and mirror again (clear coats and stretched highlights) ─┤
 //!      ├─ compose opaque ─ glass (where there is any: what is seen through it and in it) ─┤
 //!      └─ blend (blended surfaces and glass, over all others) ─────────┘
 //! ```
@@ -16,11 +17,13 @@ use super::debug;
 use super::direct::{self, DirectLight, lamps::Lamps};
 use super::error::RenderError;
 use super::frame::Frame;
-use super::geometry::{GBuffer, gbuffer};
+use super::geometry::{GBuffer, gbuffer, second_lobe};
 use super::haze;
 use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
-use super::indirect::{IndirectLight, IndirectMethod, Scattered, accumulate, ambient, lost_light, mirror_average};
+use super::indirect::{
+    IndirectLight, IndirectMethod, Scattered, accumulate, ambient, lost_light, mirror_average, second_lobe_reflection,
+};
 use super::post::compose::{self, Lights, Purpose};
 use super::post::tone_map::{DISPLAY, TONE_MAPPED};
 use super::post::{bloom, compare, depth_of_field, film, mlaa, tone_map};
@@ -48,8 +51,10 @@ pub(super) fn declare<'a>(
     gpu: &Gpu,
 ) -> Result<Drawn, RenderError> {
     let gbuffer = gbuffer::declare(graph, frame);
+    let second_lobe = second_lobe::declare(graph, frame, &gbuffer);
     let has_blended = blend::is_needed(graph, frame);
-    let (direct, direct_lights) = declare_direct(graph, frame, &gbuffer, method, has_blended);
+    let surfaces = Drawing { gbuffer: &gbuffer, second_lobe: second_lobe.as_ref(), has_blended };
+    let (direct, direct_lights) = declare_direct(graph, frame, method, &surfaces);
     let shows_direct = matches!(frame.settings.only, Layer::Total | Layer::Direct);
     let indirect = declare_indirect(graph, frame, &gbuffer, method, gpu)?;
     let scattered = indirect.as_ref().map(|light| light.scattered).unwrap_or_default();
@@ -61,11 +66,13 @@ pub(super) fn declare<'a>(
         None => (None, None, None),
     };
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
+    let lobes = second_lobe.as_ref().filter(|_| indirect.is_some() || sky.is_some());
+    let second_lobe = lobes.and_then(|lobes| second_lobe_reflection::declare(graph, frame, lobes, scattered));
     let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
     let sky_field = sky.and_then(|sky| sky.field);
     let lamps = Lamps::of(graph, frame).filter(|_| shows_direct);
     let haze = haze::declare(graph, frame, &gbuffer, lamps, field.clone().or_else(|| sky_field.clone()));
-    let mut lights = Lights { direct, indirect, mirrored, sky: sky_radiance, blended: None, haze };
+    let mut lights = Lights { direct, indirect, mirrored, second_lobe, sky: sky_radiance, blended: None, haze };
     if has_blended {
         let source = source_of_blended(graph, &gbuffer, [field, sky_field], &lights);
         let direct_lights = if shows_direct { direct_lights } else { Vec::new() };
@@ -98,13 +105,19 @@ fn declare_glass<'a>(
     Some(glass::declare(graph, frame, gbuffer.depth, opaque, scattered, region))
 }
 
+/// The surfaces that direct light meets.
+struct Drawing<'g> {
+    gbuffer: &'g GBuffer,
+    second_lobe: Option<&'g GBuffer>,
+    has_blended: bool,
+}
+
 /// Declares the lights' own light, and finds those that blended surfaces and media need.
 fn declare_direct<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
-    gbuffer: &GBuffer,
     method: &'a dyn IndirectMethod,
-    has_blended: bool,
+    surfaces: &Drawing,
 ) -> (Option<Handle<Texture>>, Vec<DirectLight<'a>>) {
     let has_haze = haze::is_needed(frame);
     if !matches!(frame.settings.only, Layer::Total | Layer::Direct) {
@@ -112,10 +125,13 @@ fn declare_direct<'a>(
         let lamps = if has_haze { direct::direct_lights(graph, frame) } else { Vec::new() };
         return (None, lamps);
     }
-    let own = method.declare_direct(graph, frame, gbuffer);
-    let is_needed = own.is_none() || has_blended || has_haze;
+    let own = method.declare_direct(graph, frame, surfaces.gbuffer);
+    let is_needed = own.is_none() || surfaces.has_blended || surfaces.second_lobe.is_some() || has_haze;
     let direct_lights = if is_needed { direct::direct_lights(graph, frame) } else { Vec::new() };
-    let direct = own.unwrap_or_else(|| direct::declare(graph, frame, gbuffer, &direct_lights));
+    let mut direct = own.unwrap_or_else(|| direct::declare(graph, frame, surfaces.gbuffer, &direct_lights));
+    if let Some(lobes) = surfaces.second_lobe {
+        direct = direct::add(graph, frame, lobes, direct, &direct_lights);
+    }
     (Some(direct), direct_lights)
 }
 

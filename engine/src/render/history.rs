@@ -1,6 +1,7 @@
 //! Temporal history: which earlier frames this one continues, and how much they count. Where light or objects move, older
 //! frames count for little ([`MOST_WHILE_CHANGING`]), unless it is known how their light has changed.
 
+use super::geometry::Surfaces;
 use super::motion::Motions;
 use super::pixel_shift;
 use super::scene_gpu::surfels::GpuSurfels;
@@ -73,6 +74,8 @@ pub(crate) struct History {
     colors: Option<InTurns<wgpu::TextureView>>,
     /// Radiance that mirrors reflect [W/(m² sr)], see `indirect/mirror_average.wgsl`.
     mirrors: Option<InTurns<wgpu::TextureView>>,
+    /// The same of second lobes.
+    second_lobes: Option<InTurns<wgpu::TextureView>>,
 }
 
 /// A pair that frames write alternately: the one of this frame, and that of the frame before.
@@ -235,15 +238,23 @@ impl History {
         keep(&mut self.colors, gpu, "smooth radiance of earlier frames", size, number);
     }
 
-    /// Makes room for what mirrors show, if the frame is averaged.
-    pub fn keep_mirrors(&mut self, gpu: &Gpu, size: [u32; 2]) {
+    /// Makes room for what mirrors among these surfaces show, if the frame is averaged.
+    pub fn keep_mirrors(&mut self, gpu: &Gpu, size: [u32; 2], surfaces: Surfaces) {
         let Some(number) = self.step.map(|step| step.number) else { return };
-        keep(&mut self.mirrors, gpu, "mirrored radiance of earlier frames", size, number);
+        let kept = match surfaces {
+            Surfaces::Nearest => &mut self.mirrors,
+            Surfaces::SecondLobes => &mut self.second_lobes,
+        };
+        keep(kept, gpu, &surfaces.name("mirrored radiance of earlier frames"), size, number);
     }
 
-    /// History of mirror reflections; none: the frame is not averaged, or has no mirrors.
-    pub fn mirrors(&self) -> Option<&InTurns<wgpu::TextureView>> {
-        of_frame(&self.mirrors, self.step?.number)
+    /// History of mirror reflections of these surfaces; none: the frame is not averaged, or has no mirrors.
+    pub fn mirrors(&self, surfaces: Surfaces) -> Option<&InTurns<wgpu::TextureView>> {
+        let kept = match surfaces {
+            Surfaces::Nearest => &self.mirrors,
+            Surfaces::SecondLobes => &self.second_lobes,
+        };
+        of_frame(kept, self.step?.number)
     }
 
     /// The radiance whose edges the mean over frames smooths; none: that is not wanted.
@@ -268,7 +279,7 @@ impl History {
 
     fn start(&mut self, seen: Seen, jitter: [f32; 2]) {
         self.row += 1;
-        (self.patches, self.colors, self.mirrors) = (None, None, None);
+        (self.patches, self.colors, self.mirrors, self.second_lobes) = (None, None, None, None);
         (self.rested, self.even) = (0, UNREST);
         self.step = Some(Step {
             number: 0,

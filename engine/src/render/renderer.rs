@@ -6,6 +6,7 @@ use super::debug::DebugView;
 use super::error::RenderError;
 use super::frame::{Frame, Kept};
 use super::frame_graph::{self, Drawn};
+use super::geometry::Surfaces;
 use super::history::History;
 use super::indirect::light_volumes::sweep;
 use super::indirect::path_tracer::{self, PathTracer};
@@ -299,7 +300,10 @@ impl Renderer {
             self.history.keep_patches(gpu, &self.surfels);
         }
         if settings.only.shows_indirect() && self.rays.as_ref().is_some_and(RayScene::has_mirrors) {
-            self.history.keep_mirrors(gpu, view.size);
+            self.history.keep_mirrors(gpu, view.size, Surfaces::Nearest);
+        }
+        if settings.only.shows_indirect() && self.rays.is_some() && self.gpu_scene.has_second_lobes() {
+            self.history.keep_mirrors(gpu, view.size, Surfaces::SecondLobes);
         }
         Ok(bounds)
     }
@@ -319,7 +323,7 @@ impl Renderer {
 
     /// Whether a frame casts rays whatever its method is.
     fn needs_rays(&self, scene: &Scene) -> bool {
-        casts_soft_shadows(scene) || self.gpu_scene.has_glass()
+        casts_soft_shadows(scene) || self.gpu_scene.has_glass() || self.gpu_scene.has_second_lobes()
     }
 
     /// Brings the scene for rays up to date where a method can do without. What does not fit the device is not tried again

@@ -11,6 +11,7 @@ mod gather;
 mod glass;
 mod half_precision;
 mod instant_radiosity;
+mod layers;
 mod lens;
 mod light_culling;
 mod light_volumes;

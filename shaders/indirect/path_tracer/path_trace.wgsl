@@ -9,7 +9,7 @@
 // the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
 // that go on.
 
-#import lightwell::next_event::{LightSample, NO_RAY, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
+#import lightwell::next_event::{LightSample, NO_RAY, alpha_of_choice, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
 #ifdef AREA_LIGHTS
 #import lightwell::next_event::radiance_of_lights
 #endif
@@ -32,6 +32,9 @@
 #import lightwell::ray_scene::load_triangle
 #import lightwell::rays::{SEEN, left_by_glass}
 #import lightwell::refraction::{cross_surface, crossing_share, reflecting}
+#ifdef DISPERSION
+#import lightwell::ray_surfaces::{dispersed, followed_color}
+#endif
 #endif
 #import lightwell::sky::sky_radiance
 #import lightwell::sampling::{Sampler, TAU, hash_pair, next_pair}
@@ -90,6 +93,9 @@ struct Path {
     crossings: u32,        // surfaces of glass that it has crossed
     has_crossed: bool,     // the last surface was crossed
     absorption: vec3f,     // of the body in which it is [1/m]
+#ifdef DISPERSION
+    is_of_one_color: bool, // it was refracted where colours part: only one is followed
+#endif
 #endif
 }
 
@@ -141,6 +147,10 @@ fn start_path(path: ptr<function, Path>, pixel: vec2u, random: ptr<function, Sam
     (*path).crossings = 0u;
     (*path).has_crossed = false;
     (*path).absorption = vec3f(0.0);
+#ifdef DISPERSION
+    (*path).is_of_one_color = false;
+    followed_color = 0.0;
+#endif
 #endif
 }
 
@@ -346,8 +356,25 @@ fn met_by_chance(path: ptr<function, Path>, surface: Surface, hit: Hit) {
     (*path).throughput /= max(1.0 - pass_share(glass, cosine), 1e-6);
 }
 
+#ifdef DISPERSION
+// Chooses one of the colours where they part first.
+fn choose_color(path: ptr<function, Path>, random: f32) {
+    let color = min(u32(random * 3.0), 2u);
+    (*path).is_of_one_color = true;
+    (*path).throughput *= select(vec3f(0.0), vec3f(3.0), vec3u(0u, 1u, 2u) == vec3u(color));
+    followed_color = f32(color) - 1.0;
+}
+#endif
+
 // Goes on beyond a surface of glass; false where nothing passes.
-fn cross_glass(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, random: ptr<function, Sampler>) -> bool {
+fn cross_glass(path: ptr<function, Path>, met: Surface, to_eye: vec3f, random: ptr<function, Sampler>) -> bool {
+    var surface = met;
+#ifdef DISPERSION
+    if surface.dispersion > 0.0 && !(*path).is_of_one_color {
+        choose_color(path, next_pair(random).x);
+        surface = dispersed(surface);
+    }
+#endif
     var crossed = surface;
     crossed.is_crossed = true;
     add_light(path, crossed, to_eye, NO_RAY, random);
@@ -454,7 +481,7 @@ fn extend(path: ptr<function, Path>, met: Hit, random: ptr<function, Sampler>) -
     (*path).ray = Ray(leave_surface(surface, direction), direction);
     (*path).reach = 3e38;
 #ifdef GLASS
-    (*path).is_seen = (*path).is_seen && surface.alpha < MIRRORS && choice.x < share;
+    (*path).is_seen = (*path).is_seen && alpha_of_choice(surface, to_eye, share, choice.x) < MIRRORS;
 #endif
     return survives(path, choice.y);
 }

@@ -51,7 +51,7 @@ pub(super) fn declare<'a>(
         (Some(_), Some(_)) => Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light)),
         (Some(map), None) => Share::Map(map.clone()),
     };
-    let mut pass = graph.pass(format!("direct {}", direct_light.light.pass_name()));
+    let mut pass = graph.pass(gbuffer.surfaces.name(&format!("direct {}", direct_light.light.pass_name())));
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|input| pass.read(input));
     match &share {

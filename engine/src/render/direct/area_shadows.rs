@@ -53,17 +53,17 @@ pub(super) fn declare<'a>(
     gbuffer: &GBuffer,
     direct_light: &DirectLight<'a>,
 ) -> Shadows {
-    let name = direct_light.light.pass_name();
+    let name = |what: &str| gbuffer.surfaces.name(&format!("{what} {}", direct_light.light.pass_name()));
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     let work = |output, before| {
         let samples = if frame.number().is_some() { SAMPLES_OF_MANY } else { SAMPLES };
         Work { frame: frame.clone(), direct_light: direct_light.clone(), inputs, before, output, samples }
     };
-    let first = graph.texture(format!("direct first shadow rays {name}"), frame.image_desc());
-    let first = work(first, None).declare(graph, format!("direct first shadow rays {name}"));
-    let tiles = area_tiles::declare(graph, frame, first, direct_light);
-    let arrived = graph.retained_texture(format!("direct shadow rays {name}"), frame.image_desc());
-    let arrived = work(arrived, Some((first, tiles))).declare(graph, format!("direct shadow rays {name}"));
+    let first = graph.texture(name("direct first shadow rays"), frame.image_desc());
+    let first = work(first, None).declare(graph, name("direct first shadow rays"));
+    let tiles = area_tiles::declare(graph, frame, first, direct_light, &name("direct shadow tiles"));
+    let arrived = graph.retained_texture(name("direct shadow rays"), frame.image_desc());
+    let arrived = work(arrived, Some((first, tiles))).declare(graph, name("direct shadow rays"));
     Shadows { arrived, tiles, radius: radius(frame) }
 }
 

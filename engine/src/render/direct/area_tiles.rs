@@ -27,13 +27,13 @@ pub(super) fn declare(
     frame: &Frame,
     samples: Handle<Texture>,
     direct_light: &DirectLight,
+    name: &str,
 ) -> Handle<Buffer> {
-    let name = format!("direct shadow tiles {}", direct_light.light.pass_name());
     let image = UVec2::from(frame.view.size);
     let tiles = image.map(|edge| edge.div_ceil(TILE));
     let bytes = u64::from(tiles.x) * u64::from(tiles.y) * 4;
-    let buffer = graph.retained_buffer(&name, BufferDesc::new(bytes, wgpu::BufferUsages::STORAGE));
-    let mut pass = graph.pass(&name);
+    let buffer = graph.retained_buffer(name, BufferDesc::new(bytes, wgpu::BufferUsages::STORAGE));
+    let mut pass = graph.pass(name);
     pass.read(samples);
     let buffer = pass.write(buffer);
     let Region { origin, size } = direct_light.region;

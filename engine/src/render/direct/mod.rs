@@ -42,7 +42,18 @@ pub fn declare<'a>(
     gbuffer: &GBuffer,
     direct_lights: &[DirectLight<'a>],
 ) -> Handle<Texture> {
-    let mut radiance = declare_clear(graph, frame);
+    let radiance = declare_clear(graph, frame);
+    add(graph, frame, gbuffer, radiance, direct_lights)
+}
+
+/// Declares the passes of all lights, which add to the radiance.
+pub(in crate::render) fn add<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    mut radiance: Handle<Texture>,
+    direct_lights: &[DirectLight<'a>],
+) -> Handle<Texture> {
     let (area, points): (Vec<&DirectLight>, Vec<&DirectLight>) =
         direct_lights.iter().partition(|direct_light| direct_light.light.shape.is_area());
     for direct_light in area {
@@ -53,7 +64,7 @@ pub fn declare<'a>(
     let is_tiled = !frame.settings.each_light_alone && others.len() >= FEWEST;
     let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {
-        let name = format!("direct {}", direct_light.light.pass_name());
+        let name = gbuffer.surfaces.name(&format!("direct {}", direct_light.light.pass_name()));
         radiance = declare_light(graph, frame, gbuffer, radiance, &name, direct_light.clone());
     }
     if tiled.is_empty() {
@@ -136,7 +147,7 @@ fn declare_light<'a>(
     let may_cast = direct_light.shadow.is_some() || direct_light.may_be_filtered(frame);
     let casts_rays = frame.shadow_rays.is_some() && may_cast;
     pass.key(&casts_rays.then(|| frame.geometry_key()));
-    let frame = frame.clone();
+    let (frame, surfaces) = (frame.clone(), gbuffer.surfaces);
     pass.execute(move |cx| {
         let gpu = cx.gpu;
         let shadow_map =
@@ -168,10 +179,12 @@ fn declare_light<'a>(
         match rays {
             Some(rays) => {
                 let key = rays.shader("direct/direct.wgsl", "add_light").def("SHADOW_RAYS", ShaderDef::Flag(true));
+                let key = surfaces.define(key);
                 dispatch_rays(cx, &key, &group, rays, groups)
             }
             None => {
-                let key = frame.gpu_scene.with_media(ComputeKey::new("direct/direct.wgsl", "add_light"));
+                let key =
+                    frame.gpu_scene.with_media(surfaces.define(ComputeKey::new("direct/direct.wgsl", "add_light")));
                 let media = frame.gpu_scene.media_binding(gpu);
                 let media = media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer)));
                 cx.dispatch(&key, &group.into_iter().chain(media).collect::<Vec<_>>(), groups)

@@ -28,7 +28,7 @@ pub(in crate::render) fn declare<'a>(
     radiance: Handle<Texture>,
     direct_lights: Vec<DirectLight<'a>>,
 ) -> Handle<Texture> {
-    let mut pass = graph.pass("direct, lights without shadows");
+    let mut pass = graph.pass(gbuffer.surfaces.name("direct, lights without shadows"));
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
         pass.read(input);
@@ -36,7 +36,7 @@ pub(in crate::render) fn declare<'a>(
     let radiance = pass.write(radiance);
     let revisions: Vec<u64> = direct_lights.iter().map(|direct_light| direct_light.light.revision).collect();
     pass.key(&(frame.media_key(), revisions, frame.view_key()));
-    let frame = frame.clone();
+    let (frame, surfaces) = (frame.clone(), gbuffer.surfaces);
     pass.execute(move |cx| {
         let view = frame.view_uniform(cx.gpu);
         let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
@@ -62,7 +62,7 @@ pub(in crate::render) fn declare<'a>(
                 ("radiance", Binding::Texture(&target)),
             ];
             group.extend(media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-            let key = frame.gpu_scene.with_media(ComputeKey::new("direct/tiled.wgsl", "main"));
+            let key = frame.gpu_scene.with_media(surfaces.define(ComputeKey::new("direct/tiled.wgsl", "main")));
             cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])?;
         }
         Ok(())

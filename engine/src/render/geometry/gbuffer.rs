@@ -1,16 +1,17 @@
 //! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
 
 use super::static_layers;
-use crate::gpu::RasterKey;
+use crate::gpu::{ComputeKey, RasterKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
 use wgpu::TextureFormat;
 
-const USAGE: wgpu::TextureUsages = wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
+pub(super) const USAGE: wgpu::TextureUsages =
+    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
 
 /// Colour targets in the order of the fragment shader's outputs: 32 bytes a texel, the portable limit.
-const COLOR_TARGETS: [(&str, TextureFormat); 4] = [
+pub(super) const COLOR_TARGETS: [(&str, TextureFormat); 4] = [
     ("gbuffer base color", TextureFormat::Rgba16Uint),
     ("gbuffer normal", TextureFormat::Rgba16Uint),
     ("gbuffer emissive", TextureFormat::Rg32Uint),
@@ -33,6 +34,35 @@ pub struct GBuffer {
     pub object: Handle<Texture>,
     /// Reversed depth, 0 where there is nothing.
     pub depth: Handle<Texture>,
+    /// Which surfaces of the pixels it holds.
+    pub surfaces: Surfaces,
+}
+
+/// Which surfaces of the pixels a G-buffer holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Surfaces {
+    /// The nearest ones.
+    Nearest,
+    /// Lobes of them that are drawn apart, see [`second_lobe`](super::second_lobe).
+    SecondLobes,
+}
+
+impl Surfaces {
+    /// The definitions with which shaders read such a G-buffer.
+    pub(in crate::render) fn define(self, key: ComputeKey) -> ComputeKey {
+        match self {
+            Self::Nearest => key,
+            Self::SecondLobes => key.def("STRETCHED", ShaderDef::Flag(true)),
+        }
+    }
+
+    /// Name of a pass or an image that is of these surfaces.
+    pub(in crate::render) fn name(self, name: &str) -> String {
+        match self {
+            Self::Nearest => name.to_owned(),
+            Self::SecondLobes => format!("second lobe, {name}"),
+        }
+    }
 }
 
 /// Declares the pass that draws the scene into the G-buffer.
@@ -46,7 +76,7 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
     let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 5], motion| draw(cx, &drawn, targets, motion);
     let [base_color, normal, emissive, object, depth] =
         static_layers::declare(graph, frame, "gbuffer", targets, &[DrawFilter::opaque(&frustum)], &key, draw);
-    GBuffer { base_color, normal, emissive, object, depth }
+    GBuffer { base_color, normal, emissive, object, depth, surfaces: Surfaces::Nearest }
 }
 
 fn draw(cx: &mut PassContext, frame: &Frame, targets: &[Handle<Texture>; 5], motion: Motion) -> Result<(), PassError> {
@@ -78,7 +108,7 @@ fn raster_key(class: MaterialClass) -> RasterKey {
         shader: "geometry/gbuffer.wgsl",
         vertex: "vertex",
         fragment: Some("fragment"),
-        defs: class.defs(),
+        defs: class.defs_of_view(),
         vertex_buffers: class.vertex_buffers(),
         primitive: class.primitive_state(),
         depth: Some(depth_state()),

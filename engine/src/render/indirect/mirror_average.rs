@@ -30,12 +30,13 @@ pub(in crate::render) fn declare<'a>(
     gbuffer: &GBuffer,
     mirrored: Handle<Texture>,
 ) -> Handle<Texture> {
-    let Some((step, images)) = frame.history.step().zip(frame.history.mirrors()) else {
-        graph.skip("mirror average", "frames are shown as they are");
+    let name = gbuffer.surfaces.name("mirror average");
+    let Some((step, images)) = frame.history.step().zip(frame.history.mirrors(gbuffer.surfaces)) else {
+        graph.skip(name, "frames are shown as they are");
         return mirrored;
     };
-    let averaged = graph.retained_texture("averaged mirrored radiance", frame.image_desc());
-    let mut pass = graph.pass("mirror average");
+    let averaged = graph.retained_texture(gbuffer.surfaces.name("averaged mirrored radiance"), frame.image_desc());
+    let mut pass = graph.pass(name);
     let inputs = [gbuffer.normal, gbuffer.object, gbuffer.depth, mirrored];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     let averaged = pass.write(averaged);

@@ -16,6 +16,7 @@ pub(super) mod mirror_average;
 mod none;
 pub mod path_tracer;
 mod scattered;
+pub(super) mod second_lobe_reflection;
 pub(in crate::render) mod sky_reflection;
 
 pub use methods::Methods;

@@ -31,6 +31,8 @@ pub(in crate::render) struct Lights {
     pub indirect: Option<Handle<Texture>>,
     /// Radiance that mirrors reflect, where that is no part of `indirect`.
     pub mirrored: Option<Handle<Texture>>,
+    /// Radiance that second lobes reflect beside the lights.
+    pub second_lobe: Option<Handle<Texture>>,
     /// Radiance from the sky, where the indirect method has none of it.
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
@@ -71,7 +73,7 @@ pub(in crate::render) fn declare<'a>(
     };
     let mut pass = graph.pass(name);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
+    let read = [lights.direct, lights.indirect, lights.mirrored, lights.second_lobe, lights.sky, lights.blended];
     inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
     lights.haze.iter().for_each(|haze| pass.read(haze.buffer()));
     let radiance = pass.write(radiance);
@@ -100,6 +102,7 @@ pub(in crate::render) fn declare<'a>(
         let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
         let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let mirrored = lights.mirrored.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let second_lobe = lights.second_lobe.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
@@ -125,6 +128,7 @@ pub(in crate::render) fn declare<'a>(
             ("direct", Binding::Texture(&direct)),
             ("indirect", Binding::Texture(&indirect)),
             ("mirrored", Binding::Texture(&mirrored)),
+            ("second_lobe", Binding::Texture(&second_lobe)),
             ("sky_light", Binding::Texture(&sky_light)),
             ("blended", Binding::Texture(&blended)),
             ("sky", Binding::Texture(frame.gpu_scene.sky())),

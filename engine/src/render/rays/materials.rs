@@ -19,6 +19,11 @@ pub(in crate::render) fn mirror_define() -> (&'static str, ShaderDef) {
     ("MIRRORS", ShaderDef::Uint((MIRROR_ROUGHNESS * 100.0).round() as u32))
 }
 
+/// The same where all of them have.
+pub(in crate::render) fn all_mirror_define() -> (&'static str, ShaderDef) {
+    ("MIRRORS", ShaderDef::Uint(100))
+}
+
 /// `Material` of `lib/ray_scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -96,6 +101,7 @@ pub(super) struct GpuMaterials {
     plain: bool,
     has_glass: bool,
     has_layers: bool,
+    has_dispersion: bool,
     /// Least roughness of textures that were looked at.
     least_roughness: HashMap<AssetId, f32>,
 }
@@ -113,6 +119,7 @@ impl GpuMaterials {
             plain: true,
             has_glass: false,
             has_layers: false,
+            has_dispersion: false,
             least_roughness: HashMap::new(),
         }
     }
@@ -128,6 +135,7 @@ impl GpuMaterials {
         self.has_glass = scene.primitives.iter().any(|p| p.material.is_glass());
         self.has_layers = scene.primitives.iter().any(|p| p.material.has_layers());
         self.specular |= self.has_layers;
+        self.has_dispersion = scene.primitives.iter().any(|p| parts_colors(&p.material));
         let mut list = Vec::new();
         let of_kind = |is_moving: bool| scene.primitives.iter().filter(move |p| p.moving == is_moving);
         for primitive in of_kind(false).chain(of_kind(true)) {
@@ -183,6 +191,11 @@ impl GpuMaterials {
         self.has_glass
     }
 
+    /// Whether any solid body of glass parts colours.
+    pub(super) fn any_dispersion(&self) -> bool {
+        self.has_dispersion
+    }
+
     /// Whether any has more than the metallic-roughness base.
     pub(super) fn any_layers(&self) -> bool {
         self.has_layers
@@ -201,6 +214,10 @@ impl GpuMaterials {
     pub(super) fn is_masked(&self, index: u32) -> bool {
         self.masked.get(index as usize).copied().unwrap_or(false)
     }
+}
+
+fn parts_colors(material: &Material) -> bool {
+    material.dispersion > 0.0 && material.volume.is_some() && material.is_glass()
 }
 
 fn reflects_specularly(material: &Material) -> bool {

@@ -26,7 +26,7 @@ use glam::Vec3;
 use materials::GpuMaterials;
 use words::Words;
 
-pub(in crate::render) use materials::mirror_define;
+pub(in crate::render) use materials::{all_mirror_define, mirror_define};
 #[cfg(test)]
 pub(crate) use {emitters::Emitter, materials::RayMaterial};
 
@@ -267,6 +267,7 @@ impl RayScene {
             ("AREA_LIGHTS", self.has_area_lights),
             ("GLASS", self.has_glass()),
             ("LAYERED", self.materials.any_layers()),
+            ("DISPERSION", self.materials.any_dispersion()),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);
         let key = set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)));

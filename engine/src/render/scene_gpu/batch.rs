@@ -73,6 +73,8 @@ pub struct DrawFilter<'a> {
     pub opaque_only: bool,
     /// Only those of glass.
     pub glass_only: bool,
+    /// Only those with a second lobe.
+    pub second_lobe_only: bool,
     /// Only those that are walls in cells of this size \[m\], see `wall_extent`.
     pub least_wall: f32,
     /// Only those that move, or that do not.
@@ -87,6 +89,7 @@ impl<'a> DrawFilter<'a> {
             casters_only: false,
             opaque_only: false,
             glass_only: false,
+            second_lobe_only: false,
             least_wall: 0.0,
             motion: Motion::Any,
         }
@@ -100,6 +103,11 @@ impl<'a> DrawFilter<'a> {
     /// Of that, what is of glass.
     pub fn glass(frustum: &'a Frustum) -> Self {
         Self { glass_only: true, ..Self::seen(frustum) }
+    }
+
+    /// Of that, what has a second lobe.
+    pub fn with_second_lobe(frustum: &'a Frustum) -> Self {
+        Self { second_lobe_only: true, ..Self::seen(frustum) }
     }
 
     /// Instances that cast shadows.
@@ -134,6 +142,7 @@ impl Batch {
         filter.motion.takes(self.moving)
             && !(filter.opaque_only && self.nowhere_opaque)
             && (self.class.glass || !filter.glass_only)
+            && (self.class.second_lobe || !filter.second_lobe_only)
     }
 
     /// Its part of all members.

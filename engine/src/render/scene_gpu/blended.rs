@@ -1,7 +1,7 @@
 //! Blended surfaces, from the farthest to the nearest.
 
 use super::{Batch, Bound, DrawFilter, GpuScene, MaterialClass, Member, submit};
-use crate::gpu::{Pipeline, RasterKey};
+use crate::gpu::{Binding, Pipeline, RasterKey};
 use crate::graph::{PassContext, PassError};
 use glam::Vec3;
 use std::ops::Range;
@@ -67,7 +67,8 @@ impl GpuScene {
             let sides: &[Side] = if batch.class.double_sided { &[Side::Back, Side::Front] } else { &[Side::Front] };
             for &side in sides {
                 if current.as_ref().is_none_or(|(class, s, ..)| (*class, *s) != (batch.class, side)) {
-                    let pipeline = self.set_pipeline(gpu, pass, view, &key(batch.class, side))?;
+                    let pipeline =
+                        self.set_pipeline(gpu, pass, &[("view", Binding::Buffer(view))], &key(batch.class, side))?;
                     let groups = prepare(&pipeline, pass)?;
                     current = Some((batch.class, side, pipeline, groups));
                     bound.material = None;

@@ -22,8 +22,8 @@ pub struct MaterialClass {
     pub plain: bool,
     /// There is more than the metallic-roughness base.
     pub layered: bool,
-    /// There is a clear coat.
-    pub coated: bool,
+    /// A lobe of it is drawn apart, see `geometry/second_lobe.wgsl`.
+    pub second_lobe: bool,
 }
 
 impl MaterialClass {
@@ -36,7 +36,7 @@ impl MaterialClass {
         mirrored: false,
         plain: true,
         layered: false,
-        coated: false,
+        second_lobe: false,
     };
 
     pub(super) fn of(primitive: &Primitive) -> Self {
@@ -48,7 +48,7 @@ impl MaterialClass {
             mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
             plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
             layered: primitive.material.has_layers(),
-            coated: primitive.material.has_coat(),
+            second_lobe: primitive.material.has_second_lobe(),
         }
     }
 

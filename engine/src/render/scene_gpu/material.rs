@@ -29,6 +29,7 @@ pub(crate) struct MaterialUniform {
     anisotropy: Vec3,
     iridescence: f32,
     film: Vec3,
+    even_layers: Vec4,
     uv_rows: [Vec4; 30],
 }
 
@@ -37,6 +38,7 @@ impl MaterialUniform {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let positive = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
         let layers = MaterialLayers::of(material);
+        let even = material.even_layers(1.0, Vec3::ONE);
         Self {
             base_color: if material.base_color.is_finite() {
                 material.base_color.clamp(Vec4::ZERO, Vec4::ONE)
@@ -64,6 +66,7 @@ impl MaterialUniform {
             anisotropy: layers.anisotropy.into(),
             iridescence: layers.iridescence[0],
             film: Vec3::from_slice(&layers.iridescence[1..]),
+            even_layers: even.1.extend(even.0),
             uv_rows: material.uv_rows().map(Vec4::from),
         }
     }

@@ -128,6 +128,21 @@ impl GpuScene {
         filter: &DrawFilter,
         key: impl Fn(MaterialClass) -> RasterKey,
     ) -> Result<(), PassError> {
+        self.draw_with(cx, pass, &[("view", Binding::Buffer(view))], filter, key)
+    }
+
+    /// As [`GpuScene::draw`], with all that group 0 holds beside the instances.
+    ///
+    /// # Errors
+    /// As there.
+    pub(in crate::render) fn draw_with(
+        &self,
+        cx: &mut PassContext,
+        pass: &mut wgpu::RenderPass<'_>,
+        group: &[(&str, Binding<'_>)],
+        filter: &DrawFilter,
+        key: impl Fn(MaterialClass) -> RasterKey,
+    ) -> Result<(), PassError> {
         let gpu = cx.gpu;
         let mut bound = Bound::default();
         let mut current = None;
@@ -136,7 +151,7 @@ impl GpuScene {
         for segment in &list.segments {
             let batch = segment.batch;
             if current.as_ref().is_none_or(|(class, _)| *class != batch.class) {
-                current = Some((batch.class, self.set_pipeline(gpu, pass, view, &key(batch.class))?));
+                current = Some((batch.class, self.set_pipeline(gpu, pass, group, &key(batch.class))?));
                 bound.material = None;
             }
             let Some((_, pipeline)) = &current else { continue };
@@ -159,14 +174,15 @@ impl GpuScene {
         &self,
         gpu: &Gpu,
         pass: &mut wgpu::RenderPass<'_>,
-        view: &wgpu::Buffer,
+        group: &[(&str, Binding<'_>)],
         key: &RasterKey,
     ) -> Result<Arc<Pipeline>, PassError> {
         let pipeline = gpu.pipelines.raster(gpu, key)?;
         if let Some(raster) = pipeline.raster() {
             pass.set_pipeline(raster);
         }
-        let group = [("view", Binding::Buffer(view)), ("instances", Binding::Buffer(&self.instances))];
+        let instances = ("instances", Binding::Buffer(&self.instances));
+        let group: Vec<_> = group.iter().cloned().chain([instances]).collect();
         pass.set_bind_group(0, &pipeline.bind(gpu, 0, &group)?, &[]);
         Ok(pipeline)
     }
@@ -250,6 +266,11 @@ impl GpuScene {
     /// Whether any surface is of glass.
     pub fn has_glass(&self) -> bool {
         self.batches.iter().any(|batch| batch.class.glass)
+    }
+
+    /// Whether any surface has a lobe that is drawn apart.
+    pub fn has_second_lobes(&self) -> bool {
+        self.batches.iter().any(|batch| batch.class.second_lobe)
     }
 
     /// Bytes of textures on the device.

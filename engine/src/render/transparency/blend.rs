@@ -244,7 +244,7 @@ impl Work<'_> {
             dst_factor: BlendFactor::OneMinusSrcAlpha,
             operation: BlendOperation::Add,
         };
-        let mut defs = class.defs();
+        let mut defs = class.defs_of_view();
         defs.push(("FORWARD", ShaderDef::Flag(true)));
         match &self.source {
             Some(Source::Field(field)) => defs.push((field.define(), ShaderDef::Flag(true))),

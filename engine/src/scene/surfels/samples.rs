@@ -244,7 +244,10 @@ fn surface(primitive: &Primitive, mesh: &Mesh, triangle: &Triangle, weights: [f3
     };
     let metallic = (material.metallic * texel(&material.metallic_roughness_texture, &material.uv.metallic_roughness).z)
         .clamp(0.0, 1.0);
-    let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * (1.0 - metallic);
+    let coat = texel(&material.clearcoat_texture, &material.uv.clearcoat).x;
+    let sheen = texel(&material.sheen_color_texture, &material.uv.sheen_color).truncate();
+    let (left, added) = material.even_layers(coat, sheen);
+    let albedo = base.truncate().clamp(Vec3::ZERO, Vec3::ONE) * ((1.0 - metallic) * left) + added;
     let emissive =
         (material.emissive * texel(&material.emissive_texture, &material.uv.emissive).truncate()).max(Vec3::ZERO);
     let emissive = if material.unlit { emissive * color.truncate() } else { emissive };

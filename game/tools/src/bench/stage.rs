@@ -64,6 +64,11 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "TRC", what: "path tracing", passes: &["reference"] },
     Stage { name: "HAZ", what: "light that media scatter: in cells, and towards the eye", passes: &["haze"] },
     Stage {
+        name: "LOB",
+        what: "second lobes, of clear coats and stretched highlights: what shows them, lights, reflections",
+        passes: &["second lobe"],
+    },
+    Stage {
         name: "GLS",
         what: "what is seen through glass and in it, by rays, and the image behind it",
         passes: &["glass", "compose opaque"],

@@ -9,9 +9,9 @@ use super::haze_cells::HazeCells;
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
-use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::geometry::{GBuffer, Surfaces};
 use crate::render::indirect::Scattered;
-use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
+use crate::render::rays::{RayScene, dispatch_rays};
 use crate::world::{Clpv, GatherRays};
 use encase::ShaderType;
 use glam::Vec3;
@@ -42,36 +42,47 @@ pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u3
     (is_needed && wanted > 0).then_some(if is_sparse { 1 } else { wanted })
 }
 
+/// What is traced.
+#[derive(Clone, Copy)]
+pub(in crate::render) struct Mirrors {
+    /// Most rays of a pixel.
+    pub rays: u32,
+    /// Which surfaces mirror: those up to a roughness, by [`mirror_define`](crate::render::rays::mirror_define) or
+    /// [`all_mirror_define`](crate::render::rays::all_mirror_define).
+    pub define: (&'static str, ShaderDef),
+}
+
 /// Declares the pass; the result is the radiance \[W/(m² sr)\] that mirrors reflect, with the distance \[m\] of what they
 /// show.
-pub(super) fn declare<'a>(
+pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     light: Scattered,
-    rays: u32,
+    mirrors: Mirrors,
 ) -> Handle<Texture> {
-    let mirrored = graph.retained_texture("mirrored radiance", frame.image_desc());
-    let mut pass = graph.pass("mirror");
+    let mirrored = graph.retained_texture(gbuffer.surfaces.name("mirrored radiance"), frame.image_desc());
+    let mut pass = graph.pass(gbuffer.surfaces.name("mirror"));
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     light.handles().for_each(|light| pass.read(light));
     let mirrored = pass.write(mirrored);
-    pass.key(&(rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
+    pass.key(&(mirrors.rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
     let revisions = &frame.scene.revisions;
     pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
     pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
-    let work = Work { frame: frame.clone(), inputs, light, mirrored, rays };
+    let work = Work { frame: frame.clone(), surfaces: gbuffer.surfaces, inputs, light, mirrored, mirrors };
     pass.execute(move |cx| work.run(cx));
     mirrored
 }
 
 struct Work<'a> {
     frame: Frame<'a>,
+    surfaces: Surfaces,
     inputs: [Handle<Texture>; 4],
     light: Scattered,
     mirrored: Handle<Texture>,
-    rays: u32,
+    mirrors: Mirrors,
 }
 
 impl Work<'_> {
@@ -79,7 +90,7 @@ impl Work<'_> {
         let scene = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let [width, height] = self.frame.view.size;
         cx.counts().texels += u64::from(width) * u64::from(height);
-        let paths_a_row = u64::from(width) * u64::from(self.rays);
+        let paths_a_row = u64::from(width) * u64::from(self.mirrors.rays);
         let rows_a_submit = cx.work_a_submit(PATHS_A_SUBMIT) / paths_a_row;
         // Whole workgroups, eight rows high.
         let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
@@ -101,12 +112,12 @@ impl Work<'_> {
         let uniform = cx.gpu.uniform("mirror", &self.uniform(scene, first_row));
         let views = self.inputs.map(|handle| cx.view(handle));
         let target = cx.view(self.mirrored);
-        let (name, value) = mirror_define();
+        let (name, value) = self.mirrors.define.clone();
         let key = scene
             .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
-            .def("RAYS", ShaderDef::Uint(self.rays))
+            .def("RAYS", ShaderDef::Uint(self.mirrors.rays))
             .def(name, value);
-        let key = self.light.defined(&self.frame, key);
+        let key = self.surfaces.define(self.light.defined(&self.frame, key));
         let light = self.light.buffers(cx);
         let mut group = vec![("mirror", Binding::Buffer(&uniform)), ("mirrored", Binding::Texture(&target))];
         let names = ["base_color", "normal", "object", "depth"];

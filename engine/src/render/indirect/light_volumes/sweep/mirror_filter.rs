@@ -20,14 +20,14 @@ pub(crate) struct MirrorFilterUniform {
 }
 
 /// Declares the pass; the result is as the input, with less noise.
-pub(super) fn declare<'a>(
+pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     mirrored: Handle<Texture>,
 ) -> Handle<Texture> {
-    let filtered = graph.retained_texture("mirrored radiance, filtered", frame.image_desc());
-    let mut pass = graph.pass("mirror filter");
+    let filtered = graph.retained_texture(gbuffer.surfaces.name("mirrored radiance, filtered"), frame.image_desc());
+    let mut pass = graph.pass(gbuffer.surfaces.name("mirror filter"));
     let inputs = [gbuffer.normal, gbuffer.object, gbuffer.depth, mirrored];
     inputs.into_iter().for_each(|handle| pass.read(handle));
     let filtered = pass.write(filtered);

@@ -31,8 +31,8 @@ mod irradiance;
 mod lamp_light;
 mod links;
 mod march;
-mod mirror;
-mod mirror_filter;
+pub(in crate::render) mod mirror;
+pub(in crate::render) mod mirror_filter;
 mod opacity;
 mod probes;
 mod rsm_samples;
@@ -64,6 +64,7 @@ use crate::render::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::{Scattered, sky_reflection};
+use crate::render::rays::mirror_define;
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
@@ -232,7 +233,8 @@ fn declare_mirrors<'a>(
 ) -> Option<Handle<Texture>> {
     match mirror::rays(frame, settings, interleave.is_sparse()) {
         Some(rays) => {
-            let mirrored = mirror::declare(graph, frame, gbuffer, light, rays);
+            let mirrors = mirror::Mirrors { rays, define: mirror_define() };
+            let mirrored = mirror::declare(graph, frame, gbuffer, light, mirrors);
             Some(mirror_filter::declare(graph, frame, gbuffer, mirrored))
         }
         None => {
