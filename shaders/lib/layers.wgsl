@@ -4,6 +4,7 @@
 // _anisotropy and _iridescence. From outside: a clear coat, sheen, the base with its film and stretched highlights. Each layer
 // takes from those below what it reflects itself towards the eye, by the angle of the view alone.
 
+#import lightwell::brdf::fresnel_schlick
 #import lightwell::sampling::{TAU, basis}
 
 // ---- Clear coat: a smooth or rough dielectric of the index 1.5 ----
@@ -13,6 +14,13 @@ fn coat_reflectance(factor: f32, cosine: f32) -> f32 {
     let m = saturate(1.0 - cosine);
     let m2 = m * m;
     return factor * (0.04 + 0.96 * (m2 * m2 * m));
+}
+
+// ---- Second lobes: see geometry/second_lobe.wgsl ----
+
+// What their reflections are divided by before they are filtered, since it changes more from pixel to pixel than what they show.
+fn tint_of_lobe(normal_reflectance: vec3f, grazing_reflectance: f32, n_dot_v: f32) -> vec3f {
+    return max(fresnel_schlick(normal_reflectance, grazing_reflectance, max(n_dot_v, 0.0)), vec3f(1e-4));
 }
 
 // ---- Sheen: fibres that stand off the surface (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF") ----
@@ -48,7 +56,7 @@ fn sheen_lobe(roughness: f32, n_dot_h: f32, n_dot_l: f32, n_dot_v: f32) -> f32 {
 }
 
 // Share of even light that white sheen reflects: ∫ f·cosine over the hemisphere, a fit to its numbers within 0.008.
-fn sheen_albedo(roughness: f32, n_dot_v: f32) -> f32 {
+fn albedo_of_sheen(roughness: f32, n_dot_v: f32) -> f32 {
     let r = clamp(roughness, LEAST_SHEEN_ROUGHNESS, 1.0);
     let powers = vec4f(1.0, r, r * r, r * r * r);
     let s = sqrt(saturate(n_dot_v));
@@ -90,20 +98,21 @@ fn squared_ratio(a: vec3f, b: vec3f) -> vec3f {
     return ratio * ratio;
 }
 
+// From this thickness on a film counts in full [nm]: a 25th of a wave of blue light in glass.
+const THINNEST: f32 = 10.0;
+
 // Reflectance of a base of that F0 with a film of that index and thickness [nm] on it, where light comes with that cosine.
 fn film_reflectance(base: vec3f, ior: f32, thickness: f32, cosine: f32) -> vec3f {
-    // What is thinner than matter has no phase: its index goes to that of the air.
-    let eta = mix(1.0, ior, smoothstep(0.0, 0.03, thickness));
     let c = saturate(cosine);
-    let cosine_within = sqrt(max(0.0, 1.0 - (1.0 - c * c) / (eta * eta)));
+    let cosine_within = sqrt(max(0.0, 1.0 - (1.0 - c * c) / (ior * ior)));
     let m = pow(1.0 - c, 5.0);
-    let upper = mix(((eta - 1.0) / (eta + 1.0)) * ((eta - 1.0) / (eta + 1.0)), 1.0, m);
+    let upper = mix(((ior - 1.0) / (ior + 1.0)) * ((ior - 1.0) / (ior + 1.0)), 1.0, m);
     // The base's index from its reflectance in air, and what it reflects in the film.
     let root = sqrt(clamp(base, vec3f(0.0), vec3f(0.9999)));
     let base_ior = (1.0 + root) / (1.0 - root);
-    let lower = mix(squared_ratio(base_ior, vec3f(eta)), vec3f(1.0), pow(1.0 - cosine_within, 5.0));
-    let shift = vec3f(0.5 * TAU) + select(vec3f(0.0), vec3f(0.5 * TAU), base_ior < vec3f(eta));
-    let path = 2.0 * eta * thickness * cosine_within;
+    let lower = mix(squared_ratio(base_ior, vec3f(ior)), vec3f(1.0), pow(1.0 - cosine_within, 5.0));
+    let shift = vec3f(0.5 * TAU) + select(vec3f(0.0), vec3f(0.5 * TAU), base_ior < vec3f(ior));
+    let path = 2.0 * ior * thickness * cosine_within;
     // Reflections within the film, one after the other (their eq. 5 to 10).
     let round = clamp(upper * lower, vec3f(1e-5), vec3f(0.9999));
     let passed = 1.0 - upper;
@@ -114,7 +123,9 @@ fn film_reflectance(base: vec3f, ior: f32, thickness: f32, cosine: f32) -> vec3f
         order *= sqrt(round);
         sum += order * 2.0 * sensitivity(f32(i) * path, f32(i) * shift);
     }
-    return clamp(sum, vec3f(0.0), vec3f(1.0));
+    // A film that is much thinner than a wave changes nothing, of which Schlick's terms at both of its sides know nothing.
+    let bare = mix(base, vec3f(1.0), m);
+    return clamp(mix(bare, sum, smoothstep(0.0, THINNEST, thickness)), vec3f(0.0), vec3f(1.0));
 }
 
 // F0 of Schlick's term that is as bright at this angle as the film is (as KHR_materials_iridescence proposes).
@@ -126,7 +137,7 @@ fn reflectance_of_film(seen: vec3f, f90: f32, cosine: f32) -> vec3f {
 // ---- Anisotropy: GGX with other α along a tangent than across (Heitz 2014 and 2018) ----
 
 // GGX α along the direction of anisotropy.
-fn alpha_along(alpha: f32, strength: f32) -> f32 {
+fn stretched_alpha(alpha: f32, strength: f32) -> f32 {
     return mix(alpha, 1.0, strength * strength);
 }
 

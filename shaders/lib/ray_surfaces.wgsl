@@ -4,7 +4,7 @@
 
 #import lightwell::gbuffer::decode_octahedral
 #ifdef LAYERED
-#import lightwell::layers::{alpha_along, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, sheen_albedo, stretch_direction}
+#import lightwell::layers::{stretched_alpha, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, albedo_of_sheen, stretch_direction}
 #endif
 #import lightwell::mesh::{emission_color, normalize_or_zero}
 #import lightwell::ray_materials::{Coordinates, coordinates, sample_texture, uv_of_use}
@@ -205,7 +205,7 @@ fn add_layers(surface: ptr<function, Surface>, material: u32, place: Coordinates
             * sample_texture(materials[material].sheen_color_texture, uv_of_use(material, 10u, place), vec4f(1.0)).rgb;
         (*surface).sheen_roughness = sheen.a
             * sample_texture(materials[material].sheen_roughness_texture, uv_of_use(material, 11u, place), vec4f(1.0)).a;
-        let albedo = sheen_albedo((*surface).sheen_roughness, n_dot_v);
+        let albedo = albedo_of_sheen((*surface).sheen_roughness, n_dot_v);
         (*surface).sheen_albedo = (*surface).sheen * albedo;
         left = left_by_sheen((*surface).sheen, albedo);
     }
@@ -245,7 +245,7 @@ fn add_stretch(surface: ptr<function, Surface>, material: u32, place: Coordinate
     let d = texel.rg * 2.0 - 1.0;
     let turn = vec2f(d.x * stretch.y - d.y * stretch.z, d.x * stretch.z + d.y * stretch.y);
     (*surface).along = stretch_direction((*surface).normal, tangent.xyz, tangent.w, turn);
-    (*surface).alpha_along = alpha_along((*surface).alpha, saturate(stretch.x * texel.b));
+    (*surface).alpha_along = stretched_alpha((*surface).alpha, saturate(stretch.x * texel.b));
 }
 
 // Adds the clear coat, and tells what it leaves to all below.

@@ -7,7 +7,7 @@
 
 #ifdef LAYERED
 #import lightwell::brdf::fresnel_schlick
-#import lightwell::layers::{alpha_along, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, sheen_albedo}
+#import lightwell::layers::{stretched_alpha, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, albedo_of_sheen}
 #endif
 #import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped, emission_color}
 #import lightwell::view::{View, toward_eye}
@@ -236,7 +236,7 @@ fn add_layers(s: ptr<function, Sampled>, layers: Layers, to_eye: vec3f) {
         (*s).normal_reflectance = mix((*s).normal_reflectance, of_film, layers.film);
     }
     let above = 1.0 - coat_reflectance(layers.coat, abs(dot(layers.coat_normal, to_eye)));
-    let sheen = sheen_albedo(layers.sheen_roughness, n_dot_v);
+    let sheen = albedo_of_sheen(layers.sheen_roughness, n_dot_v);
     let left = left_by_sheen(layers.sheen, sheen) * above;
     (*s).normal_reflectance *= left;
     (*s).grazing_reflectance *= left;
@@ -252,7 +252,7 @@ fn add_layers(s: ptr<function, Sampled>, layers: Layers, to_eye: vec3f) {
     }
     // A round lobe as high as the stretched one.
     let alpha = max((*s).roughness * (*s).roughness, 1e-3);
-    (*s).alpha_along = alpha_along(alpha, saturate(layers.stretch));
+    (*s).alpha_along = stretched_alpha(alpha, saturate(layers.stretch));
     if layers.stretch > 0.0 {
         (*s).roughness = sqrt(sqrt(alpha * (*s).alpha_along));
     }

@@ -2,6 +2,11 @@
 // the frame for itself.
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
+#ifdef SECOND_LOBE
+#import lightwell::gbuffer::decode_normal_reflectance
+#import lightwell::layers::tint_of_lobe
+#import lightwell::view::toward_eye
+#endif
 #ifdef HAZE
 #import lightwell::haze_lookup::veil
 #endif
@@ -42,8 +47,12 @@ const LAYER: u32 = TOTAL;
 @group(0) @binding(9) var sky: texture_2d<f32>;
 // What mirrors reflect, where that is no part of `indirect`.
 @group(0) @binding(12) var mirrored: texture_2d<f32>;
-// What second lobes reflect beside the lights.
+#ifdef SECOND_LOBE
+// What second lobes reflect beside the lights, over their tint, and what is in their geometry buffer.
 @group(0) @binding(13) var second_lobe: texture_2d<f32>;
+@group(0) @binding(14) var lobe_normal: texture_2d<u32>;
+@group(0) @binding(15) var lobe_object: texture_2d<u32>;
+#endif
 // What surfaces reflect of the sky, where the indirect method has no light of it.
 @group(0) @binding(11) var sky_light: texture_2d<f32>;
 // Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
@@ -67,6 +76,22 @@ fn sky_at(pixel: vec2u) -> vec3f {
 #endif
 }
 
+// What the pixel's second lobe reflects beside the lights.
+fn of_second_lobe(pixel: vec2u, z: f32) -> vec3f {
+#ifdef SECOND_LOBE
+    let object = textureLoad(lobe_object, pixel, 0).xy;
+    if object.x == 0u {
+        return vec3f(0.0);
+    }
+    let n = textureLoad(lobe_normal, pixel, 0);
+    let to_eye = normalize(toward_eye(view, world_position(pixel, view.size, z, view.world_from_clip)));
+    let tint = tint_of_lobe(decode_normal_reflectance(object), f32(n.w) / 65535.0, dot(decode_normal(n), to_eye));
+    return textureLoad(second_lobe, pixel, 0).rgb * tint;
+#else
+    return vec3f(0.0);
+#endif
+}
+
 fn shown(pixel: vec2u) -> vec3f {
     let z = textureLoad(depth, pixel, 0);
     if z <= 0.0 {
@@ -78,8 +103,8 @@ fn shown(pixel: vec2u) -> vec3f {
     let emitted = decode_radiance(textureLoad(emissive, pixel, 0).xy);
     let bounced = textureLoad(indirect, min(pixel, textureDimensions(indirect) - 1u), 0).rgb
         + textureLoad(mirrored, min(pixel, textureDimensions(mirrored) - 1u), 0).rgb
-        + textureLoad(second_lobe, min(pixel, textureDimensions(second_lobe) - 1u), 0).rgb
-        + textureLoad(sky_light, min(pixel, textureDimensions(sky_light) - 1u), 0).rgb;
+        + textureLoad(sky_light, min(pixel, textureDimensions(sky_light) - 1u), 0).rgb
+        + of_second_lobe(pixel, z);
     switch LAYER {
         case DIRECT: { return reflected + emitted; }
         case INDIRECT: { return bounced; }

@@ -24,7 +24,7 @@ use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{
     IndirectLight, IndirectMethod, Scattered, accumulate, ambient, lost_light, mirror_average, second_lobe_reflection,
 };
-use super::post::compose::{self, Lights, Purpose};
+use super::post::compose::{self, Lights, Purpose, SecondLobe};
 use super::post::tone_map::{DISPLAY, TONE_MAPPED};
 use super::post::{bloom, compare, depth_of_field, film, mlaa, tone_map};
 use super::settings::{Beside, Layer, RenderSettings};
@@ -67,7 +67,10 @@ pub(super) fn declare<'a>(
     };
     let sky = sky_light::declare(graph, frame, &gbuffer, method);
     let lobes = second_lobe.as_ref().filter(|_| indirect.is_some() || sky.is_some());
-    let second_lobe = lobes.and_then(|lobes| second_lobe_reflection::declare(graph, frame, lobes, scattered));
+    let second_lobe = lobes.and_then(|lobes| {
+        let reflected = second_lobe_reflection::declare(graph, frame, lobes, scattered)?;
+        Some(SecondLobe { reflected, gbuffer: *lobes })
+    });
     let sky_radiance = sky.as_ref().map(|sky| sky.radiance);
     let sky_field = sky.and_then(|sky| sky.field);
     let lamps = Lamps::of(graph, frame).filter(|_| shows_direct);

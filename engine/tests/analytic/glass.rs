@@ -149,22 +149,24 @@ fn a_slab_refracts_by_snells_law() {
 /// Glass with dispersion refracts each colour by an index of its own (KHR_materials_dispersion: Abbe's number is 20 over it).
 #[test]
 fn a_slab_with_dispersion_parts_colours() {
+    const FINE: u32 = 128;
     let gpu = gpu();
-    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, EDGE);
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, FINE);
     for (side, emissive) in [(-1.0, Vec3::ONE), (1.0, Vec3::splat(0.01))] {
         let material = Material { emissive, ..Material::diffuse("half", Vec3::ZERO) };
         let place = Affine3A::from_translation(Vec3::X * (15.0 * side)) * facing(-1.0);
         stage.add_material(facing_plane(30.0), material, place);
     }
-    let (turn, thickness, dispersion) = (Quat::from_rotation_y(0.9), 1.2, 16.0);
+    let (turn, thickness, dispersion) = (Quat::from_rotation_y(0.9), 1.2, 32.0);
     let slab = Shape::Box { size: [20.0, 20.0, thickness] };
     let place = Affine3A::from_rotation_translation(turn, Vec3::Z * 0.8);
     stage.add_material(slab, Material { dispersion, ..clear(Vec3::ONE, 1.5, Some(Attenuation::NONE)) }, place);
     let drawn = stage.render(&gpu, GiMethod::NONE, Layer::Total);
     let traced = trace(&gpu, &stage, 256, Layer::Total);
+    let traced_at = |x: u32| Vec3::from_slice(&traced.pixels()[(x + FINE * FINE / 2) as usize][..3]);
     let (mut compared, mut parted) = (0, 0);
-    for x in 2..EDGE - 2 {
-        let ray = stage.ray(x, 16);
+    for x in 2..FINE - 2 {
+        let ray = stage.ray(x, FINE / 2);
         let n = turn * Vec3::Z;
         let cosine = -ray.dot(n);
         // (n_F − n_C)/2 = (n − 1)/(2·V) with V = 20/dispersion, around the index itself.
@@ -175,13 +177,13 @@ fn a_slab_with_dispersion_parts_colours() {
             let moved = inside * (thickness / inner) - ray * (thickness / cosine);
             stage.view.eye() + moved + ray * (-4.0 - moved.z) / ray.z
         });
-        let pixel = 8.0 / EDGE as f32;
+        let pixel = 8.0 / FINE as f32;
         if cosine < 0.3 || places.iter().any(|at| at.x.abs() < 1.0 * pixel) {
             continue;
         }
         compared += 1;
         parted += u32::from(places.iter().any(|at| at.x < 0.0) && places.iter().any(|at| at.x > 0.0));
-        for (what, found) in [("drawn", rgb(&drawn, x, 16)), ("traced", color_at(&traced, x, 16))] {
+        for (what, found) in [("drawn", rgb(&drawn, x, FINE / 2)), ("traced", traced_at(x))] {
             for (channel, at) in places.iter().enumerate() {
                 assert_eq!(found[channel] > 0.4, at.x < 0.0, "{what}, column {x}, {channel}: {found}, from {at}");
             }

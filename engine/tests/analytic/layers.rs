@@ -30,9 +30,18 @@ fn color_at(image: &Image, x: u32, y: u32) -> Vec3 {
 
 /// A floor of a material, seen from a height of 2 m, and light from far.
 fn floor(material: Material, direction: Vec3) -> Stage {
-    let mut stage = Stage::new(Vec3::new(0.0, 2.0, 2.5), Vec3::new(0.0, 0.0, -0.5), EDGE);
+    let mut stage = Stage::new(Vec3::new(0.0, 2.0, 1.0), Vec3::new(0.0, 0.0, -0.5), EDGE);
     stage.add_material(Shape::Plane { size: [60.0; 2], subdivisions: [1; 2] }, material, Affine3A::IDENTITY);
     stage.light(LightShape::Directional, Vec3::splat(2.0), Vec3::ZERO, direction);
+    stage
+}
+
+/// A floor of a material in even light of 1 W/(m² sr) from the whole sky.
+fn floor_in_even_light(material: Material) -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 2.0, 1.0), Vec3::new(0.0, 0.0, -0.5), EDGE);
+    stage.add_material(Shape::Plane { size: [24.0; 2], subdivisions: [1; 2] }, material, Affine3A::IDENTITY);
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
     stage
 }
 
@@ -140,12 +149,13 @@ fn sheen_reflects_a_light_by_its_lobe() {
         let color = Vec3::new(0.9, 0.6, 0.3);
         let stage = floor(Material { sheen: Sheen { color, roughness }, ..black("cloth") }, direction);
         let traced = trace(&gpu, &stage, 64, Some(0));
+        let lit = |x, y| 2.0 * color * sheen(-stage.ray(x, y), -direction, roughness) * -direction.y;
+        let brightest = PIXELS.iter().map(|&(x, y)| lit(x, y).max_element()).fold(0.0, f32::max);
         for (x, y) in PIXELS {
-            let (v, l) = (-stage.ray(x, y), -direction);
-            let wanted = 2.0 * color * sheen(v, l, roughness) * l.y;
+            let wanted = lit(x, y);
             let found = color_at(&traced, x, y);
-            let off = (found - wanted).abs().max_element() / wanted.max_element();
-            assert!(off < 0.05, "roughness {roughness} at {x}, {y}: {found}, expected {wanted}");
+            let off = (found - wanted).abs().max_element() / brightest;
+            assert!(off < 0.01, "roughness {roughness} at {x}, {y}: {found}, expected {wanted}");
         }
     }
 }
@@ -157,11 +167,9 @@ fn sheen_and_base_share_even_light() {
     for (roughness, albedo) in [(0.3, 0.0), (0.6, 0.5), (1.0, 0.5)] {
         let color = Vec3::new(0.9, 0.6, 0.3);
         let cloth = Material { sheen: Sheen { color, roughness }, ..Material::diffuse("cloth", Vec3::splat(albedo)) };
-        let mut stage = floor(cloth, Vec3::NEG_Y);
-        stage.scene.lights.clear();
-        stage.scene.sky = Vec3::ONE;
+        let stage = floor_in_even_light(cloth);
         let traced = trace(&gpu, &stage, 2048, None);
-        let drawn = stage.render(&gpu, GiMethod::NONE, Layer::Total);
+        let drawn = stage.render(&gpu, GiMethod::CLPV, Layer::Total);
         for (x, y) in PIXELS {
             let cosine = -stage.ray(x, y).y;
             let reflected = sheen_albedo(cosine, roughness);
@@ -213,11 +221,9 @@ fn a_thick_film_is_a_pane() {
         iridescence,
         ..Material::new("film")
     };
-    let mut stage = floor(metal, Vec3::NEG_Y);
-    stage.scene.lights.clear();
-    stage.scene.sky = Vec3::ONE;
+    let stage = floor_in_even_light(metal);
     let traced = trace(&gpu, &stage, 64, None);
-    let drawn = stage.render(&gpu, GiMethod::NONE, Layer::Total);
+    let drawn = stage.render(&gpu, GiMethod::CLPV, Layer::Total);
     for (x, y) in PIXELS {
         let cosine = -stage.ray(x, y).y;
         let within = (1.0 - (1.0 - cosine * cosine) / (1.6 * 1.6)).sqrt();
@@ -246,9 +252,7 @@ fn thin_films_have_colours() {
             base_color: Vec3::splat(0.5).extend(1.0),
             ..Material::new("film")
         };
-        let mut stage = floor(metal, Vec3::NEG_Y);
-        stage.scene.lights.clear();
-        stage.scene.sky = Vec3::ONE;
+        let stage = floor_in_even_light(metal);
         let traced = trace(&gpu, &stage, 64, None);
         for (x, y) in PIXELS {
             let found = color_at(&traced, x, y);
@@ -278,6 +282,7 @@ fn no_layer_makes_light() {
     };
     let stacks = [
         Material { clearcoat: coat(0.0), ..Material::new("smooth coat") },
+        Material { metallic: 1.0, ..Material::new("rough metal") },
         Material { clearcoat: coat(1.0), metallic: 1.0, ..Material::new("rough coat on metal") },
         Material { sheen: Sheen { color: Vec3::ONE, roughness: 0.0 }, ..Material::new("velvet") },
         Material { sheen: Sheen { color: Vec3::ONE, roughness: 1.0 }, ..Material::new("wool") },
@@ -290,17 +295,22 @@ fn no_layer_makes_light() {
         let ball = Shape::Sphere { radius: 1.0, segments: 48, rings: 24 };
         stage.add_material(ball, Material { id: lightwell::assets::AssetId::fresh(), ..material }, Affine3A::IDENTITY);
         stage.scene.sky = Vec3::ONE;
+        stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
         let traced = trace(&gpu, &stage, 512, None);
-        let drawn = stage.render(&gpu, GiMethod::NONE, Layer::Total);
-        let mut least = 1.0_f32;
+        let drawn = stage.render(&gpu, GiMethod::CLPV, Layer::Total);
+        let (mut least, mut sum) = (1.0_f32, Vec3::ZERO);
         for y in 0..EDGE {
             for x in 0..EDGE {
                 let (a, b) = (color_at(&traced, x, y), rgb(&drawn, x, y));
                 least = least.min(a.min_element());
-                // The tracer chooses between lobes by chance.
-                assert!(a.max_element() < 1.1 && b.max_element() < 1.03, "{name} at {x}, {y}: traced {a}, drawn {b}");
+                sum += b;
+                // The tracer chooses between lobes by chance, and at outlines the filter of the gather mixes pixels that see a
+                // coat at different angles.
+                assert!(a.max_element() < 1.1 && b.max_element() < 1.25, "{name} at {x}, {y}: traced {a}, drawn {b}");
             }
         }
+        let mean = (sum / (EDGE * EDGE) as f32).max_element();
+        assert!(mean < 1.0, "{name}: {mean} of the light in the mean");
         assert!(least > 0.3, "{name}: {least} of the light at least");
     }
 }

@@ -14,7 +14,7 @@ const RAYS: u32 = 4;
 /// The same where images or frames are averaged.
 const RAYS_OF_MANY: u32 = 1;
 
-/// Declares the passes; the result is the radiance \[W/(m² sr)\] that second lobes reflect, none without rays.
+/// Declares the passes; the result is the radiance \[W/(m² sr)\] that second lobes reflect over their tint, none without rays.
 pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,

@@ -31,14 +31,29 @@ pub(in crate::render) struct Lights {
     pub indirect: Option<Handle<Texture>>,
     /// Radiance that mirrors reflect, where that is no part of `indirect`.
     pub mirrored: Option<Handle<Texture>>,
-    /// Radiance that second lobes reflect beside the lights.
-    pub second_lobe: Option<Handle<Texture>>,
+    /// What second lobes reflect beside the lights.
+    pub second_lobe: Option<SecondLobe>,
     /// Radiance from the sky, where the indirect method has none of it.
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
     pub blended: Option<Handle<Texture>>,
     /// What media scatter on the way to the eye.
     pub haze: Option<Haze>,
+}
+
+/// Reflections of second lobes.
+#[derive(Clone, Copy)]
+pub(in crate::render) struct SecondLobe {
+    /// Radiance \[W/(m² sr)\] over the tint of the lobes, see `tint_of_lobe` of `lib/layers.wgsl`.
+    pub reflected: Handle<Texture>,
+    /// Their G-buffer.
+    pub gbuffer: GBuffer,
+}
+
+impl SecondLobe {
+    fn textures(&self) -> [Handle<Texture>; 3] {
+        [self.reflected, self.gbuffer.normal, self.gbuffer.object]
+    }
 }
 
 /// What an image of radiance is for.
@@ -73,9 +88,10 @@ pub(in crate::render) fn declare<'a>(
     };
     let mut pass = graph.pass(name);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    let read = [lights.direct, lights.indirect, lights.mirrored, lights.second_lobe, lights.sky, lights.blended];
+    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
     inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
     lights.haze.iter().for_each(|haze| pass.read(haze.buffer()));
+    lights.second_lobe.iter().flat_map(SecondLobe::textures).for_each(|input| pass.read(input));
     let radiance = pass.write(radiance);
     let sky = frame.scene.sky;
     let map = frame.scene.sky_map.as_deref();
@@ -93,6 +109,7 @@ pub(in crate::render) fn declare<'a>(
         layer,
         frame.view_key(),
         read.map(|light| light.is_some()),
+        lights.second_lobe.is_some(),
     ));
     pass.key(&lights.haze.map(|haze| (haze.key(), frame.media_key())));
     let frame = frame.clone();
@@ -102,7 +119,7 @@ pub(in crate::render) fn declare<'a>(
         let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
         let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let mirrored = lights.mirrored.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
-        let second_lobe = lights.second_lobe.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let second_lobe = lights.second_lobe.map(|lobe| lobe.textures().map(|handle| cx.view(handle)));
         let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let target = cx.view(radiance);
@@ -128,12 +145,16 @@ pub(in crate::render) fn declare<'a>(
             ("direct", Binding::Texture(&direct)),
             ("indirect", Binding::Texture(&indirect)),
             ("mirrored", Binding::Texture(&mirrored)),
-            ("second_lobe", Binding::Texture(&second_lobe)),
             ("sky_light", Binding::Texture(&sky_light)),
             ("blended", Binding::Texture(&blended)),
             ("sky", Binding::Texture(frame.gpu_scene.sky())),
             ("radiance", Binding::Texture(&target)),
         ];
+        if let Some(textures) = &second_lobe {
+            key = key.def("SECOND_LOBE", ShaderDef::Flag(true));
+            let names = ["second_lobe", "lobe_normal", "lobe_object"];
+            group.extend(names.into_iter().zip(textures).map(|(name, view)| (name, Binding::Texture(view))));
+        }
         group.extend(haze.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });

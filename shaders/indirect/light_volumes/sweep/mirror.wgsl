@@ -4,9 +4,13 @@
 //   MIRRORS     roughness up to which surfaces mirror [%]
 //   ONE_BOUNCE  patches have no light
 //   HAZE        media take and scatter light on the way of rays
+//   STRETCHED   the surfaces are second lobes, whose reflections are told over their tint
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::gbuffer::{Surface as Drawn, decode_surface, world_position}
+#ifdef STRETCHED
+#import lightwell::layers::tint_of_lobe
+#endif
 #import lightwell::next_event::specular_share
 #import lightwell::sampling::{Sampler, hash_pair}
 #import lightwell::seen_along::{Around, Reflection, around, seen_along}
@@ -75,6 +79,10 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let seen = mirror_surface(mirror.view, drawn);
         if seen.is_mirror {
             found = reflection(pixel, seen, share_of_lobe(drawn, seen));
+#ifdef STRETCHED
+            found.radiance /=
+                tint_of_lobe(drawn.normal_reflectance, drawn.grazing_reflectance, dot(drawn.normal, seen.to_eye));
+#endif
         }
     }
     textureStore(mirrored, pixel, vec4f(found.radiance, found.distance));
