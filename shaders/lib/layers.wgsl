@@ -5,6 +5,7 @@
 // takes from those below what it reflects itself towards the eye, by the angle of the view alone.
 
 #import lightwell::brdf::fresnel_schlick
+#import lightwell::gbuffer::{decode_normal, decode_normal_reflectance}
 #import lightwell::sampling::{TAU, basis}
 
 // ---- Clear coat: a smooth or rough dielectric of the index 1.5 ----
@@ -16,11 +17,18 @@ fn coat_reflectance(factor: f32, cosine: f32) -> f32 {
     return factor * (0.04 + 0.96 * (m2 * m2 * m));
 }
 
-// ---- Second lobes: see geometry/second_lobe.wgsl ----
+// ---- Tints of lobes ----
 
-// What their reflections are divided by before they are filtered, since it changes more from pixel to pixel than what they show.
+// What the reflections of a lobe are divided by before they are filtered, since by layers it changes more from pixel to pixel than
+// what they show.
 fn tint_of_lobe(normal_reflectance: vec3f, grazing_reflectance: f32, n_dot_v: f32) -> vec3f {
     return max(fresnel_schlick(normal_reflectance, grazing_reflectance, max(n_dot_v, 0.0)), vec3f(1e-4));
+}
+
+// The same of texels of a geometry buffer.
+fn tint_seen(normal: vec4u, object: vec4u, to_eye: vec3f) -> vec3f {
+    let n_dot_v = dot(decode_normal(normal), normalize(to_eye));
+    return tint_of_lobe(decode_normal_reflectance(object.xy), f32(normal.w) / 65535.0, n_dot_v);
 }
 
 // ---- Sheen: fibres that stand off the surface (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF") ----

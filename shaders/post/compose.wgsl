@@ -3,8 +3,7 @@
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal, decode_radiance, world_position}
 #ifdef SECOND_LOBE
-#import lightwell::gbuffer::decode_normal_reflectance
-#import lightwell::layers::tint_of_lobe
+#import lightwell::layers::tint_seen
 #import lightwell::view::toward_eye
 #endif
 #ifdef HAZE
@@ -79,14 +78,12 @@ fn sky_at(pixel: vec2u) -> vec3f {
 // What the pixel's second lobe reflects beside the lights.
 fn of_second_lobe(pixel: vec2u, z: f32) -> vec3f {
 #ifdef SECOND_LOBE
-    let object = textureLoad(lobe_object, pixel, 0).xy;
+    let object = textureLoad(lobe_object, pixel, 0);
     if object.x == 0u {
         return vec3f(0.0);
     }
-    let n = textureLoad(lobe_normal, pixel, 0);
-    let to_eye = normalize(toward_eye(view, world_position(pixel, view.size, z, view.world_from_clip)));
-    let tint = tint_of_lobe(decode_normal_reflectance(object), f32(n.w) / 65535.0, dot(decode_normal(n), to_eye));
-    return textureLoad(second_lobe, pixel, 0).rgb * tint;
+    let to_eye = toward_eye(view, world_position(pixel, view.size, z, view.world_from_clip));
+    return textureLoad(second_lobe, pixel, 0).rgb * tint_seen(textureLoad(lobe_normal, pixel, 0), object, to_eye);
 #else
     return vec3f(0.0);
 #endif

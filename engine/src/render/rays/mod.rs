@@ -248,6 +248,11 @@ impl RayScene {
         self.materials.any_glass()
     }
 
+    /// Whether any surface has more than the metallic-roughness base.
+    pub fn has_layers(&self) -> bool {
+        self.materials.any_layers()
+    }
+
     /// A box around all surfaces that let light pass.
     pub fn glass_bounds(&self) -> &Aabb {
         &self.glass

@@ -15,6 +15,9 @@
 #ifdef POINTS
 #import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
+#ifdef LAYERED
+#import lightwell::layers::tint_of_lobe
+#endif
 #import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightSample, NO_RAY, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
 #ifndef UNLIT
 #import lightwell::color::luminance
@@ -465,6 +468,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         let met = nearness_around(sums.toward, sums.inverse_distance, seen.start.surface.normal);
         inverse_distance = encode_inverse_distance(met, emitted_nearness(sums));
     }
+#ifdef LAYERED
+    // As the filter asks for it.
+    let drawn = seen.start.surface;
+    sums.specular /=
+        tint_of_lobe(drawn.normal_reflectance, drawn.grazing_reflectance, dot(drawn.normal, seen.start.to_eye));
+#endif
     textureStore(diffuse, texel, vec4f(sums.diffuse, inverse_distance.x));
     textureStore(specular, texel, vec4f(sums.specular, inverse_distance.y));
 }

@@ -9,6 +9,7 @@
 // bright. Beside something that glows light changes over its distance instead, and what is filtered across its bright rim
 // is wrong by the rim's brightness: there the mean of 1/t over the light bounds the filter as well.
 //   UNLIT     nothing glows
+//   TINTED    specular light is told over the tint of the lobe: what layers take from it changes from pixel to pixel
 
 #import lightwell::bilateral::likeness
 #import lightwell::color::luminance
@@ -17,6 +18,10 @@
 #import lightwell::inverse_distance::{NO_DIFFUSE, decode_inverse_distance, encode_inverse_distance, has_diffuse}
 #ifndef UNLIT
 #import lightwell::inverse_distance::decode_emitted
+#endif
+#ifdef TINTED
+#import lightwell::layers::tint_seen
+#import lightwell::view::toward_eye
 #endif
 #import lightwell::sampling::basis
 #import lightwell::view::View
@@ -31,6 +36,9 @@
 @group(0) @binding(6) var specular: texture_2d<f32>;
 @group(0) @binding(7) var diffuse_out: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(8) var specular_out: texture_storage_2d<rgba32float, write>;
+#ifdef TINTED
+@group(0) @binding(12) var object: texture_2d<u32>;
+#endif
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
 
 struct Reach {
@@ -228,7 +236,12 @@ fn vertical(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 && has_diffuse_at(thread.xy) {
         let light = filtered_vertically(thread.xy, z);
         let albedo = decode_albedo(textureLoad(base_color, thread.xy, 0));
-        radiance = min(albedo * light.diffuse + light.specular, vec3f(1e32));
+        var specular_light = light.specular;
+#ifdef TINTED
+        let position = world_position(thread.xy, view.size, z, view.world_from_clip);
+        specular_light *= tint_seen(textureLoad(normal, thread.xy, 0), textureLoad(object, thread.xy, 0), toward_eye(view, position));
+#endif
+        radiance = min(albedo * light.diffuse + specular_light, vec3f(1e32));
     }
     textureStore(indirect, thread.xy, vec4f(radiance, reach.weight));
 }

@@ -1,11 +1,16 @@
 // Light of all pixels from one pixel of each square of four: each takes that of the four gathered ones around it, as far as
 // they show the same surface (joint bilateral upsampling: Kopf et al. 2007). A pixel whose surface none of them shows has to
 // make do with them in this frame, and says by its weight how little that counts.
+//   TINTED    specular light is told over the tint of the lobe, see gather_filter.wgsl
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::interleave::{Interleave, pixel_of}
 #import lightwell::inverse_distance::has_diffuse
+#ifdef TINTED
+#import lightwell::layers::tint_seen
+#import lightwell::view::toward_eye
+#endif
 #import lightwell::view::View
 
 struct Upsample {
@@ -17,6 +22,9 @@ struct Upsample {
 @group(0) @binding(1) var base_color: texture_2d<u32>;
 @group(0) @binding(2) var normal: texture_2d<u32>;
 @group(0) @binding(3) var depth: texture_depth_2d;
+#ifdef TINTED
+@group(0) @binding(7) var object: texture_2d<u32>;
+#endif
 @group(0) @binding(4) var diffuse: texture_2d<f32>;
 @group(0) @binding(5) var specular: texture_2d<f32>;
 // Reflected radiance [W/(m² sr)], and how much it counts beside that of other frames: 1 where all of it is the surface's own.
@@ -81,7 +89,13 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 {
         let light = upsampled(pixel, z);
         let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
-        radiance = vec4f(min(albedo * light.diffuse + light.specular, vec3f(1e32)), light.weights);
+        var specular_light = light.specular;
+#ifdef TINTED
+        let view = upsample.view;
+        let to_eye = toward_eye(view, world_position(pixel, view.size, z, view.world_from_clip));
+        specular_light *= tint_seen(textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0), to_eye);
+#endif
+        radiance = vec4f(min(albedo * light.diffuse + specular_light, vec3f(1e32)), light.weights);
     }
     textureStore(indirect, pixel, radiance);
 }

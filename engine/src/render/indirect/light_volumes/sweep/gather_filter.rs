@@ -6,6 +6,7 @@ use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::rays::RayScene;
 use encase::ShaderType;
 
 /// The contributions of the rays, rgba32float: what a white diffuse surface reflects, and what the specular lobe does.
@@ -70,7 +71,8 @@ fn vertical<'a>(
     reach: Reach,
 ) -> Handle<Texture> {
     let indirect = graph.retained_texture("indirect radiance", frame.image_desc());
-    let inputs = [("base_color", gbuffer.base_color)].into_iter().chain(along_axis(gbuffer, half)).collect();
+    let inputs = [("base_color", gbuffer.base_color)].into_iter().chain(along_axis(gbuffer, half));
+    let inputs = inputs.chain(tint(frame, gbuffer)).collect();
     let [indirect] =
         pass(graph, frame, ["gather filter, vertical", "vertical"], inputs, [("indirect", indirect)], reach);
     indirect
@@ -121,6 +123,21 @@ fn along_axis(gbuffer: &GBuffer, gathered: Gathered) -> [(&'static str, Handle<T
     [("normal", gbuffer.normal), ("depth", gbuffer.depth), ("diffuse", diffuse), ("specular", specular)]
 }
 
+/// Whether specular light is told over the tint of its lobe.
+pub(super) fn is_tinted(frame: &Frame) -> bool {
+    frame.rays.is_some_and(RayScene::has_layers)
+}
+
+/// What specular light has to be multiplied by in the end, where it is told over the tint of its lobe.
+pub(super) fn tint(frame: &Frame, gbuffer: &GBuffer) -> Option<(&'static str, Handle<Texture>)> {
+    is_tinted(frame).then_some(("object", gbuffer.object))
+}
+
+/// The shader that is to find that.
+pub(super) fn tinted(frame: &Frame, key: ComputeKey) -> ComputeKey {
+    if is_tinted(frame) { key.def("TINTED", ShaderDef::Flag(true)) } else { key }
+}
+
 /// Declares a pass by its name and entry point.
 fn pass<'a, const N: usize>(
     graph: &mut Graph<'a>,
@@ -135,6 +152,7 @@ fn pass<'a, const N: usize>(
     let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
     let is_unlit = is_unlit(frame);
     pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing(), is_unlit));
+    pass.key(&is_tinted(frame));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let views: Vec<_> = inputs.iter().chain(&outputs).map(|(name, handle)| (*name, cx.view(*handle))).collect();
@@ -169,7 +187,7 @@ fn run(
     let mut group = vec![("view", Binding::Buffer(&view)), ("reach", Binding::Buffer(&reach))];
     group.extend_from_slice(bindings);
     cx.counts().texels += u64::from(width) * u64::from(height);
-    let mut key = ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry);
+    let mut key = tinted(frame, ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry));
     if is_unlit(frame) {
         key = key.def("UNLIT", ShaderDef::Flag(true));
     }

@@ -1,6 +1,6 @@
 //! Light of all pixels from that of one in each square of four. See `indirect/light_volumes/sweep/gather_upsample.wgsl`.
 
-use super::gather_filter::Gathered;
+use super::gather_filter::{self, Gathered};
 use super::interleave::{Interleave, InterleaveUniform};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture};
@@ -26,21 +26,29 @@ pub(super) fn declare<'a>(
 ) -> Handle<Texture> {
     let indirect = graph.retained_texture("indirect radiance", frame.image_desc());
     let mut pass = graph.pass("gather upsample");
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, gathered.diffuse, gathered.specular];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
+    let inputs = [
+        ("base_color", gbuffer.base_color),
+        ("normal", gbuffer.normal),
+        ("depth", gbuffer.depth),
+        ("diffuse", gathered.diffuse),
+        ("specular", gathered.specular),
+    ];
+    let inputs: Vec<_> = inputs.into_iter().chain(gather_filter::tint(frame, gbuffer)).collect();
+    inputs.iter().for_each(|(_, handle)| pass.read(*handle));
     let indirect = pass.write(indirect);
-    pass.key(&(interleave.key(), frame.view_key()));
+    pass.key(&(interleave.key(), frame.view_key(), gather_filter::is_tinted(frame)));
     let [width, height] = frame.view.size;
     let uniform = UpsampleUniform { view: frame.view_values(), interleave: interleave.uniform() };
+    let frame = frame.clone();
     pass.execute(move |cx| {
-        let views = inputs.map(|handle| cx.view(handle));
+        let views: Vec<_> = inputs.iter().map(|(name, handle)| (*name, cx.view(*handle))).collect();
         let target = cx.view(indirect);
         let uniform = cx.gpu.uniform("upsample", &uniform);
-        let names = ["base_color", "normal", "depth", "diffuse", "specular"];
         let mut group = vec![("upsample", Binding::Buffer(&uniform)), ("indirect", Binding::Texture(&target))];
-        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
+        group.extend(views.iter().map(|(name, view)| (*name, Binding::Texture(view))));
         cx.counts().texels += u64::from(width) * u64::from(height);
         let key = ComputeKey::new("indirect/light_volumes/sweep/gather_upsample.wgsl", "main");
+        let key = gather_filter::tinted(&frame, key);
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
     });
     indirect
