@@ -16,9 +16,11 @@ struct Surface {
     normal_reflectance: vec3f, // F0. Names must not end in digits: the composer renames those.
     grazing_reflectance: f32,  // F90
     roughness: f32,        // perceptual; GGX α is its square
+    hit: bool,             // false where there is nothing
+#ifdef STRETCHED
     along: vec3f,          // direction in which the lobe is stretched, unit
     alpha_along: f32,      // GGX α along it; 0: the lobe is round
-    hit: bool,             // false where there is nothing
+#endif
 }
 
 fn sign_not_zero(v: vec2f) -> vec2f {
