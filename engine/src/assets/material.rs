@@ -272,6 +272,20 @@ impl Material {
         ]
     }
 
+    /// The textures of the layers.
+    pub(crate) fn layer_textures(&self) -> [&Option<Arc<Texture>>; 8] {
+        [
+            &self.clearcoat_texture,
+            &self.clearcoat_roughness_texture,
+            &self.clearcoat_normal_texture,
+            &self.sheen_color_texture,
+            &self.sheen_roughness_texture,
+            &self.anisotropy_texture,
+            &self.iridescence_texture,
+            &self.iridescence_thickness_texture,
+        ]
+    }
+
     /// [`UvMap::rows`] of all textures. The last word of the emission's says whether it takes vertex colours.
     pub(crate) fn uv_rows(&self) -> [[f32; 4]; 2 * TEXTURE_COUNT] {
         let rows = self.textures().map(|(_, map)| map.rows());

@@ -4,7 +4,9 @@ use super::custom_components::CustomValue;
 use super::format::*;
 use super::load::Context;
 use super::source::SceneInfo;
-use crate::assets::{AlphaMode, Attenuation, Material, Sampling, Texture, Wrap};
+use crate::assets::{
+    AlphaMode, Anisotropy, Attenuation, Clearcoat, Iridescence, Material, Sampling, Sheen, Texture, Wrap,
+};
 use crate::world::Transform;
 use crate::world::animation::rotation_from_degrees;
 use glam::{Mat3, Quat, Vec3};
@@ -201,6 +203,11 @@ impl MaterialFile {
             transmission: self.transmission,
             ior: self.ior,
             volume: self.volume.map(|volume| Attenuation { color: volume.color, distance: volume.distance }),
+            dispersion: self.dispersion,
+            clearcoat: self.clearcoat.map(Clearcoat::from).unwrap_or_default(),
+            sheen: self.sheen.map(Sheen::from).unwrap_or_default(),
+            anisotropy: self.anisotropy.map(Anisotropy::from).unwrap_or_default(),
+            iridescence: self.iridescence.map(Iridescence::from).unwrap_or_default(),
             emissive: self.emissive,
             normal_scale: self.normal_scale,
             alpha_mode: match self.alpha_mode {
@@ -215,6 +222,11 @@ impl MaterialFile {
 
     /// A description of the material; none if one of its images comes from no file that is known.
     pub(super) fn describe(m: &Material, info: &SceneInfo) -> Option<Self> {
+        // Those of layers and of `KHR_materials_specular` come from models alone.
+        let of_models = [&m.specular_texture, &m.specular_color_texture].into_iter().chain(m.layer_textures());
+        if of_models.flatten().next().is_some() {
+            return None;
+        }
         let image = |texture: &Option<Arc<Texture>>| match texture {
             None => Some(None),
             Some(texture) => info.textures_by_id.get(&texture.id).cloned().map(Some),
@@ -234,6 +246,11 @@ impl MaterialFile {
             transmission: m.transmission,
             ior: m.ior,
             volume: m.volume.map(|volume| AttenuationFile { color: volume.color, distance: volume.distance }),
+            dispersion: m.dispersion,
+            clearcoat: (m.clearcoat != Clearcoat::default()).then(|| m.clearcoat.into()),
+            sheen: (m.sheen != Sheen::default()).then(|| m.sheen.into()),
+            anisotropy: (m.anisotropy != Anisotropy::default()).then(|| m.anisotropy.into()),
+            iridescence: (m.iridescence != Iridescence::default()).then(|| m.iridescence.into()),
             emissive: m.emissive,
             double_sided: m.double_sided,
             color_texture: image(&m.base_color_texture)?,
@@ -258,6 +275,54 @@ impl MaterialFile {
             *image = image.clone().rebased(context);
         }
         self
+    }
+}
+
+impl From<ClearcoatFile> for Clearcoat {
+    fn from(file: ClearcoatFile) -> Self {
+        Self { factor: file.factor, roughness: file.roughness, ..Self::default() }
+    }
+}
+
+impl From<Clearcoat> for ClearcoatFile {
+    fn from(coat: Clearcoat) -> Self {
+        Self { factor: coat.factor, roughness: coat.roughness }
+    }
+}
+
+impl From<SheenFile> for Sheen {
+    fn from(file: SheenFile) -> Self {
+        Self { color: file.color, roughness: file.roughness }
+    }
+}
+
+impl From<Sheen> for SheenFile {
+    fn from(sheen: Sheen) -> Self {
+        Self { color: sheen.color, roughness: sheen.roughness }
+    }
+}
+
+impl From<AnisotropyFile> for Anisotropy {
+    fn from(file: AnisotropyFile) -> Self {
+        Self { strength: file.strength, rotation: file.rotation.to_radians() }
+    }
+}
+
+impl From<Anisotropy> for AnisotropyFile {
+    fn from(anisotropy: Anisotropy) -> Self {
+        Self { strength: anisotropy.strength, rotation: anisotropy.rotation.to_degrees() }
+    }
+}
+
+impl From<IridescenceFile> for Iridescence {
+    fn from(file: IridescenceFile) -> Self {
+        Self { factor: file.factor, ior: file.ior, thickness: file.thickness, ..Self::default() }
+    }
+}
+
+impl From<Iridescence> for IridescenceFile {
+    fn from(film: Iridescence) -> Self {
+        Self { factor: film.factor, ior: film.ior, thickness: film.thickness }
     }
 }
 

@@ -182,6 +182,16 @@ pub struct MaterialFile {
     pub ior: f32,
     /// The surface bounds a solid body, which refracts and absorbs light. Without, it is a thin wall.
     pub volume: Option<AttenuationFile>,
+    /// How far colours part in a solid body of glass, 0..100: 20 over its Abbe number. 0.33 is window glass, 1 flint glass.
+    pub dispersion: f32,
+    /// A clear layer over the surface, as on car paint.
+    pub clearcoat: Option<ClearcoatFile>,
+    /// Fibres that stand off the surface, as of velvet.
+    pub sheen: Option<SheenFile>,
+    /// Highlights that are longer one way than the other, as of brushed metal.
+    pub anisotropy: Option<AnisotropyFile>,
+    /// A film as thin as the waves of light, as of soap or oil.
+    pub iridescence: Option<IridescenceFile>,
     /// Emitted radiance (W/(m² sr)), linear RGB.
     pub emissive: Vec3,
     /// Back faces are drawn too.
@@ -198,6 +208,72 @@ pub struct MaterialFile {
     pub emissive_texture: Option<TextureFile>,
     /// Image of the transmission (R).
     pub transmission_texture: Option<TextureFile>,
+}
+
+/// A clear layer over a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Clearcoat")]
+pub struct ClearcoatFile {
+    /// Share of the surface that it covers, 0..1.
+    pub factor: f32,
+    /// Its perceptual roughness, 0..1.
+    pub roughness: f32,
+}
+
+impl Default for ClearcoatFile {
+    fn default() -> Self {
+        Self { factor: 1.0, roughness: 0.0 }
+    }
+}
+
+/// Fibres that stand off a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Sheen")]
+pub struct SheenFile {
+    /// Colour of their reflection, linear RGB, 0..1.
+    pub color: Vec3,
+    /// How far they stand apart, 0..1. Below 0.3 it is taken as that.
+    pub roughness: f32,
+}
+
+impl Default for SheenFile {
+    fn default() -> Self {
+        Self { color: Vec3::ONE, roughness: 0.5 }
+    }
+}
+
+/// What stretches highlights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Anisotropy")]
+pub struct AnisotropyFile {
+    /// How much, 0..1.
+    pub strength: f32,
+    /// Turn of the direction from the tangent (degrees).
+    pub rotation: f32,
+}
+
+impl Default for AnisotropyFile {
+    fn default() -> Self {
+        Self { strength: 0.5, rotation: 0.0 }
+    }
+}
+
+/// A film as thin as the waves of light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Iridescence")]
+pub struct IridescenceFile {
+    /// Share of the surface that it covers, 0..1.
+    pub factor: f32,
+    /// Its index of refraction, 1..10.
+    pub ior: f32,
+    /// Its thickness (nm).
+    pub thickness: f32,
+}
+
+impl Default for IridescenceFile {
+    fn default() -> Self {
+        Self { factor: 1.0, ior: 1.3, thickness: 400.0 }
+    }
 }
 
 /// What the inside of a solid body takes of light.
@@ -229,6 +305,11 @@ impl Default for MaterialFile {
             transmission: 0.0,
             ior: 1.5,
             volume: None,
+            dispersion: 0.0,
+            clearcoat: None,
+            sheen: None,
+            anisotropy: None,
+            iridescence: None,
             emissive: Vec3::ZERO,
             double_sided: false,
             color_texture: None,

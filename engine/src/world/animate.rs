@@ -6,7 +6,7 @@ use super::fields::{SCENE, Wanted, split};
 use super::rest_pose::RestPose;
 use super::sample::{MaterialSample, Sample};
 use super::{Animation, Camera, Clock, Identity, Light, LightKind, MeshRenderer, Name, Projection, Transform};
-use crate::assets::{AlphaMode, AssetId, Material};
+use crate::assets::{AlphaMode, Anisotropy, AssetId, Clearcoat, Iridescence, Material, Sheen};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use glam::Vec3;
@@ -228,6 +228,7 @@ fn paint(sample: &MaterialSample, rest: &mut RestPose, renderer: &mut Mut<MeshRe
 
 fn painted(own: &Material, sample: &MaterialSample) -> Material {
     let color = sample.color.unwrap_or(own.base_color.truncate());
+    let layers = &sample.layers;
     Material {
         id: AssetId::fresh(),
         base_color: color.extend(sample.alpha.unwrap_or(own.base_color.w)),
@@ -239,6 +240,25 @@ fn painted(own: &Material, sample: &MaterialSample) -> Material {
         transmission: sample.transmission.unwrap_or(own.transmission),
         normal_scale: sample.normal_scale.unwrap_or(own.normal_scale),
         double_sided: sample.double_sided.unwrap_or(own.double_sided),
+        dispersion: layers.dispersion.unwrap_or(own.dispersion),
+        clearcoat: Clearcoat {
+            factor: layers.clearcoat.unwrap_or(own.clearcoat.factor),
+            roughness: layers.clearcoat_roughness.unwrap_or(own.clearcoat.roughness),
+            ..own.clearcoat
+        },
+        sheen: Sheen {
+            color: layers.sheen_color.unwrap_or(own.sheen.color),
+            roughness: layers.sheen_roughness.unwrap_or(own.sheen.roughness),
+        },
+        anisotropy: Anisotropy {
+            strength: layers.anisotropy.unwrap_or(own.anisotropy.strength),
+            rotation: layers.anisotropy_rotation.unwrap_or(own.anisotropy.rotation),
+        },
+        iridescence: Iridescence {
+            factor: layers.iridescence.unwrap_or(own.iridescence.factor),
+            thickness: layers.iridescence_thickness.unwrap_or(own.iridescence.thickness),
+            ..own.iridescence
+        },
         alpha_mode: match (own.alpha_mode, sample.alpha_cutoff) {
             (AlphaMode::Mask(_), Some(cutoff)) => AlphaMode::Mask(cutoff),
             (mode, _) => mode,
@@ -247,13 +267,50 @@ fn painted(own: &Material, sample: &MaterialSample) -> Material {
     }
 }
 
-fn paint_bits(m: &Material) -> [u32; 17] {
+fn paint_bits(m: &Material) -> ([u32; 17], [u32; 11]) {
     let ([r, g, b, a], [x, y, z]) = (m.base_color.to_array(), m.emissive.to_array());
     let [i, j, k] = m.specular_color.to_array();
     let cutoff = if let AlphaMode::Mask(cutoff) = m.alpha_mode { cutoff } else { 0.0 };
     let sides = f32::from(u8::from(m.double_sided));
-    [r, g, b, a, x, y, z, m.metallic, m.roughness, m.specular, i, j, k, m.transmission, m.normal_scale, cutoff, sides]
-        .map(f32::to_bits)
+    let base = [
+        r,
+        g,
+        b,
+        a,
+        x,
+        y,
+        z,
+        m.metallic,
+        m.roughness,
+        m.specular,
+        i,
+        j,
+        k,
+        m.transmission,
+        m.normal_scale,
+        cutoff,
+        sides,
+    ];
+    (base.map(f32::to_bits), layer_bits(m))
+}
+
+fn layer_bits(m: &Material) -> [u32; 11] {
+    let [r, g, b] = m.sheen.color.to_array();
+    let (coat, film, stretch) = (m.clearcoat, m.iridescence, m.anisotropy);
+    [
+        coat.factor,
+        coat.roughness,
+        r,
+        g,
+        b,
+        m.sheen.roughness,
+        stretch.strength,
+        stretch.rotation,
+        film.factor,
+        film.thickness,
+        m.dispersion,
+    ]
+    .map(f32::to_bits)
 }
 
 /// Compared by bits, so that frames do not depend on the sign of a zero that was there before.

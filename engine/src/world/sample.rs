@@ -71,6 +71,31 @@ pub struct MaterialSample {
     pub alpha_cutoff: Option<f32>,
     /// Whether back faces are drawn.
     pub double_sided: Option<bool>,
+    /// Changes of the layers.
+    pub layers: LayersSample,
+}
+
+/// The values of an animation for the layers of a material at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayersSample {
+    /// Share of the surface that a clear coat covers.
+    pub clearcoat: Option<f32>,
+    /// Its roughness.
+    pub clearcoat_roughness: Option<f32>,
+    /// Colour of the sheen.
+    pub sheen_color: Option<Vec3>,
+    /// Its roughness.
+    pub sheen_roughness: Option<f32>,
+    /// How much highlights are stretched.
+    pub anisotropy: Option<f32>,
+    /// Turn of the direction \[rad\].
+    pub anisotropy_rotation: Option<f32>,
+    /// Share of the surface that a film covers.
+    pub iridescence: Option<f32>,
+    /// Its thickness \[nm\].
+    pub iridescence_thickness: Option<f32>,
+    /// How far colours part in glass.
+    pub dispersion: Option<f32>,
 }
 
 impl Animation {
@@ -245,7 +270,20 @@ impl SurfaceField {
     fn set(self, lanes: Lanes, out: &mut Sample) {
         let [x, y, z, _] = lanes.map(|v| v as f32);
         let material = &mut out.material;
+        let layers = &mut material.layers;
+        let unit = x.clamp(0.0, 1.0);
         match self {
+            Self::Clearcoat => set(&mut layers.clearcoat, unit, f32::is_finite),
+            Self::ClearcoatRoughness => set(&mut layers.clearcoat_roughness, unit, f32::is_finite),
+            Self::SheenColor => {
+                set(&mut layers.sheen_color, Vec3::new(x, y, z).clamp(Vec3::ZERO, Vec3::ONE), Vec3::is_finite);
+            }
+            Self::SheenRoughness => set(&mut layers.sheen_roughness, unit, f32::is_finite),
+            Self::Anisotropy => set(&mut layers.anisotropy, unit, f32::is_finite),
+            Self::AnisotropyRotation => set(&mut layers.anisotropy_rotation, x.to_radians(), f32::is_finite),
+            Self::Iridescence => set(&mut layers.iridescence, unit, f32::is_finite),
+            Self::IridescenceThickness => set(&mut layers.iridescence_thickness, x.max(0.0), f32::is_finite),
+            Self::Dispersion => set(&mut layers.dispersion, x.max(0.0), f32::is_finite),
             Self::CastsShadow => out.casts_shadow = Some(x >= 0.5),
             Self::DoubleSided => material.double_sided = Some(x >= 0.5),
             Self::Specular => set(&mut material.specular, x.clamp(0.0, 1.0), f32::is_finite),

@@ -11,14 +11,19 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 16] = [
+const SUPPORTED: [&str; 21] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     draco::NAME,
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",

@@ -1,6 +1,6 @@
 //! Materials and the textures they use.
 
-use super::source;
+use super::{layers, source};
 use crate::assets::{
     AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap,
 };
@@ -19,7 +19,7 @@ pub(super) struct UvSource {
     pub sets: [u32; 2],
     /// Whether any texture lies by the second.
     pub uses_second: bool,
-    /// Where the normal map lies, for tangents; none: there is none.
+    /// Where what needs tangents lies, a normal map or stretched highlights; none: there is nothing of it.
     pub normal: Option<UvMap>,
 }
 
@@ -37,8 +37,11 @@ impl UvSource {
     }
 }
 
-/// A texture as a material uses it.
-type TextureUse = (usize, bool);
+/// A texture as a material uses it: its index, and whether its colours are sRGB.
+pub(super) type TextureUse = (usize, bool);
+
+/// Textures as materials use them.
+pub(super) type Textures = HashMap<TextureUse, Arc<Texture>>;
 
 /// All materials of a document; the last one is glTF's default material.
 pub(super) struct Materials {
@@ -74,6 +77,7 @@ pub(super) fn load(
         }
         let transmission = m.transmission().and_then(|t| t.transmission_texture());
         wanted.extend(transmission.map(|t| (t.texture().index(), false)));
+        wanted.extend(layers::textures(path, document, &m)?);
     }
     let textures = load_textures(path, document, &wanted, image_bytes, beside)?;
     let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, warnings)).collect();
@@ -88,7 +92,7 @@ fn load_textures(
     wanted: &BTreeSet<TextureUse>,
     image_bytes: &dyn Fn(&gltf::buffer::View) -> Result<Vec<u8>, AssetError>,
     beside: &mut source::Beside,
-) -> Result<HashMap<TextureUse, Arc<Texture>>, AssetError> {
+) -> Result<Textures, AssetError> {
     let by_index: Vec<_> = document.textures().collect();
     let mut by_image: BTreeMap<usize, Vec<TextureUse>> = BTreeMap::new();
     for (texture, srgb) in wanted {
@@ -179,11 +183,7 @@ fn minification(filter: MinFilter) -> Minification {
     Minification { nearest, levels }
 }
 
-fn convert(
-    m: &gltf::Material,
-    textures: &HashMap<TextureUse, Arc<Texture>>,
-    warnings: &mut Vec<String>,
-) -> (Arc<Material>, UvSource) {
+fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Vec<String>) -> (Arc<Material>, UvSource) {
     let index = m.index().unwrap_or(0);
     let name = m.name().map_or(format!("material {index}"), str::to_string);
     let pbr = m.pbr_metallic_roughness();
@@ -231,6 +231,7 @@ fn convert(
         },
         ..Material::new(name.clone())
     };
+    layers::add(&mut material, m, textures);
     if m.unlit() {
         make_unlit(&mut material);
     }
@@ -259,7 +260,8 @@ fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
         map.set = u32::from(map.set == sets[1]);
     }
     let uses_second = m.textures().iter().any(|(texture, map)| texture.is_some() && map.set == 1);
-    UvSource { sets, uses_second, normal: m.normal_texture.is_some().then_some(m.uv.normal) }
+    let normal = m.normal_texture.is_some().then_some(m.uv.normal).or_else(|| layers::tangents_of(m));
+    UvSource { sets, uses_second, normal }
 }
 
 /// `KHR_materials_specular`: factor and colour.
@@ -293,12 +295,14 @@ fn make_unlit(m: &mut Material) {
     m.specular = 0.0;
     m.transmission = 0.0;
     m.transmission_texture = None;
+    layers::remove(m);
 }
 
 /// Numbers beyond the range of floats, and factors outside their range, are brought back.
 fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
     let factors = |m: &Material| {
-        format!("{:?}", (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale, m.transmission))
+        let base = (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale, m.transmission);
+        format!("{:?}", (base, m.clearcoat, m.sheen, m.anisotropy, m.iridescence, m.dispersion))
     };
     let before = factors(m);
     let bring = |x: f32, most: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, most) };
@@ -309,6 +313,7 @@ fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
     m.emissive = Vec3::from(m.emissive.to_array().map(|x| bring(x, 1e30)));
     m.normal_scale = if m.normal_scale.is_finite() { m.normal_scale } else { 1.0 };
     m.transmission = bring(m.transmission, 1.0);
+    layers::make_finite(m);
     if before != factors(m) {
         warnings.push(format!("material \"{name}\": factors out of range were clamped"));
     }
@@ -322,7 +327,7 @@ fn uv_map(info: &Option<Info>) -> UvMap {
     UvMap { set: t.tex_coord().unwrap_or(info.tex_coord()), transform: affine(t.offset(), t.rotation(), t.scale()) }
 }
 
-fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Affine2 {
+pub(super) fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Affine2 {
     // The extension rotates counter-clockwise in a space whose v points down.
     let (sin, cos) = rotation.sin_cos();
     let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
@@ -337,9 +342,5 @@ fn normal_map(m: &gltf::Material, set: u32) -> UvMap {
     let Some(t) = extensions.as_ref().and_then(|e| e.get("KHR_texture_transform")) else {
         return UvMap { set, ..Default::default() };
     };
-    let number =
-        |value: Option<&gltf::json::Value>, usual: f32| value.and_then(|v| v.as_f64()).map_or(usual, |v| v as f32);
-    let pair = |name: &str, usual: f32| [0, 1].map(|i| number(t.get(name).and_then(|v| v.get(i)), usual));
-    let set = t.get("texCoord").and_then(|v| v.as_u64()).and_then(|v| u32::try_from(v).ok()).unwrap_or(set);
-    UvMap { set, transform: affine(pair("offset", 0.0), number(t.get("rotation"), 0.0), pair("scale", 1.0)) }
+    layers::transformed(t, set)
 }

@@ -13,6 +13,7 @@ mod face_normal;
 mod fuzz_tests;
 mod import;
 mod instances;
+mod layers;
 mod material;
 mod meshopt;
 #[cfg(test)]

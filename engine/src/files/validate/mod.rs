@@ -183,8 +183,37 @@ impl Validator {
                 v.number("distance", volume.distance, 1e-6, f32::MAX)
             })?;
         }
+        self.layers(m)?;
         self.color("emissive", m.emissive, f32::MAX)?;
         self.finite("normal_scale", &[m.normal_scale])
+    }
+
+    fn layers(&mut self, m: &MaterialFile) -> Checked {
+        self.number("dispersion", m.dispersion, 0.0, 100.0)?;
+        if let Some(coat) = &m.clearcoat {
+            self.field("clearcoat", |v| {
+                v.number("factor", coat.factor, 0.0, 1.0)?;
+                v.number("roughness", coat.roughness, 0.0, 1.0)
+            })?;
+        }
+        if let Some(sheen) = &m.sheen {
+            self.field("sheen", |v| {
+                v.color("color", sheen.color, 1.0)?;
+                v.number("roughness", sheen.roughness, 0.0, 1.0)
+            })?;
+        }
+        if let Some(anisotropy) = &m.anisotropy {
+            self.field("anisotropy", |v| {
+                v.number("strength", anisotropy.strength, 0.0, 1.0)?;
+                v.finite("rotation", &[anisotropy.rotation])
+            })?;
+        }
+        let Some(film) = &m.iridescence else { return Ok(()) };
+        self.field("iridescence", |v| {
+            v.number("factor", film.factor, 0.0, 1.0)?;
+            v.number("ior", film.ior, 1.0, 10.0)?;
+            v.number("thickness", film.thickness, 0.0, 100_000.0)
+        })
     }
 
     fn siblings(&mut self, entities: &[EntityFile]) -> Checked {

@@ -86,9 +86,27 @@ pub(in crate::world) enum SurfaceField {
     AlphaCutoff,
     /// Whether back faces are drawn.
     DoubleSided,
+    /// Share of the surface that a clear coat covers.
+    Clearcoat,
+    /// Its roughness.
+    ClearcoatRoughness,
+    /// Colour of the sheen.
+    SheenColor,
+    /// Its roughness.
+    SheenRoughness,
+    /// How much highlights are stretched.
+    Anisotropy,
+    /// Turn of the direction \[degrees\].
+    AnisotropyRotation,
+    /// Share of the surface that a film covers.
+    Iridescence,
+    /// Its thickness \[nm\].
+    IridescenceThickness,
+    /// How far colours part in glass.
+    Dispersion,
 }
 
-const SURFACE: [(&str, SurfaceField); 8] = [
+const SURFACE: [(&str, SurfaceField); 17] = [
     ("mesh.casts_shadow", SurfaceField::CastsShadow),
     ("casts_shadow", SurfaceField::CastsShadow),
     ("material.specular", SurfaceField::Specular),
@@ -97,6 +115,15 @@ const SURFACE: [(&str, SurfaceField); 8] = [
     ("material.normal_scale", SurfaceField::NormalScale),
     ("material.alpha_mode.0", SurfaceField::AlphaCutoff),
     ("material.double_sided", SurfaceField::DoubleSided),
+    ("material.clearcoat.factor", SurfaceField::Clearcoat),
+    ("material.clearcoat.roughness", SurfaceField::ClearcoatRoughness),
+    ("material.sheen.color", SurfaceField::SheenColor),
+    ("material.sheen.roughness", SurfaceField::SheenRoughness),
+    ("material.anisotropy.strength", SurfaceField::Anisotropy),
+    ("material.anisotropy.rotation", SurfaceField::AnisotropyRotation),
+    ("material.iridescence.factor", SurfaceField::Iridescence),
+    ("material.iridescence.thickness", SurfaceField::IridescenceThickness),
+    ("material.dispersion", SurfaceField::Dispersion),
 ];
 
 /// Parts of a transform.
@@ -179,7 +206,7 @@ fn lane(path: &str) -> Option<(Part, usize)> {
 impl SurfaceField {
     /// Whether its values are colours, not single numbers or switches.
     pub(super) fn is_color(self) -> bool {
-        self == Self::SpecularColor
+        matches!(self, Self::SpecularColor | Self::SheenColor)
     }
 }
 
