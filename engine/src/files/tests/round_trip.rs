@@ -327,9 +327,21 @@ fn animation() -> impl Strategy<Value = Animation> {
 fn material() -> impl Strategy<Value = MaterialRef> {
     let volume = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 1e-3f32..1e3)
         .prop_map(|(color, distance)| AttenuationFile { color: color.into(), distance });
-    let glass = (0.0f32..1.0, 1.0f32..10.0, of(volume));
-    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>(), glass).prop_map(
-        |(color, roughness, double_sided, (transmission, ior, volume))| {
+    let glass = (0.0f32..1.0, 1.0f32..10.0, of(volume), 0.0f32..100.0);
+    let coat = (0.0f32..1.0, 0.0f32..1.0).prop_map(|(factor, roughness)| ClearcoatFile { factor, roughness });
+    let sheen = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0)
+        .prop_map(|(color, roughness)| SheenFile { color: color.into(), roughness });
+    let anisotropy =
+        (0.0f32..1.0, -360.0f32..360.0).prop_map(|(strength, rotation)| AnisotropyFile { strength, rotation });
+    let film = (0.0f32..1.0, 1.0f32..10.0, 0.0f32..1e5).prop_map(|(factor, ior, thickness)| IridescenceFile {
+        factor,
+        ior,
+        thickness,
+    });
+    let layers = (of(coat), of(sheen), of(anisotropy), of(film));
+    let inline = ([0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0], 0.0f32..1.0, any::<bool>(), glass, layers).prop_map(
+        |(color, roughness, double_sided, glass, (clearcoat, sheen, anisotropy, iridescence))| {
+            let (transmission, ior, volume, dispersion) = glass;
             MaterialRef::Inline(Box::new(MaterialFile {
                 color: color.into(),
                 roughness,
@@ -337,6 +349,11 @@ fn material() -> impl Strategy<Value = MaterialRef> {
                 transmission,
                 ior,
                 volume,
+                dispersion,
+                clearcoat,
+                sheen,
+                anisotropy,
+                iridescence,
                 ..Default::default()
             }))
         },

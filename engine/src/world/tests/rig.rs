@@ -238,6 +238,15 @@ fn every_field_of_lights_and_materials_can_be_keyed() {
         key(Target::Field("material.normal_scale".into()), number(2.0)),
         key(Target::Field("material.alpha_mode.0".into()), number(0.75)),
         key(Target::Field("material.double_sided".into()), KeyValue::Flag(true)),
+        key(Target::Field("material.clearcoat.factor".into()), number(1.5)),
+        key(Target::Field("material.clearcoat.roughness".into()), number(0.25)),
+        key(Target::Field("material.sheen.color".into()), KeyValue::Vector(Vec3::new(0.5, 2.0, -1.0))),
+        key(Target::Field("material.sheen.roughness".into()), number(0.5)),
+        key(Target::Field("material.anisotropy.strength".into()), number(0.75)),
+        key(Target::Field("material.anisotropy.rotation".into()), number(180.0)),
+        key(Target::Field("material.iridescence.factor".into()), number(0.125)),
+        key(Target::Field("material.iridescence.thickness".into()), number(250.0)),
+        key(Target::Field("material.dispersion".into()), number(-2.0)),
     ];
     let mut world = GameWorld::new();
     let entity = world.spawn("lamp", None);
@@ -254,6 +263,10 @@ fn every_field_of_lights_and_materials_can_be_keyed() {
     assert_eq!((m.base_color.to_array(), m.metallic, m.roughness), ([0.1, 0.2, 0.3, 0.5], 0.25, 1.0));
     assert_eq!((m.specular, m.specular_color, m.normal_scale), (0.25, Vec3::X, 2.0));
     assert!(m.alpha_mode == AlphaMode::Mask(0.75) && m.double_sided);
+    assert_eq!((m.clearcoat.factor, m.clearcoat.roughness), (1.0, 0.25));
+    assert_eq!((m.sheen.color, m.sheen.roughness), (Vec3::new(0.5, 1.0, 0.0), 0.5));
+    assert_eq!((m.anisotropy.strength, m.anisotropy.rotation), (0.75, std::f32::consts::PI));
+    assert_eq!((m.iridescence.factor, m.iridescence.thickness, m.dispersion), (0.125, 250.0, 0.0));
     assert!(!drawn.visible && world.rest_visible(entity) == Some(true));
     assert!(!drawn.casts_shadow && world.rest_casts_shadow(entity) == Some(true));
     assert_eq!(

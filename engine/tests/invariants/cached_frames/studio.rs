@@ -1,7 +1,7 @@
 //! The world that random edits change.
 
 use glam::{Quat, Vec3, Vec3Swizzles, Vec4};
-use lightwell::assets::{AlphaMode, AssetId, Attenuation, Material, Mesh, Shape};
+use lightwell::assets::{AlphaMode, Anisotropy, AssetId, Attenuation, Clearcoat, Iridescence, Material, Mesh, Shape, Sheen};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use lightwell::scene::{Extractor, Scene, SceneView};
 use lightwell::world::*;
@@ -133,7 +133,7 @@ pub const METHODS: [fn(&mut Studio); 11] = [
 
 const SETTINGS: usize = 20;
 
-const SURFACES: usize = 8;
+const SURFACES: usize = 11;
 const SKIES: usize = 7;
 
 /// A solid body of glass.
@@ -177,6 +177,18 @@ impl Studio {
             Material { transmission: 0.9, double_sided: true, roughness: 0.3, ..Material::new("pane") },
             glass_body(Vec3::new(0.9, 0.4, 0.2), 0.0),
             glass_body(Vec3::new(0.2, 0.4, 0.9), 0.0),
+            Material { clearcoat: Clearcoat { factor: 0.8, roughness: 0.2, ..Default::default() }, ..Material::new("paint") },
+            Material {
+                sheen: Sheen { color: Vec3::new(0.9, 0.5, 0.5), roughness: 0.5 },
+                iridescence: Iridescence { factor: 0.5, ..Default::default() },
+                ..Material::new("silk")
+            },
+            Material {
+                anisotropy: Anisotropy { strength: 0.7, rotation: 0.4 },
+                metallic: 1.0,
+                roughness: 0.4,
+                ..Material::new("brushed")
+            },
         ];
         let mut studio = Self {
             world,

@@ -3,6 +3,7 @@
 
 mod broken;
 mod images;
+mod layers;
 
 use super::Gltf;
 use crate::assets::{AlphaMode, AssetError, AssetLibrary, Levels, Minification, Sampling, Wrap};
