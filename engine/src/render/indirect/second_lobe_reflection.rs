@@ -9,10 +9,12 @@ use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
 use crate::render::rays::all_mirror_define;
 
-/// Rays of a pixel in an image that stands by itself.
-const RAYS: u32 = 4;
-/// The same where images or frames are averaged.
-const RAYS_OF_MANY: u32 = 1;
+/// Rays of a pixel that reflects all light in an image that stands by itself; others have as much less as they reflect.
+const RAYS: u32 = 8;
+/// The same where images are averaged.
+const RAYS_OF_MANY: u32 = 4;
+/// The same in frames of a window.
+const RAYS_OF_FRAMES: u32 = 1;
 
 /// Declares the passes; the result is the radiance \[W/(m² sr)\] that second lobes reflect over their tint, none without rays.
 pub(in crate::render) fn declare<'a>(
@@ -27,7 +29,11 @@ pub(in crate::render) fn declare<'a>(
         frame.refused_rays.iter().for_each(|why| graph.warn(warn(why)));
         return None;
     }
-    let rays = if frame.number().is_some() || frame.images() >= 4 { RAYS_OF_MANY } else { RAYS };
+    let rays = match frame.number() {
+        Some(_) => RAYS_OF_FRAMES,
+        None if frame.images() >= 4 => RAYS_OF_MANY,
+        None => RAYS,
+    };
     let mirrors = mirror::Mirrors { rays, define: all_mirror_define() };
     let mirrored = mirror::declare(graph, frame, lobes, light, mirrors);
     let filtered = mirror_filter::declare(graph, frame, lobes, mirrored);

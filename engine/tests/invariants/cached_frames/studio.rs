@@ -1,7 +1,9 @@
 //! The world that random edits change.
 
 use glam::{Quat, Vec3, Vec3Swizzles, Vec4};
-use lightwell::assets::{AlphaMode, Anisotropy, AssetId, Attenuation, Clearcoat, Iridescence, Material, Mesh, Shape, Sheen};
+use lightwell::assets::{
+    AlphaMode, Anisotropy, AssetId, Attenuation, Clearcoat, Iridescence, Material, Mesh, Shape, Sheen,
+};
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use lightwell::scene::{Extractor, Scene, SceneView};
 use lightwell::world::*;
@@ -177,7 +179,10 @@ impl Studio {
             Material { transmission: 0.9, double_sided: true, roughness: 0.3, ..Material::new("pane") },
             glass_body(Vec3::new(0.9, 0.4, 0.2), 0.0),
             glass_body(Vec3::new(0.2, 0.4, 0.9), 0.0),
-            Material { clearcoat: Clearcoat { factor: 0.8, roughness: 0.2, ..Default::default() }, ..Material::new("paint") },
+            Material {
+                clearcoat: Clearcoat { factor: 0.8, roughness: 0.2, ..Default::default() },
+                ..Material::new("paint")
+            },
             Material {
                 sheen: Sheen { color: Vec3::new(0.9, 0.5, 0.5), roughness: 0.5 },
                 iridescence: Iridescence { factor: 0.5, ..Default::default() },

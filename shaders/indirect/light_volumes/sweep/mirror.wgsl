@@ -43,12 +43,17 @@ const RAYS: u32 = 1u;
 #endif
 
 fn share_of_lobe(drawn: Drawn, seen: VisibleSurface) -> f32 {
+#ifdef STRETCHED
+    let tint = tint_of_lobe(drawn.normal_reflectance, drawn.grazing_reflectance, dot(drawn.normal, seen.to_eye));
+    return max(tint.r, max(tint.g, tint.b));
+#else
     var surface = seen.surface;
     surface.albedo = drawn.albedo;
     return specular_share(surface, seen.to_eye);
+#endif
 }
 
-// `share` is that of the specular lobe in what the surface reflects.
+// `share` is that of the specular lobe in what the surface reflects; of a second lobe what it reflects, of all.
 fn reflection(pixel: vec2u, seen: VisibleSurface, share: f32) -> Reflection {
     let rays = clamp(u32(round(share * f32(RAYS))), 1u, RAYS);
     var sum = Reflection(vec3f(0.0), 0.0);

@@ -67,13 +67,15 @@ fn layers_are_read_with_their_textures() {
 
 #[test]
 fn layers_are_none_where_nothing_is_said() {
-    let (plain, _) = material(r#""KHR_materials_clearcoat":{},"KHR_materials_sheen":{},"KHR_materials_iridescence":{}"#);
+    let (plain, _) =
+        material(r#""KHR_materials_clearcoat":{},"KHR_materials_sheen":{},"KHR_materials_iridescence":{}"#);
     let none = Material::new("none");
     assert_eq!((plain.clearcoat, plain.sheen), (none.clearcoat, none.sheen));
     assert_eq!((plain.anisotropy, plain.iridescence, plain.dispersion), (none.anisotropy, none.iridescence, 0.0));
     assert!(!plain.has_layers());
-    let (unlit, _) =
-        material(r#""KHR_materials_unlit":{},"KHR_materials_clearcoat":{"clearcoatFactor":1,"clearcoatTexture":{"index":0}}"#);
+    let (unlit, _) = material(
+        r#""KHR_materials_unlit":{},"KHR_materials_clearcoat":{"clearcoatFactor":1,"clearcoatTexture":{"index":0}}"#,
+    );
     assert!(!unlit.has_layers() && unlit.clearcoat_texture.is_none() && unlit.unlit);
 }
 
