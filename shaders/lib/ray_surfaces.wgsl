@@ -196,9 +196,14 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
 // The layers of a surface whose base is known, seen from a unit direction.
 fn add_layers(surface: ptr<function, Surface>, material: u32, place: Coordinates, tangent: vec4f, to_eye: vec3f) {
     let n_dot_v = abs(dot((*surface).normal, to_eye));
+#ifdef FILMS
     add_film(surface, material, place, n_dot_v);
+#endif
+#ifdef ANISOTROPY
     add_stretch(surface, material, place, tangent);
+#endif
     var left = 1.0;
+#ifdef SHEEN
     let sheen = materials[material].sheen;
     if any(sheen.rgb > vec3f(0.0)) {
         (*surface).sheen = sheen.rgb
@@ -209,7 +214,11 @@ fn add_layers(surface: ptr<function, Surface>, material: u32, place: Coordinates
         (*surface).sheen_albedo = (*surface).sheen * albedo;
         left = left_by_sheen((*surface).sheen, albedo);
     }
-    let above = left_by_coat(surface, material, place, tangent, to_eye);
+#endif
+    var above = 1.0;
+#ifdef COATS
+    above = left_by_coat(surface, material, place, tangent, to_eye);
+#endif
     left *= above;
     (*surface).albedo *= left;
     (*surface).normal_reflectance *= left;

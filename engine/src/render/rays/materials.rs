@@ -90,6 +90,31 @@ impl RayMaterial {
     }
 }
 
+/// Which layers the materials of a scene have.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Layers {
+    pub coats: bool,
+    pub sheen: bool,
+    pub films: bool,
+    pub anisotropy: bool,
+}
+
+impl Layers {
+    fn of(scene: &Scene) -> Self {
+        let layered = scene.primitives.iter().map(|p| &p.material).filter(|material| material.has_layers());
+        layered.map(|material| MaterialLayers::of(material)).fold(Self::default(), |found, layers| Self {
+            coats: found.coats || layers.clearcoat[0] > 0.0,
+            sheen: found.sheen || layers.sheen[..3].iter().any(|channel| *channel > 0.0),
+            films: found.films || layers.iridescence[0] > 0.0,
+            anisotropy: found.anisotropy || layers.anisotropy[0] > 0.0,
+        })
+    }
+
+    fn is_any(self) -> bool {
+        self.coats || self.sheen || self.films || self.anisotropy
+    }
+}
+
 /// Materials on the device.
 pub(super) struct GpuMaterials {
     pub(super) buffer: wgpu::Buffer,
@@ -100,7 +125,7 @@ pub(super) struct GpuMaterials {
     emissive: bool,
     plain: bool,
     has_glass: bool,
-    has_layers: bool,
+    layers: Layers,
     has_dispersion: bool,
     /// Least roughness of textures that were looked at.
     least_roughness: HashMap<AssetId, f32>,
@@ -118,7 +143,7 @@ impl GpuMaterials {
             emissive: false,
             plain: true,
             has_glass: false,
-            has_layers: false,
+            layers: Layers::default(),
             has_dispersion: false,
             least_roughness: HashMap::new(),
         }
@@ -133,8 +158,8 @@ impl GpuMaterials {
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
         self.has_glass = scene.primitives.iter().any(|p| p.material.is_glass());
-        self.has_layers = scene.primitives.iter().any(|p| p.material.has_layers());
-        self.specular |= self.has_layers;
+        self.layers = Layers::of(scene);
+        self.specular |= self.layers.is_any();
         self.has_dispersion = scene.primitives.iter().any(|p| parts_colors(&p.material));
         let mut list = Vec::new();
         let of_kind = |is_moving: bool| scene.primitives.iter().filter(move |p| p.moving == is_moving);
@@ -198,7 +223,12 @@ impl GpuMaterials {
 
     /// Whether any has more than the metallic-roughness base.
     pub(super) fn any_layers(&self) -> bool {
-        self.has_layers
+        self.layers.is_any()
+    }
+
+    /// Which layers there are.
+    pub(super) fn layers(&self) -> Layers {
+        self.layers
     }
 
     /// Whether any material emits light.

@@ -260,6 +260,7 @@ impl RayScene {
 
     /// The shader with all that this scene needs of `lib/ray_scene.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
+        let layers = self.materials.layers();
         let flags = [
             ("EXACT_BOXES", self.geometry.exact_boxes),
             ("UNTEXTURED", !self.atlas.holds_textures()),
@@ -272,6 +273,10 @@ impl RayScene {
             ("AREA_LIGHTS", self.has_area_lights),
             ("GLASS", self.has_glass()),
             ("LAYERED", self.materials.any_layers()),
+            ("COATS", layers.coats),
+            ("SHEEN", layers.sheen),
+            ("FILMS", layers.films),
+            ("ANISOTROPY", layers.anisotropy),
             ("DISPERSION", self.materials.any_dispersion()),
         ];
         let set = flags.into_iter().filter(|(_, set)| *set);

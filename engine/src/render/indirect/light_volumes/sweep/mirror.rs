@@ -112,7 +112,7 @@ impl Work<'_> {
         let uniform = cx.gpu.uniform("mirror", &self.uniform(scene, first_row));
         let views = self.inputs.map(|handle| cx.view(handle));
         let target = cx.view(self.mirrored);
-        let (name, value) = self.mirrors.define.clone();
+        let (name, value) = self.mirrors.define;
         let key = scene
             .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.mirrors.rays))
