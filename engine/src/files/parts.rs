@@ -182,7 +182,7 @@ pub struct MaterialFile {
     pub ior: f32,
     /// The surface bounds a solid body, which refracts and absorbs light. Without, it is a thin wall.
     pub volume: Option<AttenuationFile>,
-    /// How far colours part in a solid body of glass, 0..100: 20 over its Abbe number. 0.33 is window glass, 1 flint glass.
+    /// How far colours part in a solid body of glass, 0..100: 20 over its Abbe number. 0.34 is window glass, 0.55 flint glass.
     pub dispersion: f32,
     /// A clear layer over the surface, as on car paint.
     pub clearcoat: Option<ClearcoatFile>,
