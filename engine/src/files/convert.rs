@@ -10,6 +10,7 @@ use crate::assets::{
 use crate::world::Transform;
 use crate::world::animation::rotation_from_degrees;
 use glam::{Mat3, Quat, Vec3};
+use std::f32::consts::TAU;
 use std::sync::Arc;
 
 impl From<TransformFile> for Transform {
@@ -310,7 +311,7 @@ impl From<AnisotropyFile> for Anisotropy {
 
 impl From<Anisotropy> for AnisotropyFile {
     fn from(anisotropy: Anisotropy) -> Self {
-        Self { strength: anisotropy.strength, rotation: anisotropy.rotation.to_degrees() }
+        Self { strength: anisotropy.strength, rotation: (anisotropy.rotation % TAU).to_degrees() }
     }
 }
 

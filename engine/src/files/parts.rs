@@ -266,7 +266,7 @@ pub struct IridescenceFile {
     pub factor: f32,
     /// Its index of refraction, 1..10.
     pub ior: f32,
-    /// Its thickness (nm).
+    /// Its thickness (nm), 0..100000.
     pub thickness: f32,
 }
 

@@ -63,7 +63,7 @@ impl FieldTrack<'_> {
         if !is_text || !known.is_empty() {
             self.check_surface(component)?;
             return match is_text {
-                true => Err(self.no_field(component, steps.first().copied().unwrap_or_default(), &known)),
+                true => Err(self.no_field(component, &steps.join("."), &known)),
                 false => Ok(()),
             };
         }

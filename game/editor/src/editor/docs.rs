@@ -19,7 +19,7 @@ pub struct Note {
 }
 
 /// Units as the comments write them, and as they are shown.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 16] = [
     ("degrees/s", "°/s"),
     ("degrees", "°"),
     ("W/(m² sr)", "W/(m² sr)"),
@@ -27,6 +27,7 @@ const UNITS: [(&str, &str); 15] = [
     ("W/sr", "W/sr"),
     ("m/s", "m/s"),
     ("1/m", "1/m"),
+    ("nm", "nm"),
     ("mm", "mm"),
     ("m", "m"),
     ("s", "s"),
