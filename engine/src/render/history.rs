@@ -1,11 +1,11 @@
 //! Temporal history: which earlier frames this one continues, and how much they count. Where light or objects move, older
 //! frames count for little ([`MOST_WHILE_CHANGING`]), unless it is known how their light has changed.
 
-use super::geometry::Surfaces;
 use super::motion::Motions;
 use super::pixel_shift;
 use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
+use super::surfaces::Surfaces;
 use crate::gpu::Gpu;
 use crate::scene::{Scene, SceneView};
 use crate::world::DepthOfField;

@@ -30,6 +30,7 @@ pub mod scene_gpu;
 mod settings;
 pub mod shadows;
 mod sky;
+mod surfaces;
 mod transparency;
 mod views;
 mod zero_texture;
@@ -50,3 +51,4 @@ pub use settings::{
     Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap,
 };
 pub use shadows::{LightView, light_views, reflective as rsm};
+pub use surfaces::Surfaces;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
-const RENDER: [&str; 25] = [
+const RENDER: [&str; 26] = [
     "debug_settings",
     "settings",
     "scene_gpu",
@@ -13,6 +13,7 @@ const RENDER: [&str; 25] = [
     "views",
     "motion",
     "pixel_shift",
+    "surfaces",
     "history",
     "zero_texture",
     "frame",

@@ -1,10 +1,11 @@
 //! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
 
 use super::static_layers;
-use crate::gpu::{ComputeKey, RasterKey, ShaderDef};
+use crate::gpu::RasterKey;
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::surfaces::Surfaces;
 use wgpu::TextureFormat;
 
 pub(super) const USAGE: wgpu::TextureUsages =
@@ -36,33 +37,6 @@ pub struct GBuffer {
     pub depth: Handle<Texture>,
     /// Which surfaces of the pixels it holds.
     pub surfaces: Surfaces,
-}
-
-/// Which surfaces of the pixels a G-buffer holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Surfaces {
-    /// The nearest ones.
-    Nearest,
-    /// Lobes of them that are drawn apart, see [`second_lobe`](super::second_lobe).
-    SecondLobes,
-}
-
-impl Surfaces {
-    /// The definitions with which shaders read such a G-buffer.
-    pub(in crate::render) fn define(self, key: ComputeKey) -> ComputeKey {
-        match self {
-            Self::Nearest => key,
-            Self::SecondLobes => key.def("STRETCHED", ShaderDef::Flag(true)),
-        }
-    }
-
-    /// Name of a pass or an image that is of these surfaces.
-    pub(in crate::render) fn name(self, name: &str) -> String {
-        match self {
-            Self::Nearest => name.to_owned(),
-            Self::SecondLobes => format!("second lobe, {name}"),
-        }
-    }
 }
 
 /// Declares the pass that draws the scene into the G-buffer.

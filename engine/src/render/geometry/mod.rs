@@ -5,4 +5,4 @@ pub(in crate::render) mod gbuffer;
 pub(in crate::render) mod second_lobe;
 pub(in crate::render) mod static_layers;
 
-pub use gbuffer::{GBuffer, Surfaces};
+pub use gbuffer::GBuffer;

@@ -2,11 +2,12 @@
 //! them: a G-buffer of their own, for the same passes that light the nearest surfaces. See `geometry/second_lobe.wgsl`. It is
 //! drawn where such a lobe is in view, and all that reads it is left out elsewhere.
 
-use super::gbuffer::{COLOR_TARGETS, DEPTH_FORMAT, GBuffer, Surfaces, USAGE, depth_attachment, depth_state};
+use super::gbuffer::{COLOR_TARGETS, DEPTH_FORMAT, GBuffer, USAGE, depth_attachment, depth_state};
 use crate::gpu::{Binding, RasterKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::surfaces::Surfaces;
 
 /// The colour targets that such lobes have: they emit nothing.
 const TARGETS: [usize; 3] = [0, 1, 3];

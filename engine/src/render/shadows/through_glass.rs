@@ -34,7 +34,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, rsm: Rsm<'a>
     let mut pass = graph.pass(name);
     [rsm.base_color, rsm.specular, rsm.depth].into_iter().for_each(|input| pass.read(input));
     let (base_color, specular) = (pass.write(base_color), pass.write(specular));
-    pass.key(&(frame.geometry_key(), rsm.light.revision));
+    pass.key(&(frame.geometry_key(), frame.media_key(), rsm.light.revision));
     let work = Work { frame: frame.clone(), rsm: rsm.clone(), base_color, specular };
     pass.execute(move |cx| (0..work.rsm.views.len()).try_for_each(|layer| work.run(cx, layer)));
     Rsm { base_color, specular, ..rsm }

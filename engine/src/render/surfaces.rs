@@ -1,0 +1,30 @@
+//! Which surfaces of the pixels a G-buffer holds.
+
+use crate::gpu::{ComputeKey, ShaderDef};
+
+/// Which surfaces of the pixels a G-buffer holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Surfaces {
+    /// The nearest ones.
+    Nearest,
+    /// Lobes of them that are drawn apart, see [`second_lobe`](super::geometry::second_lobe).
+    SecondLobes,
+}
+
+impl Surfaces {
+    /// The definitions with which shaders read such a G-buffer.
+    pub(in crate::render) fn define(self, key: ComputeKey) -> ComputeKey {
+        match self {
+            Self::Nearest => key,
+            Self::SecondLobes => key.def("STRETCHED", ShaderDef::Flag(true)),
+        }
+    }
+
+    /// Name of a pass or an image that is of these surfaces.
+    pub(in crate::render) fn name(self, name: &str) -> String {
+        match self {
+            Self::Nearest => name.to_owned(),
+            Self::SecondLobes => format!("second lobe, {name}"),
+        }
+    }
+}
