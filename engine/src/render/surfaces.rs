@@ -7,7 +7,7 @@ use crate::gpu::{ComputeKey, ShaderDef};
 pub enum Surfaces {
     /// The nearest ones.
     Nearest,
-    /// Lobes of them that are drawn apart, see [`second_lobe`](super::geometry::second_lobe).
+    /// Lobes of them that are drawn apart, see `geometry::second_lobe`.
     SecondLobes,
 }
 
