@@ -9,9 +9,8 @@
 
 #import lightwell::gbuffer::{encode_base_color, encode_normal, encode_object, encode_stretch}
 #import lightwell::layers::{coat_reflectance, stretch_direction}
-#import lightwell::mesh::{Vertex, VertexExtra}
+#import lightwell::mesh::{Vertex, VertexExtra, is_cut_out}
 #import lightwell::surface::{Varying, has_stretched_lobe, material, sample_layers, sample_material, varying_of, view}
-#import lightwell::mesh::is_cut_out
 #import lightwell::view::toward_eye
 
 // What of the scene's own geometry buffer each pixel shows.
