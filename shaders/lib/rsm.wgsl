@@ -1,5 +1,6 @@
 #define_import_path lightwell::rsm
 
+#import lightwell::gbuffer::world_position
 #import lightwell::lights::{Light, is_distant, light_intensity_towards, range_window}
 
 // One view of a reflective shadow map.
@@ -15,6 +16,15 @@ struct Received {
     flux: vec3f,           // Φ_in [W]
     to_light: vec3f,       // unit
     area: f32,             // of the texel across the light A_⊥ [m²]
+}
+
+// Where a texel's surface is [m], before it by as much as the rasterizer may have put it behind, see `position_error` of
+// lib/view.wgsl: rays end there.
+fn texel_position(rsm: RsmLayer, texel: vec2u, z: f32, n: vec3f) -> vec3f {
+    let size = vec2u(rsm.size);
+    let position = world_position(texel, size, z, rsm.world_from_clip);
+    let beside = world_position(texel + vec2u(1u, 0u), size, z, rsm.world_from_clip);
+    return position + n * (distance(position, beside) * 0x1p-8f);
 }
 
 // Solid angle from the axis to a corner of the image plane at distance one: ∫∫ (1+x²+y²)^(−3/2).

@@ -6,7 +6,7 @@
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface as Start, leave_surface}
 #import lightwell::rays::{SHADOW, Ray, left_by_glass, passed, trace}
-#import lightwell::view::{View, toward_eye}
+#import lightwell::view::{View, position_error}
 
 // Whether nothing is between a visible point and the light.
 fn is_reached(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> bool {
@@ -23,9 +23,7 @@ fn way_to(view: View, position: vec3f, n: vec3f, incidence: Incidence) -> Way {
     var start: Start;
     start.position = position;
     start.geometric_normal = n;
-    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
-    let p = max(abs(position), abs(toward_eye(view, position)));
-    start.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
+    start.error = position_error(view, position);
     let origin = leave_surface(start, incidence.to_light);
     // To the light itself, whose distance is not that of the moved origin; directional light comes from far.
     let is_far = incidence.distance == 0.0;

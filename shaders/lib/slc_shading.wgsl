@@ -10,7 +10,7 @@
 #import lightwell::slc::{LightRange, Culling, DIFFUSE_LOBE, acceptance, brightest, diffuse_share, grazing_weight}
 #import lightwell::slc::{specular_factor, squeezed}
 #import lightwell::slc::{LIGHTS_A_ROW, PLACE, SHAPE, COLOR, INCIDENCE, NORMAL_FLUX, GRAZING_FLUX, SPHEROID, AXIS}
-#import lightwell::view::{depth_error, toward_eye}
+#import lightwell::view::{position_error, toward_eye}
 #ifdef RAYS
 #import lightwell::ray_scene::NONE
 #import lightwell::rays::{Ray, SHADOW, passed, trace}
@@ -163,8 +163,6 @@ fn load_pixel(at: vec2u, z: f32) -> Pixel {
     pixel.alpha = max(pixel.surface.roughness * pixel.surface.roughness, 1e-3);
     pixel.is_glossy = pixel.surface.grazing_reflectance > 0.0 || any(pixel.surface.normal_reflectance > vec3f(0.0));
     pixel.delta = bound.x;
-    let c = abs(position);
-    let error = POSITION_ERROR * max(max(c.x, max(c.y, c.z)), depth_error(culling.view, position));
-    pixel.origin = position + pixel.surface.normal * error;
+    pixel.origin = position + pixel.surface.normal * (4.0 * position_error(culling.view, position));
     return pixel;
 }

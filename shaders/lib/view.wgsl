@@ -35,9 +35,22 @@ fn depth_error(view: View, position: vec3f) -> f32 {
     return select(max(view_depth(view, position), 0.0078125 * range), distance(position, view.eye.xyz), view.eye.w > 0.0);
 }
 
-// The same for each coordinate.
-fn eye_offset(view: View, position: vec3f) -> vec3f {
-    return select(vec3f(depth_error(view, position)), position - view.eye.xyz, view.eye.w > 0.0);
+// Width of a pixel at a visible point, across the view [m].
+fn pixel_width(view: View, position: vec3f) -> f32 {
+    let c = view.clip_from_world;
+    let upwards = vec3f(c[0].y, c[1].y, c[2].y);
+    let depth = select(1.0, view_depth(view, position), view.eye.w > 0.0);
+    return 2.0 * depth * inverseSqrt(max(dot(upwards, upwards), 1e-36)) / f32(max(view.size.y, 1u));
+}
+
+// What a visible point may be off its surface [m]: what rounding of its coordinates and of depth moves it by, and what its
+// triangle's corners were moved by. Rasterizers put those on a grid of 1/256 of a pixel (Vulkan 1.3, subPixelPrecisionBits),
+// and depths follow them: the point is then off by at most 1/512 of a pixel in x and in y. Software drivers interpolate
+// depth between the corners as they were. Rays start four times as far off.
+fn position_error(view: View, position: vec3f) -> f32 {
+    let p = abs(position);
+    let largest = max(max(p.x, p.y), max(p.z, depth_error(view, position)));
+    return largest * 0x1p-17f + pixel_width(view, position) * 0x1p-10f;
 }
 
 // Whether a stored depth is behind another one by more than a part of the distance, or where lines of sight are parallel

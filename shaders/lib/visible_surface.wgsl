@@ -11,7 +11,7 @@
 #import lightwell::ray_surfaces::{Surface, leave_surface}
 #import lightwell::rays::Ray
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
-#import lightwell::view::{View, eye_offset, toward_eye}
+#import lightwell::view::{View, position_error, toward_eye}
 
 struct VisibleSurface {
     surface: Surface,      // white, as far as it is diffuse
@@ -51,9 +51,7 @@ fn seen_surface(view: View, drawn: Drawn) -> VisibleSurface {
     }
 #endif
 #endif
-    // What the depth buffer's rounding may have moved the point by; a ray starts four times as far off.
-    let p = max(abs(drawn.position), abs(eye_offset(view, drawn.position)));
-    seen.surface.error = max(p.x, max(p.y, p.z)) * 0x1p-17f;
+    seen.surface.error = position_error(view, drawn.position);
     seen.to_specular = specular_share(seen.surface, seen.to_eye);
     seen.surface.albedo = vec3f(1.0);
 #ifdef MIRRORS

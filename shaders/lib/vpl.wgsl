@@ -103,8 +103,7 @@ fn connect_as_published(light: VirtualLight, surface: Surface) -> Connection {
     return c;
 }
 
-// Where a shadow ray starts: off the surface by more than what the depth buffer's rounding may have moved the point.
-fn shadow_origin(surface: Surface, eye_offset: vec3f) -> vec3f {
-    let p = max(abs(surface.position), abs(eye_offset));
-    return surface.position + surface.normal * (max(p.x, max(p.y, p.z)) * 0x1p-15f);
+// Where a shadow ray starts: off the surface by more than what the point may be off it.
+fn shadow_origin(surface: Surface, position_error: f32) -> vec3f {
+    return surface.position + surface.normal * (4.0 * position_error);
 }

@@ -1,8 +1,8 @@
 // Virtual lights straight from texels of a reflective shadow map: one bounce, further ones are ignored.
 
-#import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
+#import lightwell::gbuffer::{decode_albedo, decode_normal}
 #import lightwell::lights::Light
-#import lightwell::rsm::{RsmLayer, texel_received}
+#import lightwell::rsm::{RsmLayer, texel_position, texel_received}
 #import lightwell::sampling::{hash_pair, unit_float}
 #import lightwell::vpl::{VirtualLight, INVERSE_PI}
 
@@ -44,9 +44,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     var made: VirtualLight;
     let z = textureLoad(depth, texel, rsm.layer, 0);
     if z > 0.0 {
-        let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
-        let received = texel_received(rsm, light, texel, position);
         let n = decode_normal(textureLoad(normal, texel, rsm.layer, 0));
+        let position = texel_position(rsm, texel, z, n);
+        let received = texel_received(rsm, light, texel, position);
         let albedo = decode_albedo(textureLoad(base_color, texel, rsm.layer, 0));
         // A texel stands for all that were not chosen.
         let share = f32(rsm.size) * f32(rsm.size) / f32(place.count);

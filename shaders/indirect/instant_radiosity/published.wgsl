@@ -4,7 +4,7 @@
 
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
 #import lightwell::mesh::{Vertex, Instance, world_from_object_point}
-#import lightwell::view::{View, eye_offset, toward_eye}
+#import lightwell::view::{View, position_error, toward_eye}
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::ray_scene::NONE
@@ -60,7 +60,7 @@ fn add_light(in: Varying) -> @location(0) vec4f {
 #endif
 #ifndef UNSHADOWED
     if any(c.radiance > vec3f(0.0)) {
-        let origin = shadow_origin(surface, eye_offset(view, position));
+        let origin = shadow_origin(surface, position_error(view, position));
         let ray = Ray(origin, select(c.end - origin, c.to_light, c.distant));
         let hit = trace(letter.root, ray, select(1.0, 3e38, c.distant), SHADOW);
         if hit.triangle != NONE {

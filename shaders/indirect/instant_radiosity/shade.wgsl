@@ -4,7 +4,7 @@
 //   MATTE       as in lib/vpl.wgsl
 
 #import lightwell::gbuffer::{Surface, decode_surface, world_position}
-#import lightwell::view::{View, eye_offset, toward_eye}
+#import lightwell::view::{View, position_error, toward_eye}
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::ray_scene::NONE
@@ -65,7 +65,7 @@ fn summed(pixel: vec2u) -> vec3f {
         textureLoad(base_color, pixel, 0), textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0).xy, z, position,
     );
     let to_eye = normalize(toward_eye(view, position));
-    let origin = shadow_origin(surface, eye_offset(view, position));
+    let origin = shadow_origin(surface, position_error(view, position));
     // Added one by one: in whatever pieces, the sum gets the same bits.
     for (var i = shade.first; i < shade.end; i++) {
         sum += contribution(virtual_lights[i], surface, to_eye, origin);

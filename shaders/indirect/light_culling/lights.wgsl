@@ -1,9 +1,9 @@
 // A virtual light for each texel of a layer of a reflective shadow map. Lights of a subset lie side by side: texel
 // (x, y) belongs to subset (x mod n, y mod n) of n × n, so that each holds an even choice of all.
 
-#import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance, world_position}
+#import lightwell::gbuffer::{decode_albedo, decode_normal, decode_normal_reflectance}
 #import lightwell::lights::Light
-#import lightwell::rsm::{RsmLayer, texel_received}
+#import lightwell::rsm::{RsmLayer, texel_position, texel_received}
 #import lightwell::slc::VirtualLight
 
 // One block, see lib/slc.wgsl.
@@ -28,11 +28,11 @@ const MAX_STRETCH: f32 = 16.0;
 
 fn virtual_light(texel: vec2u, z: f32) -> VirtualLight {
     var result: VirtualLight;
-    let position = world_position(texel, vec2u(place.rsm.size), z, place.rsm.world_from_clip);
-    let received = texel_received(place.rsm, place.light, texel, position);
     let base = textureLoad(base_color, texel, place.rsm.layer, 0);
     let surface = textureLoad(normal, texel, place.rsm.layer, 0);
     let n = decode_normal(surface);
+    let position = texel_position(place.rsm, texel, z, n);
+    let received = texel_received(place.rsm, place.light, texel, position);
     let cosine = dot(n, received.to_light);
     if cosine <= 0.0 || all(received.flux <= vec3f(0.0)) {
         return result;

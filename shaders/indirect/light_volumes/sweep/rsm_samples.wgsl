@@ -4,10 +4,10 @@
 //
 // Texels are weighed in strips of a row, whose running sum over all maps is searched for each point.
 
-#import lightwell::gbuffer::world_position
+#import lightwell::gbuffer::{decode_normal, world_position}
 #import lightwell::lights::Light
 #import lightwell::rsm_samples::POINT_TEXELS
-#import lightwell::rsm::{RsmLayer, texel_received}
+#import lightwell::rsm::{RsmLayer, texel_position, texel_received}
 #import lightwell::sampling::{hash_pair, unit_float}
 
 struct Draw {
@@ -43,10 +43,6 @@ fn strips_a_row() -> u32 {
     return (rsm.size + STRIP - 1u) / STRIP;
 }
 
-fn position_of(texel: vec2u, z: f32) -> vec3f {
-    return world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
-}
-
 // Zero where nothing is, or what is there is black: the back of a surface with one side.
 fn weight(texel: vec2u) -> f32 {
     let z = textureLoad(depth, texel, rsm.layer, 0);
@@ -55,7 +51,7 @@ fn weight(texel: vec2u) -> f32 {
     if z <= 0.0 || (all(base == vec3u(0u)) && mirrored == 0u) {
         return 0.0;
     }
-    let position = position_of(texel, z);
+    let position = world_position(texel, vec2u(rsm.size), z, rsm.world_from_clip);
     if any(position < draw.low) || any(position > draw.high) {
         return 0.0;
     }
@@ -154,9 +150,9 @@ fn choose(@builtin(global_invocation_id) thread: vec3u) {
     }
     let strip = find_strip(draw.first_strip, strips, value);
     let texel = find_texel(strip - draw.first_strip, value - before(strip));
-    let position = position_of(texel, textureLoad(depth, texel, rsm.layer, 0));
     let base = textureLoad(base_color, texel, rsm.layer, 0);
     let n = textureLoad(normal, texel, rsm.layer, 0);
+    let position = texel_position(rsm, texel, textureLoad(depth, texel, rsm.layer, 0), decode_normal(n));
     let first = POINT_TEXELS * thread.x;
     points[first] = vec4u(bitcast<vec3u>(position), draw.light);
     points[first + 1u] = vec4u(base.xy | (base.zw << vec2u(16u)), n.xy | (n.zw << vec2u(16u)));
