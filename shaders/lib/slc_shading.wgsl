@@ -41,7 +41,7 @@ struct Pixel {
 
 // Nothing brighter is added, so that sums stay finite.
 const MAX_RADIANCE: f32 = 1e28;
-// How far rounding may have moved a point, over its coordinates and what its depth is rounded by.
+// How far rounding may have moved a virtual light, over its coordinates.
 const POSITION_ERROR: f32 = 2e-5;
 
 #ifdef RAYS
