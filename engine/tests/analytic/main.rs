@@ -21,6 +21,7 @@ mod orthographic;
 mod path_tracer;
 mod probes;
 mod radiosity;
+mod rasterizer_grid;
 mod samplers;
 mod sky;
 mod sky_light;

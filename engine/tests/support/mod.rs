@@ -162,9 +162,14 @@ impl Stage {
 
     /// Ray through the centre of a pixel: unit direction in world space.
     pub fn ray(&self, x: u32, y: u32) -> Vec3 {
+        self.ray_at(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// The same through any place in the image \[pixels\].
+    pub fn ray_at(&self, x: f32, y: f32) -> Vec3 {
         let [width, height] = self.view.size.map(|s| s as f32);
         let tangent = self.view.camera.half_height();
-        let ndc = glam::Vec2::new((x as f32 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f32 + 0.5) / height * 2.0);
+        let ndc = glam::Vec2::new(x / width * 2.0 - 1.0, 1.0 - y / height * 2.0);
         let local = Vec3::new(ndc.x * tangent * width / height, ndc.y * tangent, -1.0);
         self.view.camera.world_from_view.transform_vector3(local).normalize()
     }
