@@ -121,7 +121,17 @@ fn octant(direction: vec3f) -> u32 {
 }
 
 #ifdef MOVERS
-// The list of dynamic objects, after that of static objects.
+// Among moving objects' boxes: none, but a link that is always followed.
+#ifdef EXACT_BOXES
+const JUMP: f32 = 0x1.fffffep+127f;
+#else
+const JUMP: f32 = 65535.0;
+#endif
+// The link that ends all of their lists.
+const NOWHERE: u32 = LEAF - 1u;
+
+// The list over moving objects, after that of static objects: it leads into lists of each object, and back (see
+// rays/moving_boxes.rs).
 fn go_on_with_movers(walk: ptr<function, Walk>) {
     let place = (*walk).movers;
 #ifdef EXACT_BOXES
@@ -135,7 +145,7 @@ fn go_on_with_movers(walk: ptr<function, Walk>) {
     (*walk).offset = (bitcast<vec3f>(header.xyz) - (*walk).ray.origin) * inverse;
 #endif
     (*walk).next = place + HEADER + octant((*walk).ray.direction) * boxes;
-    (*walk).end = (*walk).next + boxes;
+    (*walk).end = NOWHERE;
     (*walk).movers = 0u;
 }
 #endif
@@ -178,7 +188,11 @@ fn meets_box(box: Box, walk: Walk) -> bool {
     let enter = max(max(near.x, near.y), max(near.z, 0));
     let leave = min(min(far.x, far.y), min(far.z, bitcast<i32>(walk.hit.t)));
     // Four roundings further, so that no box is missed that holds a hit (Ize 2013).
+#ifdef MOVERS
+    return enter <= leave + 4 && box.low.x < JUMP;
+#else
     return enter <= leave + 4;
+#endif
 }
 
 // A number in [0, 1) for a ray and a point of a triangle: of all rays through a blended surface the share 1 − alpha

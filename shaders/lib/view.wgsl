@@ -9,6 +9,7 @@ struct View {
     eye: vec4f,
     axis: vec4f,           // the plane from which distances along the view's axis are measured [m]
     size: vec2u,           // [pixels]
+    pixel: f32,            // width of a pixel at a depth of 1 m, or where lines of sight are parallel at any [m]
 }
 
 // From a point towards the eye; not of unit length. In a perspective it reaches as far as the eye.
@@ -37,10 +38,7 @@ fn depth_error(view: View, position: vec3f) -> f32 {
 
 // Width of a pixel at a visible point, across the view [m].
 fn pixel_width(view: View, position: vec3f) -> f32 {
-    let c = view.clip_from_world;
-    let upwards = vec3f(c[0].y, c[1].y, c[2].y);
-    let depth = select(1.0, view_depth(view, position), view.eye.w > 0.0);
-    return 2.0 * depth * inverseSqrt(max(dot(upwards, upwards), 1e-36)) / f32(max(view.size.y, 1u));
+    return view.pixel * select(1.0, view_depth(view, position), view.eye.w > 0.0);
 }
 
 // What a visible point may be off its surface [m]: what rounding of its coordinates and of depth moves it by, and what its

@@ -1,11 +1,12 @@
 //! Bounding volume hierarchies: which of many boxes a ray may meet.
 //!
 //! Built on the CPU with the surface area heuristic, over the triangles of a mesh ([`MeshBvh`], in object space) or of
-//! a whole scene ([`SceneBvh`], in world space: a hierarchy of static objects and one of dynamic ones, which has its boxes
-//! fitted again). Used on the CPU and, with the same boxes, on the device.
+//! a whole scene ([`SceneBvh`], in world space: a hierarchy of all static objects and one of each dynamic one, which has
+//! its boxes fitted again). Used on the CPU and, with the same boxes, on the device.
 
 mod build;
 mod mesh;
+mod movers;
 mod presplit;
 mod ray;
 mod scene;
@@ -15,6 +16,7 @@ mod scene_triangle;
 mod tests;
 
 pub use mesh::{MeshBvh, MeshHit};
+pub use movers::Movers;
 pub use ray::{Ray, intersect_triangle};
 pub(crate) use scene::is_nearer;
 pub use scene::{RayKind, SceneBvh, SceneHit, Updated};

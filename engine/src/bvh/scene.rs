@@ -1,9 +1,10 @@
-//! The hierarchies over all triangles of a scene, in world space: one of static primitives, one of moving primitives.
+//! The hierarchies over all triangles of a scene, in world space: one of static primitives, one of each moving primitive.
 //!
-//! Objects have no level of their own: rays that cross many overlapping objects are twice as fast, and every static
-//! triangle is transformed once. Moved objects have the boxes above them fitted again, which leaves the static part as it
-//! is. Of hits at the same distance the one with the lower index counts, unless rounding hides its box.
+//! Static objects have no level of their own: rays that cross many overlapping objects are twice as fast, and every
+//! triangle is transformed once. Moving ones have, so that only what moves is followed. Of hits at the same distance the
+//! one with the lower index counts, unless rounding hides its box.
 
+use super::movers::Movers;
 use super::scene_part::{PartTriangles, ScenePart, Source};
 use super::scene_triangle::{SceneTriangle, world_corners};
 use super::{Bvh, Ray, intersect_triangle};
@@ -51,7 +52,7 @@ pub struct SceneBvh {
     /// Those of primitives that are not [moving](Primitive::moving).
     pub statics: ScenePart,
     /// Those of primitives that are.
-    pub movers: ScenePart,
+    pub movers: Movers,
     /// How long the last update took.
     pub update_time: Duration,
     /// Changes with which primitives there are in which part, and with their materials.
@@ -61,6 +62,17 @@ pub struct SceneBvh {
     /// Identity and statics revision of the last scene, if it tells.
     told: Option<[u64; 2]>,
     versions: u64,
+}
+
+/// Primitives that differ from what they were, by index and in the order of the scene.
+#[derive(Default)]
+struct Changes {
+    /// In anything.
+    any: Vec<usize>,
+    /// In place or pose.
+    moved: Vec<usize>,
+    /// Whether any is of another material.
+    has_surfaces: bool,
 }
 
 /// Per primitive: what rays may do with it.
@@ -93,31 +105,40 @@ impl SceneBvh {
         let are_statics_kept = told.is_some() && told == self.told;
         let fits = |index: usize| self.sources[index].is_of(&scene.primitives[index]);
         let same = self.sources.len() == scene.primitives.len()
-            && if are_statics_kept {
-                self.movers.primitives.iter().all(|&index| fits(index))
-            } else {
-                (0..self.sources.len()).all(fits)
-            };
+            && if are_statics_kept { self.movers.primitives().all(fits) } else { (0..self.sources.len()).all(fits) };
         let updated = if !same || self.sources.is_empty() {
             self.rebuild(scene)
         } else if are_statics_kept {
-            self.follow(scene, true)
+            self.follow_movers(scene)
         } else {
-            self.follow(scene, false).max(self.follow(scene, true))
+            self.follow_statics(scene).max(self.follow_movers(scene))
         };
         self.told = told;
         self.update_time = start.elapsed();
         updated
     }
 
-    /// The hierarchies of both parts: static objects, and dynamic ones. Rays go through them in turn.
-    pub fn trees(&self) -> [&Bvh; 2] {
-        [&self.statics.bvh, &self.movers.bvh]
+    /// The hierarchies that hold triangles: of static objects, and of each dynamic one.
+    pub fn trees(&self) -> impl Iterator<Item = &Bvh> + Clone {
+        std::iter::once(&self.statics.bvh).chain(self.movers.objects.iter().map(|object| &object.bvh))
     }
 
-    /// Number of triangles of moving primitives, with those that have no box and so are in no tree.
+    /// Visits those of them that the ray meets before `t_max`. `visit` gets the bound so far, and returns the bound from
+    /// there on.
+    pub(crate) fn traverse_trees(&self, ray: &Ray, t_max: f32, mut visit: impl FnMut(&Bvh, f32) -> f32) {
+        let bound = visit(&self.statics.bvh, t_max);
+        let objects = &self.movers.objects;
+        self.movers.top.traverse(ray, bound, |object, bound| visit(&objects[object as usize].bvh, bound));
+    }
+
+    /// Number of triangles of each moving primitive, with those that have no box and so are in no tree.
+    pub(crate) fn counts_of_movers(&self) -> Vec<usize> {
+        self.movers.primitives().map(|index| self.sources[index].count).collect()
+    }
+
+    /// Number of triangles of all of them.
     pub(crate) fn moving_triangles(&self) -> usize {
-        self.movers.primitives.iter().map(|&index| self.sources[index].count).sum()
+        self.movers.primitives().map(|index| self.sources[index].count).sum()
     }
 
     /// Indices of the triangles of a primitive.
@@ -126,25 +147,17 @@ impl SceneBvh {
         source.first..source.first + source.count
     }
 
-    /// Whether a primitive has changed since a version of its part.
-    pub(crate) fn has_changed(&self, primitive: u32, since: u64) -> bool {
-        self.sources[primitive as usize].changed > since
-    }
-
     fn next_version(&mut self) -> u64 {
         self.versions += 1;
         self.versions
     }
 
     fn rebuild(&mut self, scene: &Scene) -> Updated {
-        let changed = self.next_version();
         self.flags = scene.primitives.iter().map(Flags::of).collect();
         self.sources.clear();
         self.triangles.clear();
-        let parts = [&mut self.statics, &mut self.movers];
-        for part in parts {
-            part.primitives.clear();
-        }
+        self.statics.primitives.clear();
+        let mut movers = Vec::new();
         for (primitive, index) in scene.primitives.iter().zip(0..) {
             let count = primitive.mesh.triangle_count();
             self.sources.push(Source {
@@ -157,10 +170,9 @@ impl SceneBvh {
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
                 count,
-                changed,
             });
-            let part = if primitive.moving { &mut self.movers } else { &mut self.statics };
-            part.primitives.push(index as usize);
+            let part = if primitive.moving { &mut movers } else { &mut self.statics.primitives };
+            part.push(index as usize);
             self.triangles.extend((0..count as u32).map(|triangle| SceneTriangle {
                 corners: world_corners(primitive, triangle),
                 primitive: index,
@@ -168,67 +180,93 @@ impl SceneBvh {
             }));
         }
         self.surfaces_version = self.next_version();
-        for is_moving in [false, true] {
-            let version = self.next_version();
-            let (part, triangles) = self.part(is_moving);
-            (part.version, part.built) = (version, version);
-            part.build(triangles, !is_moving);
-        }
+        let [statics, moving] = [self.next_version(), self.next_version()];
+        let triangles = PartTriangles { first: 0, triangles: &self.triangles, sources: &self.sources };
+        (self.statics.version, self.statics.built) = (statics, statics);
+        self.statics.build(triangles, true);
+        self.movers.build(movers, triangles, moving);
         Updated::Built
     }
 
-    /// A part, and what it needs to be built: its triangles.
-    fn part(&mut self, is_moving: bool) -> (&mut ScenePart, PartTriangles<'_>) {
-        let part = if is_moving { &mut self.movers } else { &mut self.statics };
-        (part, PartTriangles { all: &self.triangles, sources: &self.sources })
-    }
-
-    /// Updates one part where the same primitives have moved or have other surfaces.
-    fn follow(&mut self, scene: &Scene, is_moving: bool) -> Updated {
-        let version = self.next_version();
-        let (mut moved, mut has_other_surfaces, mut has_other_flags) = (false, false, false);
-        let part = if is_moving { &self.movers } else { &self.statics };
-        for &index in &part.primitives {
+    /// Takes the surfaces of primitives that are the same as before, and tells which of them changed in what.
+    fn follow_surfaces(&mut self, scene: &Scene, primitives: &[usize]) -> Changes {
+        let mut changes = Changes::default();
+        for &index in primitives {
             let (source, primitive) = (&mut self.sources[index], &scene.primitives[index]);
             let flags = Flags::of(primitive);
             let (has_flags, has_surface) = (flags == self.flags[index], source.material == primitive.material.id);
-            (has_other_flags, has_other_surfaces) = (has_other_flags || !has_flags, has_other_surfaces || !has_surface);
-            if !has_flags || !has_surface {
-                source.changed = version;
+            let is_placed = source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id;
+            changes.has_surfaces |= !has_surface;
+            if !has_flags || !has_surface || !is_placed {
+                changes.any.push(index);
+            }
+            if !is_placed {
+                changes.moved.push(index);
             }
             self.flags[index] = flags;
             source.material = primitive.material.id;
-            if source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id {
-                continue;
-            }
-            moved = true;
-            source.changed = version;
             source.mesh = primitive.mesh.id;
             source.world_from_object = primitive.world_from_object;
-            for triangle in &mut self.triangles[source.first..source.first + source.count] {
-                triangle.corners = world_corners(primitive, triangle.triangle);
-            }
         }
-        if has_other_surfaces {
+        if changes.has_surfaces {
             self.surfaces_version = self.next_version();
         }
-        if moved || has_other_surfaces || has_other_flags {
-            let (part, triangles) = self.part(is_moving);
-            part.version = version;
-            let updated = if moved { part.refit(triangles, !is_moving) } else { Updated::Nothing };
-            if updated == Updated::Built {
-                part.built = version;
-            }
-            return updated;
+        changes
+    }
+
+    /// Updates the static part where the same primitives have moved or have other surfaces.
+    fn follow_statics(&mut self, scene: &Scene) -> Updated {
+        let primitives = std::mem::take(&mut self.statics.primitives);
+        let changes = self.follow_surfaces(scene, &primitives);
+        self.statics.primitives = primitives;
+        if changes.any.is_empty() {
+            return Updated::Nothing;
         }
-        Updated::Nothing
+        let version = self.next_version();
+        self.statics.version = version;
+        for &index in &changes.moved {
+            let source = &self.sources[index];
+            for triangle in &mut self.triangles[source.first..source.first + source.count] {
+                triangle.corners = world_corners(&scene.primitives[index], triangle.triangle);
+            }
+        }
+        if changes.moved.is_empty() {
+            return Updated::Nothing;
+        }
+        let triangles = PartTriangles { first: 0, triangles: &self.triangles, sources: &self.sources };
+        let updated = self.statics.refit(triangles, true);
+        if updated == Updated::Built {
+            self.statics.built = version;
+        }
+        updated
+    }
+
+    /// The same for the objects that move.
+    fn follow_movers(&mut self, scene: &Scene) -> Updated {
+        let primitives: Vec<usize> = self.movers.primitives().collect();
+        let changes = self.follow_surfaces(scene, &primitives);
+        if changes.any.is_empty() {
+            return Updated::Nothing;
+        }
+        let version = self.next_version();
+        self.movers.version = version;
+        // Both lists are in the order of the scene.
+        for object in &mut self.movers.objects {
+            if object.primitives.first().is_some_and(|index| changes.any.binary_search(index).is_ok()) {
+                object.version = version;
+            }
+        }
+        if changes.moved.is_empty() {
+            return Updated::Nothing;
+        }
+        let has_moved = |index: usize| changes.moved.binary_search(&index).is_ok();
+        self.movers.follow(&scene.primitives, &mut self.triangles, &self.sources, has_moved)
     }
 
     /// The nearest hit of the ray before `t_max`. Alpha is ignored.
     pub fn closest_hit(&self, ray: &Ray, t_max: f32, kind: RayKind) -> Option<SceneHit> {
         let mut closest: Option<SceneHit> = None;
-        for bvh in self.trees() {
-            let bound = closest.map_or(t_max, |hit| hit.t);
+        self.traverse_trees(ray, t_max, |bvh, bound| {
             bvh.traverse(ray, bound, |index, bound| match self.meets(ray, index, kind) {
                 Some(hit) if is_nearer(hit.t, index, bound, closest.map(|best| (best.t, best.triangle))) => {
                     closest = Some(hit);
@@ -236,7 +274,8 @@ impl SceneBvh {
                 }
                 _ => bound,
             });
-        }
+            closest.map_or(bound, |hit| hit.t)
+        });
         closest
     }
 
@@ -252,18 +291,17 @@ impl SceneBvh {
 
     /// Whether anything that casts shadows lies on the ray before `t_max`.
     pub fn is_blocked(&self, ray: &Ray, t_max: f32) -> bool {
+        // Nothing lies before the ray's start: a bound below it ends the search.
+        const ENDED: f32 = -1.0;
         let mut blocked = false;
-        for bvh in self.trees() {
-            bvh.traverse(ray, t_max, |index, bound| {
+        self.traverse_trees(ray, t_max, |bvh, bound| {
+            bvh.traverse(ray, bound, |index, bound| {
                 blocked |= self.meets(ray, index, RayKind::Light).is_some_and(|hit| hit.t < bound);
-                // Nothing lies before the ray's start: a bound below it ends the search.
-                if blocked { -1.0 } else { bound }
+                if blocked { ENDED } else { bound }
             });
-            if blocked {
-                return true;
-            }
-        }
-        false
+            if blocked { ENDED } else { bound }
+        });
+        blocked
     }
 
     fn meets(&self, ray: &Ray, index: u32, kind: RayKind) -> Option<SceneHit> {

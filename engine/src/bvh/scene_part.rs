@@ -1,9 +1,9 @@
-//! One of the two hierarchies of a scene: over the static or the moving primitives.
+//! A hierarchy of a scene: over all static primitives, or over one that moves.
 
-use super::Bvh;
 use super::presplit::presplit;
 use super::scene::Updated;
 use super::scene_triangle::SceneTriangle;
+use super::{Bvh, Node};
 use crate::assets::AssetId;
 use crate::scene::{Aabb, Primitive, SceneId};
 use glam::{Affine3A, Vec3};
@@ -14,7 +14,7 @@ const LEAF_SIZE: usize = 2;
 const WORN_OUT: f32 = 1.5;
 
 /// The triangles of some primitives, with a hierarchy of their own.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct ScenePart {
     /// The hierarchy over indices in [`SceneBvh::triangles`](super::SceneBvh::triangles).
     pub bvh: Bvh,
@@ -42,8 +42,6 @@ pub(super) struct Source {
     pub(super) world_from_object: Affine3A,
     pub(super) first: usize,
     pub(super) count: usize,
-    /// The version of its part in which it changed last.
-    pub(super) changed: u64,
 }
 
 impl Source {
@@ -57,25 +55,41 @@ impl Source {
     }
 }
 
-/// All triangles of a scene, and where those of each primitive lie.
+/// Triangles of a scene, those of a part among them, and where those of each primitive lie.
 #[derive(Clone, Copy)]
 pub(super) struct PartTriangles<'a> {
-    pub(super) all: &'a [SceneTriangle],
+    /// From the scene's triangle of that index on.
+    pub(super) first: usize,
+    pub(super) triangles: &'a [SceneTriangle],
     pub(super) sources: &'a [Source],
 }
 
 impl PartTriangles<'_> {
+    fn triangle(&self, index: usize) -> &SceneTriangle {
+        &self.triangles[index - self.first]
+    }
+
     fn is_glass(&self, index: usize) -> bool {
-        self.sources[self.all[index].primitive as usize].is_glass
+        self.sources[self.triangle(index).primitive as usize].is_glass
     }
 
     fn bounds(&self, index: usize) -> Aabb {
-        let corners = self.all[index].corners;
+        let corners = self.triangle(index).corners;
         if corners.iter().all(|corner| corner.is_finite()) { Aabb::from_points(corners) } else { Aabb::EMPTY }
     }
 }
 
 impl ScenePart {
+    /// One that is not built yet.
+    pub(super) fn new(primitives: Vec<usize>, version: u64) -> Self {
+        Self { primitives, version, built: version, ..Self::default() }
+    }
+
+    /// A box around all; [`Aabb::EMPTY`] if there is nothing.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.bvh.nodes.first().map_or(Aabb::EMPTY, Node::bounds)
+    }
+
     /// Indices of its triangles.
     fn indices<'a>(&'a self, triangles: PartTriangles<'a>) -> impl Iterator<Item = usize> + 'a {
         let sources = self.primitives.iter().map(move |&index| &triangles.sources[index]);
@@ -83,13 +97,13 @@ impl ScenePart {
     }
 
     /// Builds the hierarchy. Static triangles may be in several leaves, see [`presplit`]; the boxes of dynamic ones are
-    /// fitted again to whole triangles in most frames, and so they are in one.
+    /// fitted again to whole triangles whenever these move, and so they are in one.
     pub(super) fn build(&mut self, triangles: PartTriangles, is_static: bool) -> Updated {
         let indices: Vec<usize> = self.indices(triangles).collect();
         let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
         self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
         if is_static {
-            let split = |&index: &usize| (triangles.all[index].corners, !triangles.is_glass(index));
+            let split = |&index: &usize| (triangles.triangle(index).corners, !triangles.is_glass(index));
             let (corners, may_split): (Vec<[Vec3; 3]>, Vec<bool>) = indices.iter().map(split).unzip();
             let (pieces, triangle_of) = presplit(&corners, &boxes, &may_split);
             self.bvh = Bvh::new(&pieces, LEAF_SIZE);

@@ -20,6 +20,7 @@ pub(crate) struct ViewUniform {
     eye: Vec4,
     axis: Vec4,
     size: UVec2,
+    pixel: f32,
 }
 
 /// A result of a method that the next frame may go on with.
@@ -121,6 +122,7 @@ impl Frame<'_> {
             eye: self.view.eye_point(),
             axis: self.view.axis(),
             size: self.view.size.into(),
+            pixel: self.view.pixel_width(),
         }
     }
 }

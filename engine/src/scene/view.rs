@@ -134,6 +134,12 @@ impl SceneView {
         }
     }
 
+    /// Width of a pixel at a depth of 1 m, or where lines of sight are parallel at any depth \[m\].
+    pub fn pixel_width(&self) -> f32 {
+        let upwards = self.clip_from_world().row(1).truncate();
+        2.0 / (upwards.length().max(f32::MIN_POSITIVE) * self.size[1].max(1) as f32)
+    }
+
     /// The plane from which distances along the view's axis are measured \[m\]: its scalar product with (p, 1).
     pub fn axis(&self) -> Vec4 {
         match self.camera.projection {

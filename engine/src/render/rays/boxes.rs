@@ -1,4 +1,4 @@
-//! The hierarchy's boxes as lists that rays follow without a stack, in the layout of `lib/rays.wgsl`.
+//! The boxes of hierarchies as lists that rays follow without a stack, in the layout of `lib/rays.wgsl`.
 
 use super::words::Texel;
 use crate::bvh::{Bvh, Node};
@@ -22,20 +22,7 @@ const COARSE: f32 = 1.5;
 const FAR_MARGIN: f32 = 0.5;
 const FAR_UNIT: f32 = 1.0 / (1 << 20) as f32;
 
-/// Where the boxes of a part lie, and its triangles.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Place {
-    /// Its first box.
-    pub(super) box_index: u32,
-    /// Its first triangle.
-    pub(super) triangle: u32,
-    /// First box of the part that a ray visits next; 0 if there is none.
-    pub(super) next: u32,
-    /// Edge of the whole scene \[m\], where the part is but some of it.
-    pub(super) scene_size: f32,
-}
-
-/// A list of boxes for each of the eight signs of a direction.
+/// A list of all static objects' boxes for each of the eight signs of a direction.
 pub(super) struct BoxLists {
     /// All lists, after the frame.
     pub(super) texels: Vec<Texel>,
@@ -49,55 +36,108 @@ pub(super) fn texel_count(boxes: usize, exact: bool) -> usize {
 }
 
 /// Texels before the lists, and after them.
-const HEADER: usize = 2;
-const END: usize = 2;
+pub(super) const HEADER: usize = 2;
+pub(super) const END: usize = 2;
 
 /// Texels of a box.
 pub(super) fn texels_of_box(exact: bool) -> usize {
     if exact { 2 } else { 1 }
 }
 
-/// Most boxes that a hierarchy over so many triangles has.
-pub(super) fn most_boxes(triangles: usize) -> usize {
-    (2 * triangles).saturating_sub(1)
+/// Most boxes that a hierarchy over so many things has.
+pub(super) fn most_boxes(things: usize) -> usize {
+    (2 * things).saturating_sub(1)
 }
 
 /// Whether boxes are best kept in floats, two texels each: in scenes in which most things are smaller than a unit of
 /// the frame, such as a room on a plain of 100 km.
-pub(super) fn are_exact(bvh: &Bvh) -> bool {
-    bvh.nodes.first().is_some_and(|root| is_coarse(bvh, &Frame::new(&root.bounds(), 0.0)))
+pub(super) fn are_exact<'a>(trees: impl Iterator<Item = &'a Bvh> + Clone) -> bool {
+    let roots = trees.clone().filter_map(|tree| tree.nodes.first());
+    let bounds = roots.fold(Aabb::EMPTY, |sum, root| sum.union(&root.bounds()));
+    !bounds.is_empty() && is_coarse(trees, &Frame::new(&bounds, 0.0))
+}
+
+/// How boxes are stored.
+#[derive(Clone, Copy)]
+pub(super) enum Encoding<'a> {
+    /// As whole numbers of a frame's units.
+    InFrame(&'a Frame),
+    /// As they are.
+    Exact,
+}
+
+impl Encoding<'_> {
+    /// Adds a box.
+    pub(super) fn push(self, texels: &mut Vec<Texel>, bounds: &Aabb, link: u32) {
+        match self {
+            Self::InFrame(frame) => texels.push(frame.texel(bounds, link)),
+            Self::Exact => texels.extend(exact_texels(bounds, link)),
+        }
+    }
+
+    /// Adds what leads on to another box and is never met: see `JUMP` of `lib/rays.wgsl`.
+    pub(super) fn push_jump(self, texels: &mut Vec<Texel>, link: u32) {
+        match self {
+            Self::InFrame(_) => texels.push([0xffff, 0, 0, link]),
+            Self::Exact => texels.extend([[f32::MAX.to_bits(), 0, 0, link], [0; 4]]),
+        }
+    }
+}
+
+/// What the list of a tree leads to.
+#[derive(Clone, Copy)]
+pub(super) struct Links {
+    /// Its first box.
+    pub(super) first: u32,
+    /// The box that rays go on at which leave it.
+    pub(super) behind: u32,
+    /// The first triangle of its leaves.
+    pub(super) triangle: u32,
+}
+
+/// Adds the list of a tree for the signs of one octant. `sizes` are those of [`subtree_sizes`].
+pub(super) fn push_list(
+    texels: &mut Vec<Texel>,
+    encoding: Encoding,
+    (bvh, sizes): (&Bvh, &[u32]),
+    octant: u32,
+    links: Links,
+) {
+    for (node, skip) in order(bvh, sizes, octant) {
+        let leaf = LEAF | (node.count.wrapping_sub(1)) << COUNT_BITS | (links.triangle + node.first);
+        let is_last = skip == bvh.nodes.len() as u32;
+        let box_link = if is_last { links.behind } else { links.first + skip };
+        encoding.push(texels, &node.bounds(), if node.count > 0 { leaf } else { box_link });
+    }
 }
 
 impl BoxLists {
-    /// The lists of a hierarchy.
-    pub(super) fn new(bvh: &Bvh, exact: bool, place: Place) -> Self {
+    /// The lists of a hierarchy; rays go on at a box of dynamic objects, or at none if that is 0.
+    pub(super) fn new(bvh: &Bvh, exact: bool, movers: u32) -> Self {
         let boxes = bvh.nodes.len();
-        let frame = bvh.nodes.first().map(|root| Frame::new(&root.bounds(), place.scene_size));
+        let frame = bvh.nodes.first().map(|root| Frame::new(&root.bounds(), 0.0));
         let mut texels = Vec::with_capacity(texel_count(boxes, exact));
         texels.extend(frame.as_ref().filter(|_| !exact).map_or([[0; 4]; 2], Frame::texels));
-        (texels[0][3], texels[1][3]) = (boxes as u32, place.next);
-        let sizes = subtree_sizes(bvh);
-        let mut first = place.box_index + (HEADER / texels_of_box(exact)) as u32;
-        for octant in (0..8).filter(|_| boxes > 0) {
-            for (node, skip) in order(bvh, &sizes, octant) {
-                let leaf = LEAF | (node.count.wrapping_sub(1)) << COUNT_BITS | (place.triangle + node.first);
-                let link = if node.count > 0 { leaf } else { first + skip };
-                match &frame {
-                    Some(frame) if !exact => texels.push(frame.texel(&node.bounds(), link)),
-                    _ => texels.extend(exact_texels(&node, link)),
-                }
+        (texels[0][3], texels[1][3]) = (boxes as u32, movers);
+        if let Some(frame) = &frame {
+            let encoding = if exact { Encoding::Exact } else { Encoding::InFrame(frame) };
+            let sizes = subtree_sizes(bvh);
+            let mut first = (HEADER / texels_of_box(exact)) as u32;
+            for octant in 0..8 {
+                let end = first + boxes as u32;
+                push_list(&mut texels, encoding, (bvh, &sizes), octant, Links { first, behind: end, triangle: 0 });
+                first = end;
             }
-            first += boxes as u32;
         }
         // Rays look at two boxes at once: after the last one of the last list comes one that leads nowhere.
         texels.extend([[0, 0, 0, NOWHERE]; END]);
         Self { texels, box_count: boxes as u32 }
     }
 
-    /// Lists of one box that holds nothing, from which rays go on to the next part.
-    pub(super) fn passage(exact: bool, next: u32) -> Self {
+    /// Lists of one box that holds nothing, from which rays go on to dynamic objects.
+    pub(super) fn passage(exact: bool, movers: u32) -> Self {
         let header = (HEADER / texels_of_box(exact)) as u32;
-        let mut texels = vec![[0, 0, 0, 1], [0, 0, 0, next]];
+        let mut texels = vec![[0, 0, 0, 1], [0, 0, 0, movers]];
         for octant in 0..8 {
             texels.push([0, 0, 0, header + octant + 1]);
             if exact {
@@ -110,11 +150,11 @@ impl BoxLists {
 }
 
 /// A link that ends all lists.
-const NOWHERE: u32 = LEAF - 1;
+pub(super) const NOWHERE: u32 = LEAF - 1;
 
 /// All nodes in the order in which rays of these signs meet them, each with the place in the list of the next node that
 /// does not lie below it.
-fn order<'a>(bvh: &'a Bvh, sizes: &'a [u32], octant: u32) -> impl Iterator<Item = (Node, u32)> + 'a {
+pub(super) fn order<'a>(bvh: &'a Bvh, sizes: &'a [u32], octant: u32) -> impl Iterator<Item = (Node, u32)> + 'a {
     let mut open = Vec::from([0]);
     let mut place = 0;
     std::iter::from_fn(move || {
@@ -140,7 +180,7 @@ fn is_left_first(left: &Node, right: &Node, octant: u32) -> bool {
 }
 
 /// Nodes of the tree below each node, itself included. Children come after their parents.
-fn subtree_sizes(bvh: &Bvh) -> Vec<u32> {
+pub(super) fn subtree_sizes(bvh: &Bvh) -> Vec<u32> {
     let mut sizes = vec![1; bvh.nodes.len()];
     for (index, node) in bvh.nodes.iter().enumerate().rev() {
         if node.count == 0 {
@@ -150,20 +190,22 @@ fn subtree_sizes(bvh: &Bvh) -> Vec<u32> {
     sizes
 }
 
-fn exact_texels(node: &Node, link: u32) -> [Texel; 2] {
-    let ([ax, ay, az], [bx, by, bz]) = (node.min.map(f32::to_bits), node.max.map(f32::to_bits));
+fn exact_texels(bounds: &Aabb, link: u32) -> [Texel; 2] {
+    let [[ax, ay, az], [bx, by, bz]] = [bounds.min, bounds.max].map(|corner| corner.to_array().map(f32::to_bits));
     [[ax, ay, az, link], [bx, by, bz, 0]]
 }
 
 /// The grid of 2¹⁶ units an axis whose corners the boxes are rounded to.
-struct Frame {
+pub(super) struct Frame {
     origin: Vec3,
     unit: Vec3,
     margin: f32,
 }
 
 impl Frame {
-    fn new(bounds: &Aabb, scene_size: f32) -> Self {
+    /// Around all that is within the bounds. `scene_size` is the edge of the whole scene \[m\], where that is but some
+    /// of it; else 0.
+    pub(super) fn new(bounds: &Aabb, scene_size: f32) -> Self {
         // A flat scene has a thin frame, not none.
         let size = bounds.size();
         let least = (size.max_element() * 1e-6).max(1e-25);
@@ -172,7 +214,7 @@ impl Frame {
         Self { origin: bounds.min - 2.0 * unit, unit, margin }
     }
 
-    fn texels(&self) -> [Texel; 2] {
+    pub(super) fn texels(&self) -> [Texel; 2] {
         let words = |v: Vec3| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), 0];
         [words(self.origin), words(self.unit)]
     }
@@ -199,8 +241,8 @@ impl Frame {
 
 /// Whether a quarter of the leaves or more would be coarse. What rays cost there shows in no mean over the whole scene:
 /// they may all stay in one room of it.
-fn is_coarse(bvh: &Bvh, frame: &Frame) -> bool {
-    let leaves = || bvh.nodes.iter().filter(|node| node.count > 0).map(Node::bounds);
+fn is_coarse<'a>(trees: impl Iterator<Item = &'a Bvh> + Clone, frame: &Frame) -> bool {
+    let leaves = || trees.clone().flat_map(|tree| &tree.nodes).filter(|node| node.count > 0).map(Node::bounds);
     let longest = |bounds: &Aabb| bounds.size().max_element();
     let coarse = leaves().filter(|bounds| longest(&frame.rounded(bounds)) > COARSE * longest(bounds)).count();
     4 * coarse >= leaves().count()
@@ -245,7 +287,7 @@ mod tests {
         #[test]
         fn every_list_has_every_leaf_once(boxes in boxes(60, 20.0), octant in 0..8_u32) {
             let bvh = Bvh::new(&boxes, 2);
-            let lists = BoxLists::new(&bvh, false, Place::default());
+            let lists = BoxLists::new(&bvh, false, 0);
             let mut leaves = walk(&lists, octant, |_| true);
             leaves.sort_unstable();
             if bvh.nodes.len() == 1 {
@@ -279,19 +321,16 @@ mod tests {
         let bvh = Bvh::new(&things.collect::<Vec<_>>(), 1);
         assert!(bvh.nodes.len() <= most_boxes(64));
         for exact in [false, true] {
-            let place = Place { box_index: 4096, triangle: 8192, next: 0, scene_size: 1.0 };
-            let lists = BoxLists::new(&bvh, exact, place);
+            let lists = BoxLists::new(&bvh, exact, 4096);
             assert_eq!(lists.texels.len(), texel_count(bvh.nodes.len(), exact));
-            assert_eq!((lists.texels[0][3], lists.texels[1][3]), (bvh.nodes.len() as u32, 0));
-            let end = 4096 + (lists.texels.len() / texels_of_box(exact)) as u32;
+            assert_eq!((lists.texels[0][3], lists.texels[1][3]), (bvh.nodes.len() as u32, 4096));
+            let end = (lists.texels.len() / texels_of_box(exact)) as u32;
             for texel in lists.texels[HEADER..lists.texels.len() - END].iter().step_by(texels_of_box(exact)) {
                 let (link, triangle) = (texel[3], texel[3] & ((1 << COUNT_BITS) - 1));
-                let is_own =
-                    if link >= LEAF { (8192..8192 + 64).contains(&triangle) } else { (4096..end).contains(&link) };
-                assert!(is_own, "{link:x}");
+                assert!(if link >= LEAF { triangle < 64 } else { link < end }, "{link:x}");
             }
             assert_eq!(BoxLists::passage(exact, 4096).texels.len(), texel_count(1, exact));
-            assert_eq!(BoxLists::new(&Bvh::default(), exact, place).texels.len(), texel_count(0, exact));
+            assert_eq!(BoxLists::new(&Bvh::default(), exact, 0).texels.len(), texel_count(0, exact));
         }
     }
 
@@ -303,8 +342,8 @@ mod tests {
             Aabb { min, max: min + 0.2 }
         });
         let wide: Vec<Aabb> = things.clone().chain([plain]).collect();
-        assert!(are_exact(&Bvh::new(&wide, 2)));
-        assert!(!are_exact(&Bvh::new(&things.collect::<Vec<_>>(), 2)));
-        assert_eq!(BoxLists::new(&Bvh::default(), false, Place::default()).box_count, 0);
+        assert!(are_exact([&Bvh::new(&wide, 2)].into_iter()));
+        assert!(!are_exact([&Bvh::new(&things.collect::<Vec<_>>(), 2)].into_iter()));
+        assert_eq!(BoxLists::new(&Bvh::default(), false, 0).box_count, 0);
     }
 }

@@ -98,7 +98,7 @@ impl Emitters {
 
     /// The list for the device; each is chosen in proportion to the flux that it sends out, area times mean radiance.
     /// `trees` are the hierarchies, each with the index of its first triangle on the device.
-    pub(super) fn list(&self, trees: [(&Bvh, u32); 2]) -> Vec<Emitter> {
+    pub(super) fn list<'a>(&self, trees: impl Iterator<Item = (&'a Bvh, u32)>) -> Vec<Emitter> {
         let total: f64 = self.sizes.iter().map(|[flux, _]| flux).sum();
         if !(total > 0.0) {
             return Vec::new();

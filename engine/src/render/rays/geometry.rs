@@ -1,16 +1,16 @@
 //! Nodes and triangles in the layouts of `lib/ray_scene.wgsl`.
 
 use super::RayError;
-use super::boxes::{self, BoxLists, Place};
+use super::boxes::{self, BoxLists};
 use super::emitters::Emitters;
 use super::materials::GpuMaterials;
+use super::moving_boxes::{MovingBoxes, runs};
 use super::words::{ROW, Texel, Words};
-use crate::assets::VertexExtra;
-use crate::bvh::{Bvh, Node, SceneBvh, vertex_indices, world_normal};
+use crate::assets::{VertexExtra, parallel};
+use crate::bvh::{Bvh, SceneBvh, vertex_indices, world_normal};
 use crate::gpu::Gpu;
-use crate::scene::{Aabb, Scene};
+use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
-use std::ops::Range;
 
 /// Flags of a triangle, above the index of its material.
 const GLASS: u32 = 1 << 28;
@@ -21,16 +21,20 @@ const MASKED: u32 = 1 << 31;
 /// Stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Geometry on the device: first static objects, then dynamic ones, in rows of its own.
+/// Triangles of a hierarchy that are not there, because they have no box.
+const GONE: u32 = u32::MAX;
+/// Triangles between two objects that are rather written again than left out.
+const GAP: usize = 256;
+/// Triangles that a thread of its own is worth.
+const WORTH_A_THREAD: usize = 2048;
+
+/// Geometry on the device: first static objects, then dynamic ones.
 pub(super) struct GpuGeometry {
     nodes: Words,
     triangles: Words,
     attributes: Words,
     extras: Words,
-    /// The start of the dynamic objects.
-    movers: Place,
-    /// The boxes of the dynamic objects, as the device has them.
-    moving_boxes: Vec<Texel>,
+    movers: MovingBoxes,
     has_extras: bool,
     /// Boxes of a list of static objects.
     pub(super) box_count: u32,
@@ -54,8 +58,7 @@ impl GpuGeometry {
             triangles: Words::new(gpu, "ray triangles", 1),
             attributes: Words::new(gpu, "ray attributes", 1),
             extras: Words::new(gpu, "ray extras", 1),
-            movers: Place::default(),
-            moving_boxes: Vec::new(),
+            movers: MovingBoxes::new(&[], false, [0; 2]),
             has_extras: false,
             box_count: 0,
             exact_boxes: false,
@@ -79,91 +82,94 @@ impl GpuGeometry {
     }
 
     /// The hierarchies, each with the index of its first triangle.
-    pub(super) fn trees<'a>(&self, bvh: &'a SceneBvh) -> [(&'a Bvh, u32); 2] {
-        [(&bvh.statics.bvh, 0), (&bvh.movers.bvh, self.movers.triangle)]
+    pub(super) fn trees<'a>(&'a self, bvh: &'a SceneBvh) -> impl Iterator<Item = (&'a Bvh, u32)> {
+        let objects = bvh.movers.objects.iter().enumerate();
+        let movers = objects.map(|(index, object)| (&object.bvh, self.movers.first_triangle(index)));
+        std::iter::once((&bvh.statics.bvh, 0)).chain(movers)
     }
 
     /// Uploads all static objects, and makes room for dynamic ones, which are to be uploaded next.
     pub(super) fn update_statics(&mut self, gpu: &Gpu, surfaces: Surfaces) -> Result<(), RayError> {
-        let (statics, movers) = (&surfaces.bvh.statics.bvh, &surfaces.bvh.movers.bvh);
-        let moving = surfaces.bvh.moving_triangles();
-        let exact = boxes::are_exact(if statics.nodes.is_empty() { movers } else { statics });
-        let row = ROW as usize;
+        let statics = &surfaces.bvh.statics.bvh;
+        let counts = surfaces.bvh.counts_of_movers();
+        let moving = counts.iter().sum::<usize>();
         let is_passage = statics.nodes.is_empty() && moving > 0;
-        let box_rows = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact).div_ceil(row);
-        let moving_box_rows = match moving {
-            0 => 0,
-            _ => boxes::texel_count(boxes::most_boxes(moving), exact).div_ceil(row),
+        let exact = match is_passage {
+            true => boxes::are_exact(surfaces.bvh.trees()),
+            false => boxes::are_exact(std::iter::once(statics)),
         };
-        self.nodes.reserve(gpu, "ray boxes", "hierarchies", box_rows + moving_box_rows)?;
-        let first_box = (box_rows * row / boxes::texels_of_box(exact)) as u32;
-        let groups = statics.order.len().div_ceil(row);
-        let triangle_rows = 3 * (groups + moving.div_ceil(row));
+        let static_texels = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact);
+        let moving_texels = if moving > 0 { MovingBoxes::texel_count(counts.iter().copied(), exact) } else { 0 };
+        let row = ROW as usize;
+        self.nodes.reserve(gpu, "ray boxes", "hierarchies", (static_texels + moving_texels).div_ceil(row))?;
+        let first = [static_texels / boxes::texels_of_box(exact), statics.order.len()].map(|first| first as u32);
+        let triangle_rows = 3 * (statics.order.len() + moving).div_ceil(row);
         self.has_extras = !surfaces.materials.is_plain();
         self.triangles.reserve(gpu, "ray triangles", "triangles", triangle_rows)?;
         self.attributes.reserve(gpu, "ray attributes", "triangles", triangle_rows)?;
         self.extras.reserve(gpu, "ray extras", "triangles", if self.has_extras { triangle_rows } else { 0 })?;
-        self.moving_boxes.clear();
-        self.movers = Place { box_index: first_box, triangle: (groups * row) as u32, next: 0, scene_size: 0.0 };
-        let next = if moving > 0 { first_box } else { 0 };
-        let lists = match is_passage {
-            true => BoxLists::passage(exact, next),
-            false => BoxLists::new(statics, exact, Place { next, ..Place::default() }),
-        };
-        self.nodes.write(gpu, 0, 1, &lists.texels);
+        self.movers = MovingBoxes::new(&counts, exact, first);
+        let next = if moving > 0 { first[0] } else { 0 };
+        let lists = if is_passage { BoxLists::passage(exact, next) } else { BoxLists::new(statics, exact, next) };
+        self.nodes.write(gpu, 0, &lists.texels);
         (self.box_count, self.exact_boxes) = (lists.box_count, exact);
-        self.write_triangles(gpu, surfaces, statics, 0, |_| true);
+        self.write_triangles(gpu, surfaces, 0, &statics.order);
         Ok(())
     }
 
-    /// Uploads the rows that changed of the boxes of dynamic objects, and of their triangles those in which any has
-    /// changed since a version of it that the device holds; none: all.
+    /// Uploads the boxes and triangles of dynamic objects that have changed since a version which the device holds; none:
+    /// of all.
     pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces, since: Option<u64>) {
-        if surfaces.bvh.moving_triangles() == 0 {
+        let (statics, movers) = (&surfaces.bvh.statics, &surfaces.bvh.movers);
+        if surfaces.bvh.moving_triangles() == 0 || since.is_some_and(|since| movers.version <= since) {
             return;
         }
-        let roots = surfaces.bvh.trees().map(|tree| tree.nodes.first().map_or(Aabb::EMPTY, Node::bounds));
-        let scene_size = roots[0].union(&roots[1]).size().max_element();
-        let place = Place { scene_size: scene_size.max(f32::MIN_POSITIVE), ..self.movers };
-        let movers = &surfaces.bvh.movers.bvh;
-        let lists = BoxLists::new(movers, self.exact_boxes, place);
-        let row = place.box_index as usize * boxes::texels_of_box(self.exact_boxes) / ROW as usize;
-        self.write_boxes(gpu, row, lists.texels);
-        let since = since.filter(|since| surfaces.bvh.movers.built <= *since);
-        let is_new = |index: u32| {
-            let primitive = surfaces.bvh.triangles[index as usize].primitive;
-            since.is_none_or(|since| surfaces.bvh.has_changed(primitive, since))
-        };
-        self.write_triangles(gpu, surfaces, movers, place.triangle as usize / ROW as usize * 3, is_new);
-    }
-
-    /// Uploads triangles in the order of the leaves of their hierarchy, from a row on: those rows in which any is new.
-    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, bvh: &Bvh, row: usize, is_new: impl Fn(u32) -> bool) {
-        let rows: Vec<&[u32]> = bvh.order.chunks(ROW as usize).collect();
-        let is_new: Vec<bool> = rows.iter().map(|row| row.iter().any(|&index| is_new(index))).collect();
-        for run in runs(&is_new) {
-            let texels = texels_of(&run, bvh.order.len());
-            self.write_run(gpu, surfaces, &bvh.order[texels], row + 3 * run.start);
+        let scene_size = statics.bounds().union(&movers.bounds()).size().max_element().max(f32::MIN_POSITIVE);
+        self.movers.update(gpu, &self.nodes, movers, scene_size, since);
+        let is_new = |index: &usize| since.is_none_or(|since| movers.objects[*index].version > since);
+        let new: Vec<usize> = (0..movers.objects.len()).filter(is_new).collect();
+        let place = |object: usize| self.movers.first_triangle(object) as usize;
+        for run in runs(&new, |before, object| place(object) - place(before + 1) <= GAP) {
+            let mut order = Vec::new();
+            for object in run.clone() {
+                order.resize(place(object) - place(run.start), GONE);
+                order.extend_from_slice(&movers.objects[object].bvh.order);
+            }
+            self.write_triangles(gpu, surfaces, place(run.start), &order);
         }
     }
 
-    fn write_boxes(&mut self, gpu: &Gpu, row: usize, boxes: Vec<Texel>) {
-        let known = if self.moving_boxes.len() == boxes.len() { &self.moving_boxes[..] } else { &[] };
-        let mut before = known.chunks(ROW as usize);
-        let is_new: Vec<bool> = boxes.chunks(ROW as usize).map(|now| before.next() != Some(now)).collect();
-        for run in runs(&is_new) {
-            self.nodes.write(gpu, row + run.start, 1, &boxes[texels_of(&run, boxes.len())]);
+    /// Uploads triangles in the order of the leaves of their hierarchy, from a place on.
+    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, first: usize, order: &[u32]) {
+        let row = ROW as usize;
+        let (begun, rest) = order.split_at((first.next_multiple_of(row) - first).min(order.len()));
+        let mut place = first;
+        let pieces: Vec<(usize, &[u32])> = std::iter::once(begun)
+            .chain(rest.chunks(row))
+            .map(|piece| {
+                place += piece.len();
+                (place - piece.len(), piece)
+            })
+            .collect();
+        let encode = |(place, piece): (usize, &[u32])| (place, self.encode(surfaces, piece));
+        for (place, [triangles, attributes, extras]) in parallel::consume(pieces, order.len() / WORTH_A_THREAD, encode)
+        {
+            // Three rows hold the corners of 4096 triangles.
+            let texel = place / row * 3 * row + place % row;
+            self.triangles.write_rows(gpu, texel, 3, &triangles);
+            self.attributes.write_rows(gpu, texel, 3, &attributes);
+            self.extras.write_rows(gpu, texel, 3, &extras);
         }
-        self.moving_boxes = boxes;
     }
 
-    fn write_run(&self, gpu: &Gpu, surfaces: Surfaces, order: &[u32], row: usize) {
+    /// Triangles with their attributes and extras: a row for each of the three corners.
+    fn encode(&self, surfaces: Surfaces, order: &[u32]) -> [Vec<Texel>; 3] {
         let Surfaces { scene, bvh: SceneBvh { triangles: all, .. }, materials, emitters } = surfaces;
         let count = order.len();
         let mut triangles = vec![Texel::default(); 3 * count];
         let mut attributes = triangles.clone();
         let mut extras = vec![Texel::default(); if self.has_extras { 3 * count } else { 0 }];
-        for (place, &index) in order.iter().enumerate() {
+        for (place, &index) in order.iter().enumerate().filter(|(_, index)| **index != GONE) {
             let triangle = &all[index as usize];
             let primitive = &scene.primitives[triangle.primitive as usize];
             let material = materials.index(primitive.material.id);
@@ -182,7 +188,7 @@ impl GpuGeometry {
                 let vertex = vertices[corner];
                 let normal = encode_direction(world_normal(transform, vertex.normal.into()));
                 let [u, v] = vertex.uv.map(f32::to_bits);
-                let texel = triangle_texel(place, corner, count);
+                let texel = corner * count + place;
                 triangles[texel] = [x, y, z, words[corner]];
                 attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
                 if !extras.is_empty() {
@@ -190,40 +196,14 @@ impl GpuGeometry {
                 }
             }
         }
-        self.triangles.write(gpu, row, 3, &triangles);
-        self.attributes.write(gpu, row, 3, &attributes);
-        self.extras.write(gpu, row, 3, &extras);
+        [triangles, attributes, extras]
     }
-}
-
-/// The longest ranges in which all are set.
-fn runs(are_set: &[bool]) -> Vec<Range<usize>> {
-    let mut next = 0;
-    let ranges = are_set.chunk_by(|a, b| a == b).map(|run| {
-        let first = next;
-        next += run.len();
-        (run[0], first..next)
-    });
-    ranges.filter(|(is_set, _)| *is_set).map(|(_, range)| range).collect()
-}
-
-/// The texels of some rows, of so many in total.
-fn texels_of(rows: &Range<usize>, count: usize) -> Range<usize> {
-    rows.start * ROW as usize..count.min(rows.end * ROW as usize)
 }
 
 /// Second texture coordinates, then colour and alpha of 16 bits each.
 fn encode_extra(extra: &VertexExtra) -> Texel {
     let ([u, v], [r, g, b, a]) = (extra.uv.map(f32::to_bits), extra.color.map(u32::from));
     [u, v, r | g << 16, b | a << 16]
-}
-
-/// Where a corner of one of so many triangles lies: three rows hold the corners of 4096 triangles, and the rows of the
-/// last ones are as long as these are many.
-fn triangle_texel(triangle: usize, corner: usize, count: usize) -> usize {
-    let row = ROW as usize;
-    let (before, width) = (triangle / row * row, row.min(count - triangle / row * row));
-    3 * before + corner * width + triangle - before
 }
 
 /// Octahedral coordinates of a unit vector (Cigolle et al. 2014) in −1..1.

@@ -11,6 +11,7 @@ mod emitters;
 mod geometry;
 mod lights;
 mod materials;
+mod moving_boxes;
 mod words;
 
 use crate::bvh::SceneBvh;
@@ -181,7 +182,7 @@ impl RayScene {
             self.has_area_lights = scene.lights.iter().any(|light| light.shape.is_area());
             let texels = lights::texels(&scene.lights);
             self.lights.reserve(gpu, "ray lights", "lights", texels.len().div_ceil(words::ROW as usize))?;
-            self.lights.write(gpu, 0, 1, &texels);
+            self.lights.write(gpu, 0, &texels);
         }
         self.synced = Some(now);
         Ok(())

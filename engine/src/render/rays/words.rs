@@ -56,25 +56,26 @@ impl Words {
         Ok(())
     }
 
-    /// Writes texels from a row on, and nothing behind them. They come in groups of so many whole rows; the rows of the
-    /// last group may be shorter.
-    pub(super) fn write(&self, gpu: &Gpu, row: usize, group: usize, texels: &[Texel]) {
-        let whole = texels.len() / (group * ROW as usize) * group;
-        let (all, rest) = texels.split_at(whole * ROW as usize);
-        self.write_rows(gpu, row, whole, all);
-        self.write_rows(gpu, row + whole, group, rest);
+    /// Writes texels from one on, row after row, and nothing behind them.
+    pub(super) fn write(&self, gpu: &Gpu, first: usize, texels: &[Texel]) {
+        let row = ROW as usize;
+        let before = (first.next_multiple_of(row) - first).min(texels.len());
+        let (begun, rest) = texels.split_at(before);
+        let (whole, last) = rest.split_at(rest.len() / row * row);
+        self.write_rows(gpu, first, 1, begun);
+        self.write_rows(gpu, first + before, whole.len() / row, whole);
+        self.write_rows(gpu, first + before + whole.len(), 1, last);
     }
 
-    fn write_rows(&self, gpu: &Gpu, row: usize, rows: usize, texels: &[Texel]) {
+    /// Writes so many rows of equal length, one below the other, from a texel on.
+    pub(super) fn write_rows(&self, gpu: &Gpu, first: usize, rows: usize, texels: &[Texel]) {
         if texels.is_empty() {
             return;
         }
         let (width, rows) = ((texels.len() / rows) as u32, rows as u32);
+        let [x, y] = [first as u32 % ROW, first as u32 / ROW];
         gpu.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d { x: 0, y: row as u32, z: 0 },
-                ..self.texture.as_image_copy()
-            },
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z: 0 }, ..self.texture.as_image_copy() },
             bytemuck::cast_slice(texels),
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: Some(rows) },
             wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },

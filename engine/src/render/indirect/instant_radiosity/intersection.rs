@@ -118,9 +118,10 @@ impl<'a> Caster<'a> {
 
     fn through_hierarchy(&self, ray: &Ray, counts: &mut IntersectionCounts) -> Option<CastHit> {
         let mut closest = None;
-        for tree in self.bvh.trees() {
+        self.bvh.traverse_trees(ray, f32::INFINITY, |tree, bound| {
             self.through_tree(tree, ray, &mut closest, counts);
-        }
+            closest.map_or(bound, |hit: CastHit| hit.t)
+        });
         closest
     }
 

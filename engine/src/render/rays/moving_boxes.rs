@@ -1,0 +1,216 @@
+//! The boxes of moving objects, in the layout of `lib/rays.wgsl`: lists over the objects, which lead into lists of each.
+//!
+//! ```text
+//! header | lists over the objects, one an octant | ways back of all objects, for each octant | lists of each object
+//! ```
+//!
+//! A list over the objects has a box for each and behind it a jump to the object's own list. From there rays come back by
+//! the object's way back, which is a jump to what follows it in the list over the objects. So an object's own lists stay as
+//! they are while it stands still, whatever happens around it.
+
+use super::boxes::{
+    END, Encoding, Frame, HEADER, Links, NOWHERE, most_boxes, order, push_list, subtree_sizes, texels_of_box,
+};
+use super::words::{Texel, Words};
+use crate::assets::parallel;
+use crate::bvh::{Bvh, Movers, Node, ScenePart};
+use crate::gpu::Gpu;
+use crate::scene::Aabb;
+use glam::Vec3;
+use std::ops::Range;
+
+/// Boxes whose encoding a thread of its own is worth.
+const WORTH_A_THREAD: usize = 8192;
+/// Texels between two objects that are rather written again than left out.
+const GAP: usize = 512;
+/// A frame leaves room on each side, by this part of what it holds, for what moves on.
+const ROOM: f32 = 0.125;
+/// A frame that is so many times as long as what it holds is too coarse.
+const COARSE: f32 = 4.0;
+
+/// The boxes of moving objects on the device.
+pub(super) struct MovingBoxes {
+    /// The first one.
+    first: u32,
+    exact: bool,
+    frame: Option<Frame>,
+    /// What the frame is around.
+    held: Aabb,
+    /// The longest edge of a scene that it is for \[m\].
+    scene_size: f32,
+    /// First box and first triangle of each object.
+    places: Vec<[u32; 2]>,
+    /// All before the objects' own lists, as the device has it.
+    over: Vec<Texel>,
+}
+
+impl MovingBoxes {
+    /// Texels for objects of so many triangles.
+    pub(super) fn texel_count(triangles: impl Iterator<Item = usize>, exact: bool) -> usize {
+        let of_object = |count: usize| 4 + most_boxes(count) + 1;
+        HEADER + 8 * texels_of_box(exact) * triangles.map(of_object).sum::<usize>() + END
+    }
+
+    /// Room for objects of so many triangles, from a box and a triangle on.
+    pub(super) fn new(triangles: &[usize], exact: bool, [first, first_triangle]: [u32; 2]) -> Self {
+        let header = (HEADER / texels_of_box(exact)) as u32;
+        let mut place = [first + header + 32 * triangles.len() as u32, first_triangle];
+        let places = triangles.iter().map(|&count| {
+            let own = place;
+            place = [own[0] + 8 * (most_boxes(count) as u32 + 1), own[1] + count as u32];
+            own
+        });
+        Self {
+            first,
+            exact,
+            frame: None,
+            held: Aabb::EMPTY,
+            scene_size: 0.0,
+            places: places.collect(),
+            over: Vec::new(),
+        }
+    }
+
+    /// First triangle of an object.
+    pub(super) fn first_triangle(&self, object: usize) -> u32 {
+        self.places[object][1]
+    }
+
+    /// Uploads the boxes of objects that have changed since a version which the device holds (none: of all), and those
+    /// over the objects.
+    pub(super) fn update(&mut self, gpu: &Gpu, nodes: &Words, movers: &Movers, scene_size: f32, since: Option<u64>) {
+        let is_framed = self.exact || self.fit_frame(&movers.bounds(), scene_size);
+        let since = since.filter(|_| is_framed);
+        let is_new = |object: &ScenePart| since.is_none_or(|since| object.version > since);
+        let new: Vec<usize> = (0..movers.objects.len()).filter(|&index| is_new(&movers.objects[index])).collect();
+        self.write_objects(gpu, nodes, movers, &new);
+        let over = self.over_objects(movers);
+        self.write_over(gpu, nodes, over);
+    }
+
+    /// Keeps the frame if it holds the bounds and is not much too large for them, and says so.
+    fn fit_frame(&mut self, bounds: &Aabb, scene_size: f32) -> bool {
+        let bounds = if bounds.is_empty() { Aabb { min: Vec3::ZERO, max: Vec3::ZERO } } else { *bounds };
+        let holds = self.held.union(&bounds) == self.held && scene_size <= self.scene_size;
+        let is_fine = self.held.size().max_element() <= COARSE * bounds.size().max_element();
+        if self.frame.is_some() && holds && is_fine {
+            return true;
+        }
+        let room = ROOM * bounds.size();
+        self.held = Aabb { min: bounds.min - room, max: bounds.max + room };
+        self.scene_size = 2.0 * scene_size;
+        self.frame = Some(Frame::new(&self.held, self.scene_size));
+        false
+    }
+
+    fn encoding(&self) -> Encoding<'_> {
+        self.frame.as_ref().filter(|_| !self.exact).map_or(Encoding::Exact, Encoding::InFrame)
+    }
+
+    /// The way back of an object.
+    fn way_back(&self, object: usize, octant: u32) -> u32 {
+        let objects = self.places.len() as u32;
+        self.first + (HEADER / texels_of_box(self.exact)) as u32 + (24 + octant) * objects + object as u32
+    }
+
+    /// Uploads objects' own lists: those that lie close to each other at once.
+    fn write_objects(&self, gpu: &Gpu, nodes: &Words, movers: &Movers, new: &[usize]) {
+        let boxes: usize = new.iter().map(|&object| 8 * movers.objects[object].bvh.nodes.len()).sum();
+        let in_box = texels_of_box(self.exact);
+        let place = |object: usize| self.places[object][0] as usize * in_box;
+        for run in runs(new, |before, object| place(object) - place(before + 1) <= GAP) {
+            let lists = run.clone().flat_map(|object| (0..8).map(move |octant| (object, octant))).collect();
+            let list = |(object, octant): (usize, u32)| self.list_of(&movers.objects[object].bvh, object, octant);
+            let lists = parallel::consume(lists, boxes / WORTH_A_THREAD, list);
+            let mut texels = Vec::new();
+            for (object, lists) in run.clone().zip(lists.chunks(8)) {
+                texels.resize(place(object) - place(run.start), Texel::default());
+                lists.iter().for_each(|list| texels.extend_from_slice(list));
+            }
+            nodes.write(gpu, place(run.start), &texels);
+        }
+    }
+
+    /// An object's own list for an octant.
+    fn list_of(&self, bvh: &Bvh, object: usize, octant: u32) -> Vec<Texel> {
+        let [first_box, triangle] = self.places[object];
+        let behind = self.way_back(object, octant);
+        let links = Links { first: own_list(bvh, first_box, octant), behind, triangle };
+        let mut texels = Vec::with_capacity(texels_of_box(self.exact) * (bvh.nodes.len() + 1));
+        push_list(&mut texels, self.encoding(), (bvh, &subtree_sizes(bvh)), octant, links);
+        self.encoding().push_jump(&mut texels, behind);
+        texels
+    }
+
+    /// The header, the lists over the objects, and the ways back.
+    fn over_objects(&self, movers: &Movers) -> Vec<Texel> {
+        let (encoding, objects) = (self.encoding(), self.places.len());
+        let (length, in_box) = (3 * objects as u32, texels_of_box(self.exact));
+        let mut texels = Vec::with_capacity(HEADER + 32 * objects * in_box);
+        texels.extend(self.frame.as_ref().filter(|_| !self.exact).map_or([[0; 4]; 2], Frame::texels));
+        (texels[0][3], texels[1][3]) = (length, 0);
+        let mut ways_back = vec![[NOWHERE; 8]; objects];
+        let sizes = subtree_sizes(&movers.top);
+        for octant in 0..8 {
+            let nodes: Vec<(Node, u32)> = order(&movers.top, &sizes, octant).collect();
+            let mut places = vec![self.first + (HEADER / in_box) as u32 + octant * length];
+            places.extend(nodes.iter().scan(places[0], |place, (node, _)| {
+                *place += if node.count > 0 { 2 } else { 1 };
+                Some(*place)
+            }));
+            for ((node, skip), place) in nodes.iter().zip(&places) {
+                if node.count == 0 {
+                    encoding.push(&mut texels, &node.bounds(), places[*skip as usize]);
+                    continue;
+                }
+                let object = movers.top.order[node.first as usize] as usize;
+                encoding.push(&mut texels, &node.bounds(), place + 2);
+                encoding.push_jump(&mut texels, self.entrance(&movers.objects[object].bvh, object, octant));
+                ways_back[object][octant as usize] = place + 2;
+            }
+            // The end, more than once where objects have no box and are in no list.
+            while texels.len() < HEADER + (octant + 1) as usize * length as usize * in_box {
+                encoding.push_jump(&mut texels, NOWHERE);
+            }
+        }
+        for octant in 0..8 {
+            ways_back.iter().for_each(|way| encoding.push_jump(&mut texels, way[octant]));
+        }
+        texels
+    }
+
+    /// Where an object's own list begins: behind its root, whose box is that in the list over the objects.
+    fn entrance(&self, bvh: &Bvh, object: usize, octant: u32) -> u32 {
+        let is_inner = bvh.nodes.first().is_some_and(|root| root.count == 0);
+        own_list(bvh, self.places[object][0], octant) + u32::from(is_inner)
+    }
+
+    /// Uploads what lies between the first and the last difference from what the device has.
+    fn write_over(&mut self, gpu: &Gpu, nodes: &Words, over: Vec<Texel>) {
+        let differs = |index: &usize| self.over.get(*index) != over.get(*index);
+        let first = (0..over.len()).find(differs);
+        let last = (0..over.len()).rev().find(differs);
+        if let Some((first, last)) = first.zip(last) {
+            let place = self.first as usize * texels_of_box(self.exact);
+            nodes.write(gpu, place + first, &over[first..=last]);
+        }
+        self.over = over;
+    }
+}
+
+/// Ranges of objects, of which these are new, to be written at once: one goes on where the new one is close behind.
+pub(super) fn runs(new: &[usize], is_close: impl Fn(usize, usize) -> bool) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for &object in new {
+        match runs.last_mut().filter(|run| is_close(run.end - 1, object)) {
+            Some(run) => run.end = object + 1,
+            None => runs.push(object..object + 1),
+        }
+    }
+    runs
+}
+
+/// The first box of an object's list for an octant; its lists lie behind each other, each with a jump at its end.
+fn own_list(bvh: &Bvh, first_box: u32, octant: u32) -> u32 {
+    first_box + octant * (bvh.nodes.len() as u32 + 1)
+}
