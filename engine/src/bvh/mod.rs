@@ -22,7 +22,9 @@ pub(crate) use scene::is_nearer;
 pub use scene::{RayKind, SceneBvh, SceneHit, Updated};
 pub use scene_part::ScenePart;
 pub use scene_triangle::SceneTriangle;
-pub(crate) use scene_triangle::{vertex_indices, world_normal};
+pub(crate) use scene_triangle::{
+    corner_indices, is_mirrored, normal_matrix, turned_normal, vertex_indices, world_normal,
+};
 
 use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};

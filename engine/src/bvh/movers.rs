@@ -4,7 +4,7 @@
 //! again, and then those above the objects.
 
 use super::scene_part::{PartTriangles, ScenePart, Source};
-use super::scene_triangle::{SceneTriangle, world_corners};
+use super::scene_triangle::{SceneTriangle, place_corners};
 use super::{Bvh, Updated};
 use crate::assets::parallel;
 use crate::scene::{Aabb, Primitive};
@@ -36,9 +36,7 @@ struct Moved<'a> {
 
 impl Moved<'_> {
     fn follow(self, sources: &[Source], version: u64) -> Updated {
-        for triangle in &mut *self.triangles {
-            triangle.corners = world_corners(self.primitive, triangle.triangle);
-        }
+        place_corners(self.primitive, self.triangles);
         let triangles = PartTriangles { first: self.source.first, triangles: self.triangles, sources };
         let updated = self.object.refit(triangles, false);
         if updated == Updated::Built {

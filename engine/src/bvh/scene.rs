@@ -6,9 +6,10 @@
 
 use super::movers::Movers;
 use super::scene_part::{PartTriangles, ScenePart, Source};
-use super::scene_triangle::{SceneTriangle, world_corners};
+use super::scene_triangle::{SceneTriangle, place_corners};
 use super::{Bvh, Ray, intersect_triangle};
 use crate::scene::{Primitive, Scene};
+use glam::Vec3;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -173,11 +174,10 @@ impl SceneBvh {
             });
             let part = if primitive.moving { &mut movers } else { &mut self.statics.primitives };
             part.push(index as usize);
-            self.triangles.extend((0..count as u32).map(|triangle| SceneTriangle {
-                corners: world_corners(primitive, triangle),
-                primitive: index,
-                triangle,
-            }));
+            let triangle = |triangle| SceneTriangle { corners: [Vec3::ZERO; 3], primitive: index, triangle };
+            let first = self.triangles.len();
+            self.triangles.extend((0..count as u32).map(triangle));
+            place_corners(primitive, &mut self.triangles[first..]);
         }
         self.surfaces_version = self.next_version();
         let [statics, moving] = [self.next_version(), self.next_version()];
@@ -226,9 +226,8 @@ impl SceneBvh {
         self.statics.version = version;
         for &index in &changes.moved {
             let source = &self.sources[index];
-            for triangle in &mut self.triangles[source.first..source.first + source.count] {
-                triangle.corners = world_corners(&scene.primitives[index], triangle.triangle);
-            }
+            let triangles = &mut self.triangles[source.first..source.first + source.count];
+            place_corners(&scene.primitives[index], triangles);
         }
         if changes.moved.is_empty() {
             return Updated::Nothing;

@@ -2,7 +2,7 @@
 
 use super::Ray;
 use crate::scene::Primitive;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat3, Vec3};
 
 /// A triangle of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,47 +28,55 @@ impl SceneTriangle {
     }
 }
 
-/// Corners of a triangle of the primitive's mesh in world space. A mirroring transform turns the order around, so that
-/// outside stays outside.
-pub(super) fn world_corners(primitive: &Primitive, triangle: u32) -> [Vec3; 3] {
-    let mut corners = std::array::from_fn(|corner| {
-        let vertex = &primitive.mesh.vertices[corner_index(primitive, triangle, corner)];
-        primitive.world_from_object.transform_point3(vertex.position.into())
-    });
-    if is_mirrored(&primitive.world_from_object) {
-        corners.swap(1, 2);
+/// Takes the corners of triangles of the primitive's mesh in world space. A mirroring transform turns their order around,
+/// so that outside stays outside.
+pub(super) fn place_corners(primitive: &Primitive, triangles: &mut [SceneTriangle]) {
+    let transform = &primitive.world_from_object;
+    let is_mirrored = is_mirrored(transform);
+    for triangle in triangles {
+        triangle.corners = corner_indices(primitive, triangle.triangle, is_mirrored)
+            .map(|index| transform.transform_point3(primitive.mesh.vertices[index].position.into()));
     }
-    corners
 }
 
 /// Whether a transform turns the inside out.
-fn is_mirrored(transform: &Affine3A) -> bool {
+pub(crate) fn is_mirrored(transform: &Affine3A) -> bool {
     transform.matrix3.determinant() < 0.0
 }
 
-fn corner_index(primitive: &Primitive, triangle: u32, corner: usize) -> usize {
-    primitive.mesh.indices[3 * triangle as usize + corner] as usize
-}
-
 /// Indices of a triangle's vertices in its mesh, in the order of [`SceneTriangle::corners`].
-pub(crate) fn vertex_indices(primitive: &Primitive, triangle: u32) -> [usize; 3] {
-    let mut indices = std::array::from_fn(|corner| corner_index(primitive, triangle, corner));
-    if is_mirrored(&primitive.world_from_object) {
-        indices.swap(1, 2);
-    }
-    indices
+pub(crate) fn corner_indices(primitive: &Primitive, triangle: u32, is_mirrored: bool) -> [usize; 3] {
+    let first = 3 * triangle as usize;
+    let corners = &primitive.mesh.indices[first..first + 3];
+    let [a, b, c] = [0, 1, 2].map(|corner| corners[corner] as usize);
+    if is_mirrored { [a, c, b] } else { [a, b, c] }
 }
 
-/// World normal of an object's normal, by the cofactor matrix, which singular transforms have too; the sign of the
-/// determinant is taken out, so that mirrored objects keep their outside. Zero stays zero.
-pub(crate) fn world_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
+/// The same where it is not known whether the primitive is mirrored.
+pub(crate) fn vertex_indices(primitive: &Primitive, triangle: u32) -> [usize; 3] {
+    corner_indices(primitive, triangle, is_mirrored(&primitive.world_from_object))
+}
+
+/// World normals from an object's normals, but for their length: the cofactor matrix, which singular transforms have too;
+/// the sign of the determinant is taken out, so that mirrored objects keep their outside.
+pub(crate) fn normal_matrix(transform: &Affine3A) -> Mat3 {
     let m = transform.matrix3;
     let (x, y, z) = (Vec3::from(m.x_axis), Vec3::from(m.y_axis), Vec3::from(m.z_axis));
-    let cofactor = y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z;
-    let largest = cofactor.abs().max_element();
+    let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    if is_mirrored(transform) { -cofactors } else { cofactors }
+}
+
+/// A world normal by the [`normal_matrix`]; zero stays zero.
+pub(crate) fn turned_normal(matrix: &Mat3, normal: Vec3) -> Vec3 {
+    let turned = *matrix * normal;
+    let largest = turned.abs().max_element();
     if !(largest > 0.0 && largest.is_finite()) {
         return Vec3::ZERO;
     }
-    let unit = (cofactor / largest).normalize_or_zero();
-    if is_mirrored(transform) { -unit } else { unit }
+    (turned / largest).normalize_or_zero()
+}
+
+/// World normal of an object's normal.
+pub(crate) fn world_normal(transform: &Affine3A, normal: Vec3) -> Vec3 {
+    turned_normal(&normal_matrix(transform), normal)
 }

@@ -1,14 +1,15 @@
 //! The boxes of hierarchies as lists that rays follow without a stack, in the layout of `lib/rays.wgsl`.
 
+use super::box_list::{BoxList, Links};
 use super::words::Texel;
 use crate::bvh::{Bvh, Node};
 use crate::scene::Aabb;
 use glam::Vec3;
 
 /// Marks the link of a leaf.
-const LEAF: u32 = 1 << 31;
+pub(super) const LEAF: u32 = 1 << 31;
 /// Bits of a leaf's link below the number of triangles less one.
-const COUNT_BITS: u32 = 29;
+pub(super) const COUNT_BITS: u32 = 29;
 /// Units of the frame that the contents span. Two at either side are left for rounding.
 const UNITS: f32 = 65531.0;
 /// Boxes grow by this part of a unit on each side before they are rounded: more than what arithmetic in floats can be
@@ -84,33 +85,6 @@ impl Encoding<'_> {
     }
 }
 
-/// What the list of a tree leads to.
-#[derive(Clone, Copy)]
-pub(super) struct Links {
-    /// Its first box.
-    pub(super) first: u32,
-    /// The box that rays go on at which leave it.
-    pub(super) behind: u32,
-    /// The first triangle of its leaves.
-    pub(super) triangle: u32,
-}
-
-/// Adds the list of a tree for the signs of one octant. `sizes` are those of [`subtree_sizes`].
-pub(super) fn push_list(
-    texels: &mut Vec<Texel>,
-    encoding: Encoding,
-    (bvh, sizes): (&Bvh, &[u32]),
-    octant: u32,
-    links: Links,
-) {
-    for (node, skip) in order(bvh, sizes, octant) {
-        let leaf = LEAF | (node.count.wrapping_sub(1)) << COUNT_BITS | (links.triangle + node.first);
-        let is_last = skip == bvh.nodes.len() as u32;
-        let box_link = if is_last { links.behind } else { links.first + skip };
-        encoding.push(texels, &node.bounds(), if node.count > 0 { leaf } else { box_link });
-    }
-}
-
 impl BoxLists {
     /// The lists of a hierarchy; rays go on at a box of dynamic objects, or at none if that is 0.
     pub(super) fn new(bvh: &Bvh, exact: bool, movers: u32) -> Self {
@@ -121,11 +95,11 @@ impl BoxLists {
         (texels[0][3], texels[1][3]) = (boxes as u32, movers);
         if let Some(frame) = &frame {
             let encoding = if exact { Encoding::Exact } else { Encoding::InFrame(frame) };
-            let sizes = subtree_sizes(bvh);
+            let lists = BoxList::new(bvh, encoding);
             let mut first = (HEADER / texels_of_box(exact)) as u32;
             for octant in 0..8 {
                 let end = first + boxes as u32;
-                push_list(&mut texels, encoding, (bvh, &sizes), octant, Links { first, behind: end, triangle: 0 });
+                lists.push(&mut texels, octant, Links { first, behind: end, triangle: 0 });
                 first = end;
             }
         }
@@ -151,44 +125,6 @@ impl BoxLists {
 
 /// A link that ends all lists.
 pub(super) const NOWHERE: u32 = LEAF - 1;
-
-/// All nodes in the order in which rays of these signs meet them, each with the place in the list of the next node that
-/// does not lie below it.
-pub(super) fn order<'a>(bvh: &'a Bvh, sizes: &'a [u32], octant: u32) -> impl Iterator<Item = (Node, u32)> + 'a {
-    let mut open = Vec::from([0]);
-    let mut place = 0;
-    std::iter::from_fn(move || {
-        let index = open.pop()?;
-        let node = bvh.nodes[index];
-        if node.count == 0 {
-            let left = node.first as usize;
-            let left_first = is_left_first(&bvh.nodes[left], &bvh.nodes[left + 1], octant);
-            open.extend(if left_first { [left + 1, left] } else { [left, left + 1] });
-        }
-        let skip = place + sizes[index];
-        place += 1;
-        Some((node, skip))
-    })
-}
-
-/// Judged along the axis on which the children lie farthest apart. Bit i of the octant: the direction is negative on
-/// axis i.
-fn is_left_first(left: &Node, right: &Node, octant: u32) -> bool {
-    let apart = (right.bounds().min + right.bounds().max) - (left.bounds().min + left.bounds().max);
-    let axis = apart.abs().max_position();
-    (apart[axis] >= 0.0) == (octant >> axis & 1 == 0)
-}
-
-/// Nodes of the tree below each node, itself included. Children come after their parents.
-pub(super) fn subtree_sizes(bvh: &Bvh) -> Vec<u32> {
-    let mut sizes = vec![1; bvh.nodes.len()];
-    for (index, node) in bvh.nodes.iter().enumerate().rev() {
-        if node.count == 0 {
-            sizes[index] += sizes[node.first as usize] + sizes[node.first as usize + 1];
-        }
-    }
-    sizes
-}
 
 fn exact_texels(bounds: &Aabb, link: u32) -> [Texel; 2] {
     let [[ax, ay, az], [bx, by, bz]] = [bounds.min, bounds.max].map(|corner| corner.to_array().map(f32::to_bits));
@@ -221,9 +157,11 @@ impl Frame {
 
     /// Corners in units, lower ones rounded down and upper ones up.
     fn corners(&self, bounds: &Aabb) -> [[u32; 3]; 2] {
-        let low = ((bounds.min - self.origin) / self.unit - self.margin).floor();
-        let high = ((bounds.max - self.origin) / self.unit + self.margin).ceil();
-        [low, high].map(|corner| corner.to_array().map(|units| units as u16 as u32))
+        let low = (bounds.min - self.origin) / self.unit - self.margin;
+        let high = (bounds.max - self.origin) / self.unit + self.margin;
+        // Conversion leaves the fraction out of what is not negative, and takes a fraction of the time of floor and ceil.
+        let up = |units: f32| units as u32 + u32::from(units > units as u32 as f32);
+        [low.to_array().map(|units| units as u32), high.to_array().map(up)].map(|corner| corner.map(|c| c & 0xffff))
     }
 
     fn texel(&self, bounds: &Aabb, link: u32) -> Texel {

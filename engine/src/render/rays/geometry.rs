@@ -7,10 +7,10 @@ use super::materials::GpuMaterials;
 use super::moving_boxes::{MovingBoxes, runs};
 use super::words::{ROW, Texel, Words};
 use crate::assets::{VertexExtra, parallel};
-use crate::bvh::{Bvh, SceneBvh, vertex_indices, world_normal};
+use crate::bvh::{Bvh, SceneBvh, corner_indices, is_mirrored, normal_matrix, turned_normal};
 use crate::gpu::Gpu;
-use crate::scene::Scene;
-use glam::{Affine3A, Vec2, Vec3};
+use crate::scene::{Primitive, Scene};
+use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 /// Flags of a triangle, above the index of its material.
 const GLASS: u32 = 1 << 28;
@@ -113,7 +113,7 @@ impl GpuGeometry {
         let lists = if is_passage { BoxLists::passage(exact, next) } else { BoxLists::new(statics, exact, next) };
         self.nodes.write(gpu, 0, &lists.texels);
         (self.box_count, self.exact_boxes) = (lists.box_count, exact);
-        self.write_triangles(gpu, surfaces, 0, &statics.order);
+        self.write_triangles(gpu, surfaces, 0, &statics.order, true);
         Ok(())
     }
 
@@ -130,17 +130,20 @@ impl GpuGeometry {
         let new: Vec<usize> = (0..movers.objects.len()).filter(is_new).collect();
         let place = |object: usize| self.movers.first_triangle(object) as usize;
         for run in runs(&new, |before, object| place(object) - place(before + 1) <= GAP) {
-            let mut order = Vec::new();
+            let mut order = Vec::with_capacity(place(run.end - 1) - place(run.start));
+            // Extras stay with the vertices, wherever these are.
+            let has_extras = since.is_none_or(|since| movers.objects[run.clone()].iter().any(|o| o.built > since));
             for object in run.clone() {
                 order.resize(place(object) - place(run.start), GONE);
                 order.extend_from_slice(&movers.objects[object].bvh.order);
             }
-            self.write_triangles(gpu, surfaces, place(run.start), &order);
+            self.write_triangles(gpu, surfaces, place(run.start), &order, has_extras);
         }
     }
 
-    /// Uploads triangles in the order of the leaves of their hierarchy, from a place on.
-    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, first: usize, order: &[u32]) {
+    /// Uploads triangles in the order of the leaves of their hierarchy, from a place on, with their extras or without.
+    fn write_triangles(&self, gpu: &Gpu, surfaces: Surfaces, first: usize, order: &[u32], has_extras: bool) {
+        let has_extras = has_extras && self.has_extras;
         let row = ROW as usize;
         let (begun, rest) = order.split_at((first.next_multiple_of(row) - first).min(order.len()));
         let mut place = first;
@@ -151,7 +154,7 @@ impl GpuGeometry {
                 (place - piece.len(), piece)
             })
             .collect();
-        let encode = |(place, piece): (usize, &[u32])| (place, self.encode(surfaces, piece));
+        let encode = |(place, piece): (usize, &[u32])| (place, encode_triangles(surfaces, piece, has_extras));
         for (place, [triangles, attributes, extras]) in parallel::consume(pieces, order.len() / WORTH_A_THREAD, encode)
         {
             // Three rows hold the corners of 4096 triangles.
@@ -161,43 +164,61 @@ impl GpuGeometry {
             self.extras.write_rows(gpu, texel, 3, &extras);
         }
     }
+}
 
-    /// Triangles with their attributes and extras: a row for each of the three corners.
-    fn encode(&self, surfaces: Surfaces, order: &[u32]) -> [Vec<Texel>; 3] {
-        let Surfaces { scene, bvh: SceneBvh { triangles: all, .. }, materials, emitters } = surfaces;
-        let count = order.len();
-        let mut triangles = vec![Texel::default(); 3 * count];
-        let mut attributes = triangles.clone();
-        let mut extras = vec![Texel::default(); if self.has_extras { 3 * count } else { 0 }];
-        for (place, &index) in order.iter().enumerate().filter(|(_, index)| **index != GONE) {
-            let triangle = &all[index as usize];
-            let primitive = &scene.primitives[triangle.primitive as usize];
-            let material = materials.index(primitive.material.id);
-            let flag = |set: bool, flag: u32| if set { flag } else { 0 };
-            let head = material
-                | flag(primitive.material.is_glass(), GLASS)
-                | flag(primitive.casts_shadow, CASTS_SHADOW)
-                | flag(primitive.material.double_sided, DOUBLE_SIDED)
-                | flag(materials.is_masked(material), MASKED);
-            let words = [head, emitters.of(index), triangle.primitive];
-            let indices = vertex_indices(primitive, triangle.triangle);
-            let vertices = indices.map(|vertex| &primitive.mesh.vertices[vertex]);
-            let transform = &primitive.world_from_object;
-            for corner in 0..3 {
-                let [x, y, z] = triangle.corners[corner].to_array().map(f32::to_bits);
-                let vertex = vertices[corner];
-                let normal = encode_direction(world_normal(transform, vertex.normal.into()));
-                let [u, v] = vertex.uv.map(f32::to_bits);
-                let texel = corner * count + place;
-                triangles[texel] = [x, y, z, words[corner]];
-                attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
-                if !extras.is_empty() {
-                    extras[texel] = encode_extra(&primitive.mesh.extra(indices[corner]));
-                }
+/// What the triangles of a primitive have in common.
+struct Shared<'a> {
+    primitive: &'a Primitive,
+    /// Material and flags.
+    head: u32,
+    is_mirrored: bool,
+    normal_matrix: Mat3,
+}
+
+impl<'a> Shared<'a> {
+    fn new(primitive: &'a Primitive, materials: &GpuMaterials) -> Self {
+        let material = materials.index(primitive.material.id);
+        let flag = |set: bool, flag: u32| if set { flag } else { 0 };
+        let head = material
+            | flag(primitive.material.is_glass(), GLASS)
+            | flag(primitive.casts_shadow, CASTS_SHADOW)
+            | flag(primitive.material.double_sided, DOUBLE_SIDED)
+            | flag(materials.is_masked(material), MASKED);
+        let transform = &primitive.world_from_object;
+        Self { primitive, head, is_mirrored: is_mirrored(transform), normal_matrix: normal_matrix(transform) }
+    }
+}
+
+/// Triangles with their attributes and extras: a row for each of the three corners.
+fn encode_triangles(surfaces: Surfaces, order: &[u32], has_extras: bool) -> [Vec<Texel>; 3] {
+    let Surfaces { scene, bvh: SceneBvh { triangles: all, .. }, materials, emitters } = surfaces;
+    let count = order.len();
+    let mut triangles = vec![Texel::default(); 3 * count];
+    let mut attributes = triangles.clone();
+    let mut extras = vec![Texel::default(); if has_extras { 3 * count } else { 0 }];
+    let mut last: Option<(u32, Shared)> = None;
+    for (place, &index) in order.iter().enumerate().filter(|(_, index)| **index != GONE) {
+        let triangle = &all[index as usize];
+        let known = last.take().filter(|(primitive, _)| *primitive == triangle.primitive);
+        let make = || (triangle.primitive, Shared::new(&scene.primitives[triangle.primitive as usize], materials));
+        let (_, shared) = &*last.insert(known.unwrap_or_else(make));
+        let (mesh, transform) = (&shared.primitive.mesh, &shared.primitive.world_from_object);
+        let words = [shared.head, emitters.of(index), triangle.primitive];
+        let indices = corner_indices(shared.primitive, triangle.triangle, shared.is_mirrored);
+        for corner in 0..3 {
+            let [x, y, z] = triangle.corners[corner].to_array().map(f32::to_bits);
+            let vertex = &mesh.vertices[indices[corner]];
+            let normal = encode_direction(turned_normal(&shared.normal_matrix, vertex.normal.into()));
+            let [u, v] = vertex.uv.map(f32::to_bits);
+            let texel = corner * count + place;
+            triangles[texel] = [x, y, z, words[corner]];
+            attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
+            if has_extras {
+                extras[texel] = encode_extra(&mesh.extra(indices[corner]));
             }
         }
-        [triangles, attributes, extras]
     }
+    [triangles, attributes, extras]
 }
 
 /// Second texture coordinates, then colour and alpha of 16 bits each.
@@ -218,7 +239,8 @@ fn encode_direction(n: Vec3) -> u32 {
     if n == Vec3::ZERO || !n.is_finite() {
         return 0;
     }
-    let [x, y] = octahedral(n).to_array().map(|v| (v * 32767.0).round() as i32 + 32768);
+    let round = |v: f32| (v + 0.5_f32.copysign(v)) as i32;
+    let [x, y] = octahedral(n).to_array().map(|v| round(v * 32767.0) + 32768);
     x as u32 | (y as u32) << 16
 }
 

@@ -6,6 +6,7 @@
 //! Passes that cast rays import `lightwell::rays` and are dispatched with group 1 bound by [`dispatch_rays`].
 
 mod atlas;
+mod box_list;
 mod boxes;
 mod emitters;
 mod geometry;

@@ -8,9 +8,8 @@
 //! the object's way back, which is a jump to what follows it in the list over the objects. So an object's own lists stay as
 //! they are while it stands still, whatever happens around it.
 
-use super::boxes::{
-    END, Encoding, Frame, HEADER, Links, NOWHERE, most_boxes, order, push_list, subtree_sizes, texels_of_box,
-};
+use super::box_list::{BoxList, Links, Order};
+use super::boxes::{END, Encoding, Frame, HEADER, NOWHERE, most_boxes, texels_of_box};
 use super::words::{Texel, Words};
 use crate::assets::parallel;
 use crate::bvh::{Bvh, Movers, Node, ScenePart};
@@ -119,26 +118,28 @@ impl MovingBoxes {
         let in_box = texels_of_box(self.exact);
         let place = |object: usize| self.places[object][0] as usize * in_box;
         for run in runs(new, |before, object| place(object) - place(before + 1) <= GAP) {
-            let lists = run.clone().flat_map(|object| (0..8).map(move |octant| (object, octant))).collect();
-            let list = |(object, octant): (usize, u32)| self.list_of(&movers.objects[object].bvh, object, octant);
-            let lists = parallel::consume(lists, boxes / WORTH_A_THREAD, list);
-            let mut texels = Vec::new();
-            for (object, lists) in run.clone().zip(lists.chunks(8)) {
+            let lists = |object: usize| self.lists_of(&movers.objects[object].bvh, object);
+            let lists = parallel::consume(run.clone().collect(), boxes / WORTH_A_THREAD, lists);
+            let mut texels =
+                Vec::with_capacity(place(run.end - 1) - place(run.start) + lists.last().map_or(0, Vec::len));
+            for (object, lists) in run.clone().zip(&lists) {
                 texels.resize(place(object) - place(run.start), Texel::default());
-                lists.iter().for_each(|list| texels.extend_from_slice(list));
+                texels.extend_from_slice(lists);
             }
             nodes.write(gpu, place(run.start), &texels);
         }
     }
 
-    /// An object's own list for an octant.
-    fn list_of(&self, bvh: &Bvh, object: usize, octant: u32) -> Vec<Texel> {
+    /// An object's own lists.
+    fn lists_of(&self, bvh: &Bvh, object: usize) -> Vec<Texel> {
         let [first_box, triangle] = self.places[object];
-        let behind = self.way_back(object, octant);
-        let links = Links { first: own_list(bvh, first_box, octant), behind, triangle };
-        let mut texels = Vec::with_capacity(texels_of_box(self.exact) * (bvh.nodes.len() + 1));
-        push_list(&mut texels, self.encoding(), (bvh, &subtree_sizes(bvh)), octant, links);
-        self.encoding().push_jump(&mut texels, behind);
+        let lists = BoxList::new(bvh, self.encoding());
+        let mut texels = Vec::with_capacity(8 * texels_of_box(self.exact) * (bvh.nodes.len() + 1));
+        for octant in 0..8 {
+            let behind = self.way_back(object, octant);
+            lists.push(&mut texels, octant, Links { first: own_list(bvh, first_box, octant), behind, triangle });
+            self.encoding().push_jump(&mut texels, behind);
+        }
         texels
     }
 
@@ -150,9 +151,10 @@ impl MovingBoxes {
         texels.extend(self.frame.as_ref().filter(|_| !self.exact).map_or([[0; 4]; 2], Frame::texels));
         (texels[0][3], texels[1][3]) = (length, 0);
         let mut ways_back = vec![[NOWHERE; 8]; objects];
-        let sizes = subtree_sizes(&movers.top);
+        let order = Order::new(&movers.top);
         for octant in 0..8 {
-            let nodes: Vec<(Node, u32)> = order(&movers.top, &sizes, octant).collect();
+            let nodes: Vec<(Node, u32)> =
+                order.nodes(octant).map(|(index, skip)| (movers.top.nodes[index], skip)).collect();
             let mut places = vec![self.first + (HEADER / in_box) as u32 + octant * length];
             places.extend(nodes.iter().scan(places[0], |place, (node, _)| {
                 *place += if node.count > 0 { 2 } else { 1 };

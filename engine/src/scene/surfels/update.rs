@@ -7,9 +7,6 @@ use crate::scene::Scene;
 use glam::Affine3A;
 use std::collections::HashSet;
 
-/// Comparisons of places up to which objects are followed one by one.
-const MANY: usize = 1 << 22;
-
 /// Results of the update of all surfels that updates of dynamic objects reuse.
 #[derive(Debug, Default)]
 pub(super) struct Updated {
@@ -82,14 +79,14 @@ impl SurfelCloud {
         }
         let has_changed = |mover: &&Mover| scene.primitives[mover.primitive].geometry_revision > known.geometry;
         let changed: Vec<&Mover> = known.movers.iter().filter(has_changed).collect();
-        if changed.len() * (self.places.len() + changed.len()) > MANY {
-            return false;
+        let mut taken: HashSet<[u32; 12]> = HashSet::new();
+        if !changed.is_empty() {
+            taken.extend(self.places.iter().map(place_bits));
         }
         let mut moved: Vec<(usize, Affine3A)> = Vec::new();
         for mover in changed {
             let primitive = &scene.primitives[mover.primitive];
             let place = primitive.world_from_object;
-            let is_taken = |other: &Affine3A| place_bits(other) == place_bits(&place);
             match mover.group {
                 None if !has_surfels(primitive) => {}
                 Some((group, shape))
@@ -97,7 +94,7 @@ impl SurfelCloud {
                         && mover.alone
                         && mover.mesh == primitive.mesh.id
                         && shape == shape_bits(&place)
-                        && !self.places.iter().chain(moved.iter().map(|(_, place)| place)).any(is_taken) =>
+                        && taken.insert(place_bits(&place)) =>
                 {
                     moved.push((group, place));
                 }

@@ -20,8 +20,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Numbers of dynamic objects, one run each.
-const MOVING: [u32; 4] = [0, 1, 10, 100];
+/// What is measured of each scene.
+const MOTIONS: [Motion; 5] =
+    [Motion::Boxes(0), Motion::Boxes(1), Motion::Boxes(10), Motion::Boxes(100), Motion::Playing];
+/// Frames of a second of a scene that plays.
+const RATE: f64 = 60.0;
 /// Frames before those that are measured: pipelines compile, and dynamic objects are found.
 const WARM_UP: u32 = 4;
 /// Image, unless another is asked for [pixels].
@@ -42,19 +45,38 @@ struct HostRun {
     cases: Vec<Case>,
 }
 
-/// A scene with so many objects that move.
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Motion {
+    /// So many small boxes, while the scene's own time stands still.
+    Boxes(u32),
+    /// All that the scene moves, and nothing else.
+    Playing,
+}
+
+impl std::fmt::Display for Motion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Boxes(count) => write!(f, "{count}"),
+            Self::Playing => f.write_str("as it plays"),
+        }
+    }
+}
+
+/// A scene in which something moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Case {
     pub(super) scene: String,
-    pub(super) moving: u32,
+    pub(super) moving: Motion,
     pub(super) size: [u32; 2],
     pub(super) frames: u32,
     /// Time to bring world and scene up to date, median [ms].
     pub(super) update_ms: f64,
     /// Time to record and submit a frame, median [ms].
     pub(super) frame_ms: f64,
-    /// The shortest [ms].
+    /// The shortest and the longest [ms].
     pub(super) least_ms: f64,
+    pub(super) most_ms: f64,
     /// Requests of a frame to the device: the median of each.
     pub(super) counts: BTreeMap<String, u64>,
 }
@@ -69,7 +91,7 @@ pub(super) fn run(args: &BenchArgs, scenes: &[String], lenient: bool, common: &C
     let frames = args.frames.unwrap_or(20);
     let mut cases = Vec::new();
     for scene in scenes {
-        for moving in MOVING {
+        for moving in MOTIONS {
             match measure(&gpu, scene, moving, size, frames, common) {
                 Ok(case) => cases.push(case),
                 Err(error) if lenient => {
@@ -105,11 +127,11 @@ fn write(folder: &Path, run: HostRun) -> Result<PathBuf> {
     Ok(report)
 }
 
-/// Draws frames in which so many boxes move, and nothing else does.
+/// Draws frames in which something moves, and nothing else does.
 pub(super) fn measure(
     gpu: &Arc<Gpu>,
     scene: &str,
-    moving: u32,
+    moving: Motion,
     size: [u32; 2],
     frames: u32,
     common: &Common,
@@ -118,14 +140,18 @@ pub(super) fn measure(
     let look = LookArgs { average: Some(Switch::On), ..LookArgs::default() };
     let mut session = Session::open(Arc::clone(gpu), scene, &look, common)?;
     session.rendering.renderer.set_timing(Timing::Late);
-    let boxes = Boxes::spawn(&mut session, moving)?;
+    let (count, step) = match moving {
+        Motion::Boxes(count) => (count, 0.0),
+        Motion::Playing => (0, 1.0 / RATE),
+    };
+    let boxes = Boxes::spawn(&mut session, count)?;
     let view = SceneView { camera: session.camera()?, size, jitter: [0.0; 2] };
     let settings = session.display_settings();
     let (mut updates, mut times, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     for frame in 0..WARM_UP + frames {
         let start = Instant::now();
         boxes.put(&mut session, frame);
-        session.set_seconds(0.0);
+        session.set_seconds(f64::from(frame) * step);
         let update = start.elapsed().as_secs_f64() * 1e3;
         let report = session.render(&view, &settings)?;
         if frame >= WARM_UP {
@@ -142,6 +168,7 @@ pub(super) fn measure(
         update_ms: median(&mut updates),
         frame_ms: median(&mut times),
         least_ms: times.first().copied().unwrap_or_default(),
+        most_ms: times.last().copied().unwrap_or_default(),
         counts: median_counts(&counts),
     })
 }
@@ -200,8 +227,9 @@ impl Boxes {
 fn report_of(results: &Results) -> String {
     let mut text = String::from(
         "# The host's part of a frame\n\nFrames are recorded and submitted for a device that does nothing (wgpu's `noop`), as \
-         in a window on a graphics card: averaged, camera and time at rest, with so many small boxes that move. Times are the \
-         median and the least of the frames; counts are medians. What is read back is zeros.\n\n",
+         in a window on a graphics card: averaged, camera at rest. Small boxes move while the scene's time stands still, or the \
+         scene itself as it plays, 60 frames a second. Times are the median, the least and the most of the frames; counts are \
+         medians. What is read back is zeros.\n\n",
     );
     for run in &results.runs {
         let Header { system, commit, date, settings, .. } = &run.header;
@@ -216,6 +244,7 @@ fn report_of(results: &Results) -> String {
         "update [ms]",
         "frame [ms]",
         "least [ms]",
+        "most [ms]",
         "dispatches",
         "compute passes",
         "render passes",
@@ -225,7 +254,7 @@ fn report_of(results: &Results) -> String {
         "bytes uploaded",
         "waits",
     ];
-    let mut keys: Vec<(&str, u32)> = Vec::new();
+    let mut keys: Vec<(&str, Motion)> = Vec::new();
     for case in results.runs.iter().flat_map(|run| &run.cases) {
         if !keys.contains(&(&case.scene, case.moving)) {
             keys.push((&case.scene, case.moving));
@@ -238,7 +267,7 @@ fn report_of(results: &Results) -> String {
         runs.into_iter()
             .flat_map(|run| {
                 let cases = run.cases.iter().filter(|case| (case.scene.as_str(), case.moving) == (*scene, *moving));
-                cases.map(|case| row(case, &run.label, &head[6..])).collect::<Vec<_>>()
+                cases.map(|case| row(case, &run.label, &head[7..])).collect::<Vec<_>>()
             })
             .collect::<Vec<_>>()
     });
@@ -247,7 +276,7 @@ fn report_of(results: &Results) -> String {
 
 fn row(case: &Case, label: &str, counts: &[&str]) -> Vec<String> {
     let mut row = vec![case.scene.clone(), case.moving.to_string(), label.to_owned()];
-    row.extend([case.update_ms, case.frame_ms, case.least_ms].map(markdown::ms));
+    row.extend([case.update_ms, case.frame_ms, case.least_ms, case.most_ms].map(markdown::ms));
     let count = |name: &&str| case.counts.get(*name).map_or(markdown::NONE.to_owned(), |count| markdown::whole(*count));
     row.extend(counts.iter().map(count));
     row
@@ -263,7 +292,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let common = Common::default();
         let gpu = Arc::new(Gpu::noop(&session::gpu_options(&common)).unwrap());
-        let case = measure(&gpu, "cornell", 3, [64, 48], 3, &common).unwrap();
+        let case = measure(&gpu, "cornell", Motion::Boxes(3), [64, 48], 3, &common).unwrap();
         assert!(
             case.counts["dispatches"] > 0 && case.counts["submits"] > 0 && case.counts["render passes"] > 0,
             "{case:?}"
