@@ -309,7 +309,8 @@ fn no_layer_makes_light() {
             }
         }
         let mean = (sum / (EDGE * EDGE) as f32).max_element();
-        assert!(mean < 1.0, "{name}: {mean} of the light in the mean");
+        // A smooth coat on white returns all of it, and more by what numbers are rounded by.
+        assert!(mean < 1.0001, "{name}: {mean} of the light in the mean");
         assert!(least > 0.3, "{name}: {least} of the light at least");
     }
 }

@@ -191,7 +191,9 @@ fn the_sky_lights_what_sees_it() {
 
 #[test]
 fn no_light_is_exactly_none_and_too_many_are_an_error() {
-    let gpu = gpu();
+    let mut gpu = gpu();
+    // Cards may bind more.
+    gpu.limits.max_storage_buffer_binding_size = 128 << 20;
     let dark = indirect(&gpu, &stage(0.3, 16, 1.0, 0.0, small()));
     assert!(dark.rgba.iter().all(|pixel| pixel[..3] == [0.0; 3]));
     let settings = StochasticLightCulling { rsm_size: 4096, ..small() };

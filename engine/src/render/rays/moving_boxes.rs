@@ -216,3 +216,134 @@ pub(super) fn runs(new: &[usize], is_close: impl Fn(usize, usize) -> bool) -> Ve
 fn own_list(bvh: &Bvh, first_box: u32, octant: u32) -> u32 {
     first_box + octant * (bvh.nodes.len() as u32 + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::boxes::{COUNT_BITS, LEAF};
+    use super::*;
+    use crate::assets::{Material, Shape};
+    use crate::bvh::SceneBvh;
+    use crate::scene::{Primitive, Scene, SceneId};
+    use glam::Affine3A;
+    use proptest::prelude::*;
+    use std::sync::Arc;
+
+    const FIRST: [u32; 2] = [16, 500];
+    const TRIANGLES: u32 = 12;
+
+    /// Boxes that move; those that stand nowhere have no box.
+    fn scene(places: &[Affine3A]) -> Scene {
+        let mesh = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().expect("a valid shape"));
+        let material = Arc::new(Material::diffuse("grey", Vec3::splat(0.5)));
+        let primitives = places.iter().zip(0..).map(|(place, id)| Primitive {
+            id: SceneId(id),
+            mesh: mesh.clone(),
+            material: material.clone(),
+            world_from_object: *place,
+            bounds: mesh.bounds.transformed(place),
+            casts_shadow: true,
+            moving: true,
+            geometry_revision: 1,
+            material_revision: 1,
+        });
+        Scene { primitives: primitives.collect(), ..Scene::default() }
+    }
+
+    /// All that the device holds of the moving boxes.
+    fn memory(boxes: &MovingBoxes, movers: &Movers) -> Vec<Texel> {
+        let in_box = texels_of_box(boxes.exact);
+        let mut memory = vec![Texel::default(); FIRST[0] as usize * in_box];
+        memory.extend(boxes.over_objects(movers));
+        for (object, place) in boxes.places.iter().enumerate() {
+            memory.resize(place[0] as usize * in_box, Texel::default());
+            memory.extend(boxes.lists_of(&movers.objects[object].bvh, object));
+        }
+        let counts = vec![TRIANGLES as usize; boxes.places.len()];
+        let room = MovingBoxes::texel_count(counts.into_iter(), boxes.exact);
+        assert!(memory.len() <= FIRST[0] as usize * in_box + room, "{} texels", memory.len());
+        memory
+    }
+
+    /// First triangles of the leaves that a ray comes by, as `go_on` of `lib/rays.wgsl` goes.
+    fn walk(memory: &[Texel], exact: bool, octant: u32, mut meets: impl FnMut(&Texel) -> bool) -> Vec<u32> {
+        let in_box = texels_of_box(exact);
+        let length = memory[FIRST[0] as usize * in_box][3];
+        let mut next = FIRST[0] + (HEADER / in_box) as u32 + octant * length;
+        let (mut leaves, mut steps) = (Vec::new(), 0);
+        while next < NOWHERE {
+            let texel = &memory[next as usize * in_box];
+            let is_jump =
+                texel[0] & if exact { u32::MAX } else { 0xffff } == if exact { f32::MAX.to_bits() } else { 0xffff };
+            let (is_met, is_leaf) = (!is_jump && meets(texel), texel[3] >= LEAF);
+            if is_met && is_leaf {
+                let count = (texel[3] >> COUNT_BITS & 3) + 1;
+                let first = texel[3] & ((1 << COUNT_BITS) - 1);
+                leaves.extend(first..first + count);
+            }
+            next = if is_met || is_leaf { next + 1 } else { texel[3] };
+            steps += 1;
+            assert!(steps < 100_000, "the lists lead in a circle");
+        }
+        leaves
+    }
+
+    fn place() -> impl Strategy<Value = Affine3A> {
+        let near = (-9.0..9.0_f32, -9.0..9.0_f32, -9.0..9.0_f32).prop_map(|at| Affine3A::from_translation(at.into()));
+        prop_oneof![9 => near, 1 => Just(Affine3A::from_translation(Vec3::NAN))]
+    }
+
+    proptest! {
+        #[test]
+        fn rays_come_by_every_triangle_once_and_back(
+            mut places in prop::collection::vec(place(), 1..12),
+            moved in (any::<prop::sample::Index>(), place()),
+            exact in any::<bool>(),
+            octant in 0..8_u32,
+        ) {
+            let mut bvh = SceneBvh::new(&scene(&places));
+            let counts = bvh.counts_of_movers();
+            let mut boxes = MovingBoxes::new(&counts, exact, FIRST);
+            boxes.fit_frame(&bvh.movers.bounds(), 20.0);
+            let (mut before, mut is_kept): (Option<Vec<Texel>>, bool) = (None, true);
+            for _ in 0..2 {
+                let memory = memory(&boxes, &bvh.movers);
+                let mut found = walk(&memory, exact, octant, |_| true);
+                found.sort_unstable();
+                let is_there = |(object, place): (u32, &Affine3A)| place.is_finite().then_some(object);
+                let there = (0..).zip(&places).filter_map(is_there);
+                let expected = there.flat_map(|object| (0..TRIANGLES).map(move |t| FIRST[1] + TRIANGLES * object + t));
+                prop_assert_eq!(found, expected.collect::<Vec<_>>());
+                prop_assert!(walk(&memory, exact, octant, |_| false).is_empty());
+                let mut turn = 0_u32;
+                let some = walk(&memory, exact, octant, |_| { turn += 1; !turn.is_multiple_of(3) });
+                prop_assert!(some.len() <= places.len() * TRIANGLES as usize);
+                // What stands still keeps its lists.
+                if let Some(before) = before.filter(|_| is_kept || exact) {
+                    let in_box = texels_of_box(exact);
+                    for object in (0..places.len()).filter(|object| *object != moved.0.index(places.len())) {
+                        let start = boxes.places[object][0] as usize * in_box;
+                        let end = start + boxes.lists_of(&bvh.movers.objects[object].bvh, object).len();
+                        prop_assert_eq!(&before[start..end], &memory[start..end]);
+                    }
+                }
+                before = Some(memory);
+                places[moved.0.index(counts.len())] = moved.1;
+                bvh.update(&scene(&places));
+                is_kept = boxes.fit_frame(&bvh.movers.bounds(), 20.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_frame_is_kept_while_it_fits() {
+        let at = |x: f32| Aabb { min: Vec3::splat(x), max: Vec3::splat(x + 10.0) };
+        let mut boxes = MovingBoxes::new(&[1], false, FIRST);
+        assert!(!boxes.fit_frame(&at(0.0), 30.0) && boxes.fit_frame(&at(1.0), 30.0));
+        // It has moved out, its scene has grown, and it has shrunk.
+        assert!(!boxes.fit_frame(&at(2.0), 30.0) && boxes.fit_frame(&at(2.0), 50.0));
+        assert!(!boxes.fit_frame(&at(2.0), 70.0));
+        let small = Aabb { min: Vec3::splat(3.0), max: Vec3::splat(4.0) };
+        assert!(!boxes.fit_frame(&small, 70.0) && !boxes.fit_frame(&Aabb::EMPTY, 70.0));
+        assert!(boxes.fit_frame(&Aabb::EMPTY, 70.0));
+    }
+}
