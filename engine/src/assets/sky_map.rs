@@ -5,7 +5,7 @@ use super::{AssetError, AssetId};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// Widest map that is kept \[texels\]: a tenth of the moon's width. Wider images are averaged down.
 const MAX_WIDTH: u32 = 2048;
@@ -27,11 +27,13 @@ pub struct SkyMap {
     pub turn: f32,
     /// Arguments and results of the calls of [`SkyMap::around`].
     around: Mutex<Vec<(Vec<Vec3>, Vec<Vec3>)>>,
+    /// See [`SkyMap::irradiance_harmonics`], once they were asked for.
+    pub(super) harmonics: OnceLock<[Vec3; 9]>,
 }
 
 impl SkyMap {
     pub(super) fn new([width, height]: [u32; 2], texels: Vec<Vec3>, turn: f32) -> Self {
-        Self { id: AssetId::fresh(), width, height, texels, turn, around: Mutex::default() }
+        Self { id: AssetId::fresh(), width, height, texels, turn, around: Mutex::default(), harmonics: OnceLock::new() }
     }
 
     /// A sky that changes with height alone: from the horizon up by √sin of the elevation to the zenith, and in the

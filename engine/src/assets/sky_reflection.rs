@@ -35,8 +35,7 @@ impl SkyMap {
             let next = last.halved();
             chain.push(next);
         }
-        let width = if self.width == 1 { 1 } else { self.width.clamp(SMALLEST[0], LARGEST[0]) };
-        let height = self.height.clamp(SMALLEST[1], LARGEST[1]);
+        let [width, height] = self.reflection_size();
         (0..REFLECTION_LEVELS)
             .map(|level| {
                 let (width, height) = ((width >> level).max(1), (height >> level).max(1));
@@ -52,9 +51,19 @@ impl SkyMap {
             .collect()
     }
 
+    /// Width and height of the first of them \[texels\].
+    pub fn reflection_size(&self) -> [u32; 2] {
+        let width = if self.width == 1 { 1 } else { self.width.clamp(SMALLEST[0], LARGEST[0]) };
+        [width, self.height.clamp(SMALLEST[1], LARGEST[1])]
+    }
+
     /// Coefficients c of the irradiance of open surfaces, E(n) = Σ c_i·Y_i(n) with the nine real spherical harmonics of
     /// bands 0 to 2: c = A_l·L_lm (Ramamoorthi and Hanrahan 2001) [W/m²].
     pub fn irradiance_harmonics(&self) -> [Vec3; 9] {
+        *self.harmonics.get_or_init(|| self.found_harmonics())
+    }
+
+    fn found_harmonics(&self) -> [Vec3; 9] {
         let mut sums = [glam::DVec3::ZERO; 9];
         for (d, radiance, angle) in self.patches() {
             for (sum, y) in sums.iter_mut().zip(harmonics(d)) {

@@ -52,6 +52,12 @@ impl Movers {
         self.objects.iter().fold(Aabb::EMPTY, |sum, object| sum.union(&object.bounds()))
     }
 
+    /// The hierarchy of a primitive by its index in the scene, if it is a dynamic one.
+    pub(crate) fn object(&self, primitive: usize) -> Option<&ScenePart> {
+        let index = self.objects.binary_search_by_key(&Some(&primitive), |object| object.primitives.first()).ok()?;
+        self.objects.get(index)
+    }
+
     /// Indices of all dynamic primitives.
     pub(super) fn primitives(&self) -> impl Iterator<Item = usize> + '_ {
         self.objects.iter().filter_map(|object| object.primitives.first().copied())

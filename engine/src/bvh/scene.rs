@@ -72,7 +72,7 @@ struct Changes {
     any: Vec<usize>,
     /// In place or pose.
     moved: Vec<usize>,
-    /// Whether any is of another material.
+    /// Whether any is of another material, or lets rays do other things with it.
     has_surfaces: bool,
 }
 
@@ -196,7 +196,7 @@ impl SceneBvh {
             let flags = Flags::of(primitive);
             let (has_flags, has_surface) = (flags == self.flags[index], source.material == primitive.material.id);
             let is_placed = source.world_from_object == primitive.world_from_object && source.mesh == primitive.mesh.id;
-            changes.has_surfaces |= !has_surface;
+            changes.has_surfaces |= !has_surface || !has_flags;
             if !has_flags || !has_surface || !is_placed {
                 changes.any.push(index);
             }

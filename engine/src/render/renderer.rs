@@ -9,7 +9,6 @@ use super::frame_graph::{self, Drawn};
 use super::history::History;
 use super::indirect::light_volumes::sweep;
 use super::indirect::path_tracer::{self, PathTracer};
-use super::indirect::sky_reflection;
 use super::indirect::{IndirectMethod, Methods, RayUse, Subject};
 use super::post::compose::RADIANCE;
 use super::post::temporal_antialiasing;
@@ -276,9 +275,6 @@ impl Renderer {
         self.gpu_scene.update(gpu, scene);
         self.views.begin_frame();
         let bounds = self.gpu_scene.bounds(scene);
-        if settings.only.shows_indirect() && sky_reflection::is_mirrored(scene) {
-            self.gpu_scene.update_sky_reflections(gpu, scene);
-        }
         if settings.only.is_light() {
             self.methods.get_mut(settings.gi)?.update(gpu, scene)?;
         }

@@ -230,3 +230,28 @@ fn metals_show_the_sky() {
         check("sweep", &drawn(&gpu, &stage, GiMethod::CLPV, Layer::Indirect));
     }
 }
+
+#[test]
+fn what_metals_show_of_the_sky_is_made_once_and_only_where_it_is_read() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::new(0.0, 0.3, 1.4), Vec3::ZERO, 16);
+    let material = Material { metallic: 1.0, roughness: 0.3, ..Material::new("metal") };
+    stage.add_material(Shape::Sphere { radius: 1.0, segments: 16, rings: 8 }, material, Affine3A::IDENTITY);
+    set_sky(&mut stage, halves());
+    stage.scene.sky_light = true;
+    let passes = ["sky levels", "sky reflection"];
+    let draw = |stage: &Stage, renderer: &mut Renderer, gi| {
+        let settings = RenderSettings { gi, only: Layer::Indirect, ..Default::default() };
+        let report = stage.render_with(&gpu, renderer, &settings).1;
+        passes.map(|pass| report.ran(pass))
+    };
+    let mut renderer = Renderer::new(&gpu);
+    assert_eq!(draw(&stage, &mut renderer, GiMethod::VPL), [true, true]);
+    stage.view.camera.world_from_view.translation.x += 0.01;
+    assert_eq!(draw(&stage, &mut renderer, GiMethod::VPL), [false, true]);
+    set_sky(&mut stage, halves());
+    assert_eq!(draw(&stage, &mut renderer, GiMethod::VPL), [true, true]);
+    // Rays see the sky itself.
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Clpv::default() });
+    assert_eq!(draw(&stage, &mut Renderer::new(&gpu), GiMethod::CLPV), [false, false]);
+}

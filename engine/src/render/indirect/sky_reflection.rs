@@ -2,7 +2,7 @@
 
 use super::gloss;
 use super::light_volumes::Field;
-use crate::assets::REFLECTION_LEVELS;
+use crate::assets::{REFLECTION_LEVELS, SkyMap};
 use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
@@ -34,8 +34,9 @@ pub(in crate::render) fn reflection<'a>(
     gbuffer: &GBuffer,
     field: &Field,
 ) -> Option<Handle<Texture>> {
-    let (map, reflections) = (frame.scene.sky_map.as_deref()?, frame.gpu_scene.sky_reflections()?);
+    let map = frame.scene.sky_map.as_deref()?;
     let Field::Swept { volume, .. } = field else { return None };
+    let levels = levels(graph, map);
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
@@ -45,19 +46,21 @@ pub(in crate::render) fn reflection<'a>(
     for input in inputs {
         pass.read(input);
     }
+    pass.read(levels);
     field.buffers().iter().for_each(|&buffer| pass.read(buffer));
     let reflected = pass.write(reflected);
     pass.key(&(volume.key(), frame.view_key(), map.id));
-    let uniform = ReflectionUniform {
-        irradiance: reflections.irradiance,
-        size: reflections.size.into(),
-        levels: REFLECTION_LEVELS,
-        mean: frame.scene.sky,
-        turn: map.turn,
-    };
     let (frame, field) = (frame.clone(), field.clone());
     pass.execute(move |cx| {
+        let uniform = ReflectionUniform {
+            irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
+            size: map.reflection_size().into(),
+            levels: REFLECTION_LEVELS,
+            mean: frame.scene.sky,
+            turn: map.turn,
+        };
         let [normal, object, depth] = inputs.map(|handle| cx.view(handle));
+        let levels = cx.view(levels);
         let target = cx.view(reflected);
         let volume = field.bindings(cx);
         let view = frame.view_uniform(cx.gpu);
@@ -69,7 +72,7 @@ pub(in crate::render) fn reflection<'a>(
             ("normal", Binding::Texture(&normal)),
             ("object", Binding::Texture(&object)),
             ("depth", Binding::Texture(&depth)),
-            ("levels", Binding::Texture(&reflections.levels)),
+            ("levels", Binding::Texture(&levels)),
             ("reflected", Binding::Texture(&target)),
         ];
         bindings.extend(volume.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
@@ -77,4 +80,33 @@ pub(in crate::render) fn reflection<'a>(
         cx.dispatch(&ComputeKey::new("indirect/sky_reflection.wgsl", "main"), &bindings, groups)
     });
     Some(reflected)
+}
+
+/// Declares what glossy surfaces reflect of a map: a level for each roughness, below one another. Found on the host, once
+/// for a map.
+fn levels<'a>(graph: &mut Graph<'a>, map: &'a SkyMap) -> Handle<Texture> {
+    let [width, height] = map.reflection_size();
+    let rows = (0..REFLECTION_LEVELS).map(|level| (height >> level).max(1)).sum();
+    let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
+    let levels =
+        graph.retained_texture("sky levels", TextureDesc::d2(width, rows, wgpu::TextureFormat::Rgba32Float, usage));
+    let mut pass = graph.pass("sky levels");
+    let levels = pass.write(levels);
+    pass.key(&map.id);
+    pass.execute(move |cx| {
+        let mut texels: Vec<[f32; 4]> = Vec::with_capacity((width * rows) as usize);
+        for level in map.reflections() {
+            for row in level.texels.chunks_exact(level.width as usize) {
+                texels.extend(row.iter().map(|texel| texel.extend(0.0).to_array()));
+                texels.resize(texels.len() + (width - level.width) as usize, [0.0; 4]);
+            }
+        }
+        let size = wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 };
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: Some(rows) };
+        let texture = cx.texture(levels).as_image_copy();
+        cx.gpu.write_texture(texture, bytemuck::cast_slice(&texels), layout, size);
+        Ok(())
+    });
+    levels
 }

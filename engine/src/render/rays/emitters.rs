@@ -46,6 +46,16 @@ pub(super) struct Emitters {
     of_triangle: Vec<u32>,
 }
 
+/// What has changed of emitters that move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Followed {
+    Nothing,
+    /// Their places and sizes.
+    Sizes,
+    /// And which triangles emit light.
+    Triangles,
+}
+
 impl Emitters {
     /// Finds them. True if triangles of static primitives have other emitters than before.
     pub(super) fn collect(&mut self, scene: &Scene, bvh: &SceneBvh) -> bool {
@@ -71,24 +81,35 @@ impl Emitters {
         are_others
     }
 
-    /// Takes the new sizes of dynamic objects. False if nothing of that emits light.
-    pub(super) fn follow(&mut self, bvh: &SceneBvh) -> bool {
-        let moving: Vec<Source> = self.sources.iter().filter(|source| source.is_moving).copied().collect();
-        for source in &moving {
-            self.measure(*source, bvh);
+    /// Takes the new sizes of dynamic objects that have changed since a version of them.
+    pub(super) fn follow(&mut self, bvh: &SceneBvh, since: u64) -> Followed {
+        let has_changed = |source: &Source| bvh.movers.object(source.primitive).is_some_and(|o| o.version > since);
+        let sources = self.sources.iter().filter(|source| source.is_moving && has_changed(source));
+        let sources: Vec<Source> = sources.copied().collect();
+        let mut has_others = false;
+        for source in &sources {
+            has_others |= self.measure(*source, bvh);
         }
-        !moving.is_empty()
+        match (sources.is_empty(), has_others) {
+            (true, _) => Followed::Nothing,
+            (false, false) => Followed::Sizes,
+            (false, true) => Followed::Triangles,
+        }
     }
 
-    fn measure(&mut self, source: Source, bvh: &SceneBvh) {
+    /// Whether any triangle has another emitter than before.
+    fn measure(&mut self, source: Source, bvh: &SceneBvh) -> bool {
+        let mut has_others = false;
         for (index, emitter) in bvh.triangles_of(source.primitive).zip(source.first..) {
             let area = f64::from(0.5 * bvh.triangles[index].area_normal().length());
             let flux = f64::from(source.radiance) * area;
             // Without area there is nothing to sample, and the density has no meaning.
             let is_sampled = flux > 0.0 && flux.is_finite();
             self.sizes[emitter] = if is_sampled { [flux, area] } else { [0.0; 2] };
-            self.of_triangle[index] = if is_sampled { emitter as u32 } else { NONE };
+            let named = if is_sampled { emitter as u32 } else { NONE };
+            has_others |= std::mem::replace(&mut self.of_triangle[index], named) != named;
         }
+        has_others
     }
 
     /// The emitter of a triangle of the scene, or [`NONE`].

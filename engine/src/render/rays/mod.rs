@@ -21,7 +21,7 @@ use crate::graph::{PassContext, PassError};
 use crate::render::scene_gpu::media::GpuMedia;
 use crate::scene::{Aabb, Scene};
 use atlas::Atlas;
-use emitters::Emitters;
+use emitters::{Emitters, Followed};
 use encase::ShaderType;
 use geometry::{GpuGeometry, Surfaces};
 use glam::Vec3;
@@ -219,15 +219,14 @@ impl RayScene {
         if !keeps_statics && has_materials {
             self.emissive.collect(scene, bvh);
         }
-        let has_moving_emitters = keeps_statics && has_materials && self.emissive.follow(bvh);
+        let known = then.filter(|_| keeps_statics && has_materials).map(|then| then.versions[1]);
+        let followed = known.map_or(Followed::Triangles, |since| self.emissive.follow(bvh, since));
         let surfaces = Surfaces { scene, bvh, materials: &self.materials, emitters: &self.emissive };
         if !keeps_statics {
             self.geometry.update_statics(gpu, surfaces)?;
         }
-        let keeps_movers = keeps_statics && has_materials && !has_moving_emitters;
-        let known = then.filter(|_| keeps_movers).map(|then| then.versions[1]);
-        self.geometry.update_movers(gpu, surfaces, known);
-        if !keeps_statics || !has_materials || has_moving_emitters {
+        self.geometry.update_movers(gpu, surfaces, known.filter(|_| followed != Followed::Triangles));
+        if followed != Followed::Nothing {
             let list = self.emissive.list(self.geometry.trees(bvh));
             self.emitter_count = list.len() as u32;
             self.emitters = gpu.storage("emitters", &list, wgpu::BufferUsages::empty());

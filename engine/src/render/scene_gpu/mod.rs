@@ -27,7 +27,7 @@ pub use class::{MaterialClass, vertex_layout};
 use crate::assets::AssetId;
 use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
-use crate::scene::{Aabb, Primitive, Scene};
+use crate::scene::{Aabb, Primitive};
 use batch::{Batch, Member};
 use block::Blocks;
 use bytemuck::{Pod, Zeroable};
@@ -35,7 +35,7 @@ use material::{GpuMaterial, MaterialStore};
 pub(super) use material::{MaterialLayers, alpha_cutoff};
 use media::GpuMedia;
 use mesh::MeshStore;
-use sky::{GpuSky, SkyReflections};
+use sky::GpuSky;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -251,16 +251,6 @@ impl GpuScene {
     /// What such a shader binds.
     pub(in crate::render) fn media_binding(&self, gpu: &Gpu) -> Option<(&'static str, wgpu::Buffer)> {
         self.media.as_ref().map(|media| ("media", media.buffer(gpu)))
-    }
-
-    /// Reflections of a sky that differs by direction on glossy surfaces, once [`GpuScene::update_sky_reflections`] made it.
-    pub(in crate::render) fn sky_reflections(&self) -> Option<&SkyReflections> {
-        self.sky.reflections()
-    }
-
-    /// Makes what glossy surfaces reflect of the sky, unless it is there.
-    pub fn update_sky_reflections(&mut self, gpu: &Gpu, scene: &Scene) {
-        self.sky.update_reflections(gpu, scene);
     }
 
     /// Whether any surface is of glass.

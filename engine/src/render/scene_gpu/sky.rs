@@ -1,31 +1,19 @@
-//! The sky on the device: its map, and what glossy surfaces reflect of it.
+//! The sky on the device.
 
 use crate::assets::{AssetId, SkyMap};
 use crate::gpu::Gpu;
 use crate::scene::Scene;
-use glam::Vec4;
 
 /// The map as `lib/sky.wgsl` reads it; a single black texel where there is none.
 pub(in crate::render) struct GpuSky {
     map: Option<AssetId>,
     view: wgpu::TextureView,
-    reflections: Option<SkyReflections>,
-}
-
-/// Reflections of a map on glossy surfaces, as `indirect/sky_reflection.wgsl` reads it.
-pub(in crate::render) struct SkyReflections {
-    /// A level for each roughness, below one another.
-    pub levels: wgpu::TextureView,
-    /// Of the first level \[texels\].
-    pub size: [u32; 2],
-    /// Harmonics of the irradiance of open surfaces.
-    pub irradiance: [Vec4; 9],
 }
 
 impl GpuSky {
     pub(in crate::render) fn new(gpu: &Gpu) -> Self {
         let view = upload(gpu, "sky", 2, 1, &[[0.0, 0.0, 0.0, 1.0]; 2]);
-        Self { map: None, view, reflections: None }
+        Self { map: None, view }
     }
 
     /// Uploads the scene's map, unless it is the one that is there.
@@ -35,16 +23,9 @@ impl GpuSky {
             return;
         }
         *self = match map {
-            Some(map) => Self { map: Some(map.id), view: table(gpu, map), reflections: None },
+            Some(map) => Self { map: Some(map.id), view: table(gpu, map) },
             None => Self::new(gpu),
         };
-    }
-
-    /// Makes what glossy surfaces reflect, unless it is there.
-    pub(in crate::render) fn update_reflections(&mut self, gpu: &Gpu, scene: &Scene) {
-        if let (None, Some(map)) = (&self.reflections, scene.sky_map.as_deref()) {
-            self.reflections = Some(reflections(gpu, map));
-        }
     }
 
     /// Whether the sky differs by direction.
@@ -54,28 +35,6 @@ impl GpuSky {
 
     pub(in crate::render) fn view(&self) -> &wgpu::TextureView {
         &self.view
-    }
-
-    pub(in crate::render) fn reflections(&self) -> Option<&SkyReflections> {
-        self.reflections.as_ref()
-    }
-}
-
-fn reflections(gpu: &Gpu, map: &SkyMap) -> SkyReflections {
-    let levels = map.reflections();
-    let (width, height) = levels.first().map_or((1, 1), |level| (level.width, level.height));
-    let mut texels = Vec::new();
-    for level in &levels {
-        for row in level.texels.chunks_exact(level.width as usize) {
-            texels.extend(row.iter().map(|texel| texel.extend(0.0).to_array()));
-            texels.resize(texels.len() + (width - level.width) as usize, [0.0; 4]);
-        }
-    }
-    let rows = levels.iter().map(|level| level.height).sum();
-    SkyReflections {
-        levels: upload(gpu, "sky reflections", width, rows, &texels),
-        size: [width, height],
-        irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
     }
 }
 
