@@ -232,3 +232,11 @@ fn small_things_that_are_wrong_fail_a_golden() {
     let verdict = check_golden(&spot, &file, &Golden { flip_p99: 1.0, ..Golden::default() }, false, &pictures(&dir));
     assert!(matches!(verdict.unwrap(), GoldenVerdict::Same), "the mean alone hides it");
 }
+
+#[test]
+fn other_adapters_may_be_twice_as_far_from_a_golden() {
+    let golden = Golden { flip: 0.02, flip_p99: 0.1, at: Some(vec![1.0]) };
+    assert_eq!(golden.on(wgpu::DeviceType::Cpu), golden);
+    let expected = Golden { flip: 0.04, flip_p99: 0.2, at: Some(vec![1.0]) };
+    assert_eq!(golden.on(wgpu::DeviceType::DiscreteGpu), expected);
+}

@@ -45,7 +45,8 @@
 //! What is expected holds at all times of the test, or at those named by `at`:
 //!
 //! - `golden`: what a screen would show looks like `goldens/NAME_TIMEs.png` beside the test, up to a mean FLIP (`flip`,
-//!   0.01 if not said) and one of 99 % of the pixels (`flip_p99`, 0.1 if not said).
+//!   0.01 if not said) and one of 99 % of the pixels (`flip_p99`, 0.1 if not said). On adapters that are not software
+//!   drivers both are twice as large.
 //!   `lightwell test --bless` writes these images; look at them before they are committed.
 //! - `errors`: bounds on `nrmse`, `bias` (in size), `rmse`, `p95`, `flip` and `flip_p99` of the total, direct or indirect light,
 //!   measured on linear radiance ([`lightwell::measure`]) against a stored image, which may be larger by a whole factor

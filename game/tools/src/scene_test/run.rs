@@ -175,7 +175,8 @@ impl Stage<'_> {
             aa => capture::take(&mut self.session, self.test.size, aa, settings)?,
         };
         let (file, pictures) = (self.case.golden(time), self.pictures(time, "golden"));
-        match images::check_golden(&actual, &file, golden, self.options.bless, &pictures)? {
+        let golden = golden.on(self.session.gpu.info.device_type);
+        match images::check_golden(&actual, &file, &golden, self.options.bless, &pictures)? {
             GoldenVerdict::Same => {}
             GoldenVerdict::Blessed => self.findings.blessed.push(file),
             GoldenVerdict::Wrong(what) => self.fault(time, &what),
