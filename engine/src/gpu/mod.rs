@@ -1,6 +1,7 @@
 //! The device: adapter and queue, shaders with imports and hot reload, pipelines, timestamps, readback.
 
 mod audit;
+mod changing;
 mod compose;
 mod context;
 mod counters;
@@ -17,6 +18,7 @@ mod timestamps;
 mod watch;
 
 pub(crate) use audit::Note;
+pub(crate) use changing::{Changing, changed};
 pub use context::{Gpu, GpuError, GpuOptions, instance_descriptor};
 pub use counters::HostCounts;
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};

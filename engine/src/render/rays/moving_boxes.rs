@@ -13,7 +13,7 @@ use super::boxes::{END, Encoding, Frame, HEADER, NOWHERE, most_boxes, texels_of_
 use super::words::{Texel, Words};
 use crate::assets::parallel;
 use crate::bvh::{Bvh, Movers, Node, ScenePart};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, changed};
 use crate::scene::Aabb;
 use glam::Vec3;
 use std::ops::Range;
@@ -187,14 +187,11 @@ impl MovingBoxes {
         own_list(bvh, self.places[object][0], octant) + u32::from(is_inner)
     }
 
-    /// Uploads what lies between the first and the last difference from what the device has.
+    /// Uploads what differs from what the device has.
     fn write_over(&mut self, gpu: &Gpu, nodes: &Words, over: Vec<Texel>) {
-        let differs = |index: &usize| self.over.get(*index) != over.get(*index);
-        let first = (0..over.len()).find(differs);
-        let last = (0..over.len()).rev().find(differs);
-        if let Some((first, last)) = first.zip(last) {
-            let place = self.first as usize * texels_of_box(self.exact);
-            nodes.write(gpu, place + first, &over[first..=last]);
+        let place = self.first as usize * texels_of_box(self.exact);
+        for range in changed(&self.over, &over, GAP) {
+            nodes.write(gpu, place + range.start, &over[range]);
         }
         self.over = over;
     }

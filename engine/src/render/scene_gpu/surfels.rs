@@ -1,6 +1,6 @@
 //! The scene's surfels on the device.
 
-use crate::gpu::{Binding, Gpu};
+use crate::gpu::{Binding, Changing, Gpu};
 use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -13,7 +13,7 @@ fn rows(m: &Affine3A) -> [[f32; 4]; 3] {
 
 /// `PatchGrid` of `lib/patches.wgsl`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct PatchGrid {
     rows: [[f32; 4]; 3],
     first: u32,
@@ -28,7 +28,7 @@ pub(in crate::render) struct GpuPatches {
     ranges: wgpu::Buffer,
     table: wgpu::Buffer,
     place_of_primitive: wgpu::Buffer,
-    grids: wgpu::Buffer,
+    grids: Changing<PatchGrid>,
 }
 
 impl GpuPatches {
@@ -38,7 +38,7 @@ impl GpuPatches {
             ranges: empty("patches"),
             table: gpu.storage("patch table", &[[0_u32; 8]; 2], BufferUsages::empty()),
             place_of_primitive: empty("places of primitives"),
-            grids: empty("patch grids"),
+            grids: Changing::new(gpu, "patch grids", vec![PatchGrid::default()]),
         }
     }
 
@@ -63,7 +63,7 @@ impl GpuPatches {
                 padding: 0,
             }
         });
-        self.grids = gpu.storage("patch grids", &grids.collect::<Vec<_>>(), BufferUsages::empty());
+        self.grids.set(gpu, grids.collect());
     }
 
     /// Uploads where the patches of objects that bend are found.
@@ -84,7 +84,7 @@ impl GpuPatches {
         [
             ("patch_table", Binding::Buffer(&self.table)),
             ("place_of_primitive", Binding::Buffer(&self.place_of_primitive)),
-            ("patch_grids", Binding::Buffer(&self.grids)),
+            ("patch_grids", Binding::Buffer(self.grids.buffer())),
         ]
     }
 }
@@ -94,7 +94,7 @@ impl GpuPatches {
 pub struct GpuSurfels {
     cloud: SurfelCloud,
     surfels: wgpu::Buffer,
-    places: wgpu::Buffer,
+    places: Changing<[[f32; 4]; 3]>,
     patches: GpuPatches,
     /// Revisions of the cloud: of its content, of what was uploaded as a whole, and of its layout.
     uploaded: u64,
@@ -114,7 +114,7 @@ impl GpuSurfels {
         Self {
             cloud: SurfelCloud::default(),
             surfels: gpu.storage("surfel cloud", &[Surfel::default()], BufferUsages::empty()),
-            places: gpu.storage("surfel places", &[[0.0_f32; 12]], BufferUsages::empty()),
+            places: Changing::new(gpu, "surfel places", vec![[[0.0; 4]; 3]]),
             patches: GpuPatches::new(gpu),
             uploaded: 0,
             rebuilt: 0,
@@ -144,8 +144,7 @@ impl GpuSurfels {
         self.uploaded = self.cloud.revision;
         if self.placed != self.cloud.places {
             self.placed.clone_from(&self.cloud.places);
-            let places = self.placed.iter().map(rows).collect::<Vec<_>>();
-            self.places = gpu.storage("surfel places", &places, BufferUsages::empty());
+            self.places.set(gpu, self.placed.iter().map(rows).collect());
             self.patches.place(gpu, &self.cloud);
         }
     }
@@ -250,6 +249,6 @@ impl GpuSurfels {
 
     /// The bindings of the pass that places them.
     pub(in crate::render) fn bindings(&self) -> [(&'static str, Binding<'_>); 2] {
-        [("cloud", Binding::Buffer(&self.surfels)), ("places", Binding::Buffer(&self.places))]
+        [("cloud", Binding::Buffer(&self.surfels)), ("places", Binding::Buffer(self.places.buffer()))]
     }
 }
