@@ -145,7 +145,10 @@ impl Frame {
         // A flat scene has a thin frame, not none.
         let size = bounds.size();
         let least = (size.max_element() * 1e-6).max(1e-25);
-        let unit = (size.max(Vec3::splat(least)) / UNITS).max(Vec3::splat(scene_size * FAR_UNIT));
+        // What is finer than the coordinates themselves would be lost in the frame's origin.
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let finest = (scene_size * FAR_UNIT).max(largest * f32::EPSILON);
+        let unit = (size.max(Vec3::splat(least)) / UNITS).max(Vec3::splat(finest));
         let margin = if scene_size > 0.0 { FAR_MARGIN } else { MARGIN };
         Self { origin: bounds.min - 2.0 * unit, unit, margin }
     }
@@ -161,7 +164,7 @@ impl Frame {
         let high = (bounds.max - self.origin) / self.unit + self.margin;
         // Conversion leaves the fraction out of what is not negative, and takes a fraction of the time of floor and ceil.
         let up = |units: f32| units as u32 + u32::from(units > units as u32 as f32);
-        [low.to_array().map(|units| units as u32), high.to_array().map(up)].map(|corner| corner.map(|c| c & 0xffff))
+        [low.to_array().map(|units| units as u32), high.to_array().map(up)].map(|corner| corner.map(|c| c.min(0xffff)))
     }
 
     fn texel(&self, bounds: &Aabb, link: u32) -> Texel {
@@ -241,7 +244,12 @@ mod tests {
         }
 
         #[test]
-        fn rounded_boxes_hold_what_they_round(boxes in boxes(20, 1e3)) {
+        fn rounded_boxes_hold_what_they_round(
+            boxes in boxes(20, 1e3),
+            away in prop_oneof![Just(0.0), -1e7..1e7_f32],
+        ) {
+            let moved = |bounds: Aabb| Aabb { min: bounds.min + away, max: bounds.max + away };
+            let boxes: Vec<Aabb> = boxes.into_iter().map(moved).collect();
             let whole = boxes.iter().fold(Aabb::EMPTY, |sum, bounds| sum.union(bounds));
             for scene_size in [0.0, 1.0, 1e6] {
                 let frame = Frame::new(&whole, scene_size);
