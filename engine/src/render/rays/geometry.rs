@@ -99,7 +99,7 @@ impl GpuGeometry {
             false => boxes::are_exact(std::iter::once(statics)),
         };
         let static_texels = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact);
-        let moving_texels = if moving > 0 { MovingBoxes::texel_count(counts.iter().copied(), exact) } else { 0 };
+        let moving_texels = if moving > 0 { MovingBoxes::texel_count(&counts, exact) } else { 0 };
         let row = ROW as usize;
         self.nodes.reserve(gpu, "ray boxes", "hierarchies", (static_texels + moving_texels).div_ceil(row))?;
         let first = [static_texels / boxes::texels_of_box(exact), statics.order.len()].map(|first| first as u32);

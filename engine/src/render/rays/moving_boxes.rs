@@ -27,6 +27,16 @@ const ROOM: f32 = 0.125;
 /// A frame that is so many times as long as what it holds is too coarse.
 const COARSE: f32 = 4.0;
 
+/// Where an object lies.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    first_triangle: u32,
+    triangles: u32,
+    first_box: u32,
+    /// Boxes that a list of it has room for.
+    room: u32,
+}
+
 /// The boxes of moving objects on the device.
 pub(super) struct MovingBoxes {
     /// The first one.
@@ -37,54 +47,71 @@ pub(super) struct MovingBoxes {
     held: Aabb,
     /// The longest edge of a scene that it is for \[m\].
     scene_size: f32,
-    /// First box and first triangle of each object.
-    places: Vec<[u32; 2]>,
+    places: Vec<Place>,
     /// All before the objects' own lists, as the device has it.
     over: Vec<Texel>,
 }
 
 impl MovingBoxes {
-    /// Texels for objects of so many triangles.
-    pub(super) fn texel_count(triangles: impl Iterator<Item = usize>, exact: bool) -> usize {
-        let of_object = |count: usize| 4 + most_boxes(count) + 1;
-        HEADER + 8 * texels_of_box(exact) * triangles.map(of_object).sum::<usize>() + END
+    /// Texels for objects of so many triangles, whatever their hierarchies become.
+    pub(super) fn texel_count(triangles: &[usize], exact: bool) -> usize {
+        let of_object = |count: &usize| 4 + most_boxes(*count) + 1;
+        HEADER + 8 * texels_of_box(exact) * triangles.iter().map(of_object).sum::<usize>() + END
     }
 
-    /// Room for objects of so many triangles, from a box and a triangle on.
+    /// Objects of so many triangles, from a box and a triangle on.
     pub(super) fn new(triangles: &[usize], exact: bool, [first, first_triangle]: [u32; 2]) -> Self {
-        let header = (HEADER / texels_of_box(exact)) as u32;
-        let mut place = [first + header + 32 * triangles.len() as u32, first_triangle];
+        let mut next = first_triangle;
         let places = triangles.iter().map(|&count| {
-            let own = place;
-            place = [own[0] + 8 * (most_boxes(count) as u32 + 1), own[1] + count as u32];
-            own
+            let place = Place { first_triangle: next, triangles: count as u32, first_box: 0, room: 0 };
+            next += place.triangles;
+            place
         });
-        Self {
-            first,
-            exact,
-            frame: None,
-            held: Aabb::EMPTY,
-            scene_size: 0.0,
-            places: places.collect(),
-            over: Vec::new(),
-        }
+        let places = places.collect();
+        Self { first, exact, frame: None, held: Aabb::EMPTY, scene_size: 0.0, places, over: Vec::new() }
     }
 
     /// First triangle of an object.
     pub(super) fn first_triangle(&self, object: usize) -> u32 {
-        self.places[object][1]
+        self.places[object].first_triangle
     }
 
     /// Uploads the boxes of objects that have changed since a version which the device holds (none: of all), and those
     /// over the objects.
     pub(super) fn update(&mut self, gpu: &Gpu, nodes: &Words, movers: &Movers, scene_size: f32, since: Option<u64>) {
-        let is_framed = self.exact || self.fit_frame(&movers.bounds(), scene_size);
-        let since = since.filter(|_| is_framed);
+        let is_kept = self.fit(movers, scene_size);
+        let since = since.filter(|_| is_kept);
         let is_new = |object: &ScenePart| since.is_none_or(|since| object.version > since);
         let new: Vec<usize> = (0..movers.objects.len()).filter(|&index| is_new(&movers.objects[index])).collect();
         self.write_objects(gpu, nodes, movers, &new);
         let over = self.over_objects(movers);
         self.write_over(gpu, nodes, over);
+    }
+
+    /// Keeps where the boxes lie and what they are rounded to, if they fit, and says so.
+    fn fit(&mut self, movers: &Movers, scene_size: f32) -> bool {
+        let is_framed = self.exact || self.fit_frame(&movers.bounds(), scene_size);
+        // Nothing lies at the first box of all: that is the header of static objects.
+        let has_room = |(place, object): (&Place, &ScenePart)| {
+            place.first_box > 0 && object.bvh.nodes.len() <= place.room as usize
+        };
+        let is_placed = self.places.iter().zip(&movers.objects).all(has_room);
+        if !is_placed {
+            self.lay_out(movers);
+        }
+        is_framed && is_placed
+    }
+
+    /// Gives each object as much room as it needs, and a little more: another pose may have another hierarchy.
+    fn lay_out(&mut self, movers: &Movers) {
+        let header = (HEADER / texels_of_box(self.exact)) as u32;
+        let mut next = self.first + header + 32 * self.places.len() as u32;
+        for (place, object) in self.places.iter_mut().zip(&movers.objects) {
+            let boxes = object.bvh.nodes.len() as u32;
+            place.room = (boxes + boxes / 8).min(most_boxes(place.triangles as usize) as u32);
+            place.first_box = next;
+            next += 8 * (place.room + 1);
+        }
     }
 
     /// Keeps the frame if it holds the bounds and is not much too large for them, and says so.
@@ -116,7 +143,7 @@ impl MovingBoxes {
     fn write_objects(&self, gpu: &Gpu, nodes: &Words, movers: &Movers, new: &[usize]) {
         let boxes: usize = new.iter().map(|&object| 8 * movers.objects[object].bvh.nodes.len()).sum();
         let in_box = texels_of_box(self.exact);
-        let place = |object: usize| self.places[object][0] as usize * in_box;
+        let place = |object: usize| self.places[object].first_box as usize * in_box;
         for run in runs(new, |before, object| place(object) - place(before + 1) <= GAP) {
             let lists = |object: usize| self.lists_of(&movers.objects[object].bvh, object);
             let lists = parallel::consume(run.clone().collect(), boxes / WORTH_A_THREAD, lists);
@@ -132,7 +159,7 @@ impl MovingBoxes {
 
     /// An object's own lists.
     fn lists_of(&self, bvh: &Bvh, object: usize) -> Vec<Texel> {
-        let [first_box, triangle] = self.places[object];
+        let Place { first_box, first_triangle: triangle, .. } = self.places[object];
         let lists = BoxList::new(bvh, self.encoding());
         let mut texels = Vec::with_capacity(8 * texels_of_box(self.exact) * (bvh.nodes.len() + 1));
         for octant in 0..8 {
@@ -184,7 +211,7 @@ impl MovingBoxes {
     /// Where an object's own list begins: behind its root, whose box is that in the list over the objects.
     fn entrance(&self, bvh: &Bvh, object: usize, octant: u32) -> u32 {
         let is_inner = bvh.nodes.first().is_some_and(|root| root.count == 0);
-        own_list(bvh, self.places[object][0], octant) + u32::from(is_inner)
+        own_list(bvh, self.places[object].first_box, octant) + u32::from(is_inner)
     }
 
     /// Uploads what differs from what the device has.
@@ -252,11 +279,11 @@ mod tests {
         let mut memory = vec![Texel::default(); FIRST[0] as usize * in_box];
         memory.extend(boxes.over_objects(movers));
         for (object, place) in boxes.places.iter().enumerate() {
-            memory.resize(place[0] as usize * in_box, Texel::default());
+            memory.resize(place.first_box as usize * in_box, Texel::default());
             memory.extend(boxes.lists_of(&movers.objects[object].bvh, object));
         }
         let counts = vec![TRIANGLES as usize; boxes.places.len()];
-        let room = MovingBoxes::texel_count(counts.into_iter(), boxes.exact);
+        let room = MovingBoxes::texel_count(&counts, boxes.exact);
         assert!(memory.len() <= FIRST[0] as usize * in_box + room, "{} texels", memory.len());
         memory
     }
@@ -300,7 +327,7 @@ mod tests {
             let mut bvh = SceneBvh::new(&scene(&places));
             let counts = bvh.counts_of_movers();
             let mut boxes = MovingBoxes::new(&counts, exact, FIRST);
-            boxes.fit_frame(&bvh.movers.bounds(), 20.0);
+            boxes.fit(&bvh.movers, 20.0);
             let (mut before, mut is_kept): (Option<Vec<Texel>>, bool) = (None, true);
             for _ in 0..2 {
                 let memory = memory(&boxes, &bvh.movers);
@@ -315,10 +342,10 @@ mod tests {
                 let some = walk(&memory, exact, octant, |_| { turn += 1; !turn.is_multiple_of(3) });
                 prop_assert!(some.len() <= places.len() * TRIANGLES as usize);
                 // What stands still keeps its lists.
-                if let Some(before) = before.filter(|_| is_kept || exact) {
+                if let Some(before) = before.filter(|_| is_kept) {
                     let in_box = texels_of_box(exact);
                     for object in (0..places.len()).filter(|object| *object != moved.0.index(places.len())) {
-                        let start = boxes.places[object][0] as usize * in_box;
+                        let start = boxes.places[object].first_box as usize * in_box;
                         let end = start + boxes.lists_of(&bvh.movers.objects[object].bvh, object).len();
                         prop_assert_eq!(&before[start..end], &memory[start..end]);
                     }
@@ -326,7 +353,7 @@ mod tests {
                 before = Some(memory);
                 places[moved.0.index(counts.len())] = moved.1;
                 bvh.update(&scene(&places));
-                is_kept = boxes.fit_frame(&bvh.movers.bounds(), 20.0);
+                is_kept = boxes.fit(&bvh.movers, 20.0);
             }
         }
     }
