@@ -69,7 +69,8 @@ fn collect(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
         lines.extend(boxes.flat_map(|(level, volume)| shapes::box_lines(&volume.bounds(), cascade_color(level))));
     }
     if let Some(rays) = frame.rays.filter(|_| debug.shows(DebugView::Bvh)) {
-        lines.extend(rays.bvh.trees().flat_map(|tree| shapes::bvh_lines(tree, debug.bvh_level, MOST_BVH_LINES)));
+        let boxes = rays.bvh.trees().flat_map(|tree| shapes::bvh_lines(tree, debug.bvh_level, MOST_BVH_LINES));
+        lines.extend(boxes.take(MOST_BVH_LINES));
     }
     if debug.shows(DebugView::Directions) {
         lines.extend(directions(frame, volumes));
