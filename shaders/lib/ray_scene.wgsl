@@ -82,7 +82,12 @@ struct RayLight {
 // What moves is such a part, with a frame, lists and triangles of its own: a ray that is through with what is static goes
 // on with what moves, as far as it still reaches.
 //   EXACT_BOXES  instead: lower corner and link, upper corner and an unused word; places count boxes
+//   WIDE         instead: nodes of eight children, see lib/wide_nodes.wgsl
+#ifdef WIDE
+@group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
+#else
 @group(1) @binding(0) var nodes: texture_storage_2d<rgba32uint, read>;
+#endif
 // Three texels a triangle: a corner in world space [m], and a word: material and flags; emitter or NONE; primitive.
 @group(1) @binding(1) var triangles: texture_storage_2d<rgba32uint, read>;
 // Three texels a triangle, one a corner: normal (octahedral), u, v, tangent (octahedral, sign of the bitangent).
@@ -146,6 +151,15 @@ fn primitive_of(index: u32) -> u32 {
 // Where a box lies, or a texel of a light.
 fn box_texel(index: u32) -> vec2u {
     return vec2u(index & 4095u, index >> 12u);
+}
+
+// Four words of the hierarchies.
+fn load_node(texel: u32) -> vec4u {
+#ifdef WIDE
+    return nodes[texel];
+#else
+    return textureLoad(nodes, box_texel(texel));
+#endif
 }
 
 // As rays/lights.rs writes it.

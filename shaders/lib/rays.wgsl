@@ -1,15 +1,15 @@
 #define_import_path lightwell::rays
 
-// Rays through the scene: which triangle one meets.
+// Rays, and where they meet a triangle. On their way there they are followed by lib/walk.wgsl.
 
 #ifdef GLASS
-#import lightwell::glass::{NOTHING_TAKEN, Taken, glass_at, left_of, pass_share, taken_at}
+#import lightwell::glass::{NOTHING_TAKEN, Taken, glass_at, pass_share, taken_at}
 #endif
 #import lightwell::mesh::BLENDED
 #import lightwell::ray_materials::alpha_at
-#import lightwell::ray_scene::{ALPHA_TESTED, CASTS_SHADOW, COUNT_BITS, DOUBLE_SIDED, FIRST_MASK, LEAF, NONE, box_texel, load_triangle, materials, nodes}
+#import lightwell::ray_scene::{ALPHA_TESTED, CASTS_SHADOW, DOUBLE_SIDED, NONE, load_triangle, materials}
 #ifdef GLASS
-#import lightwell::ray_scene::{OF_GLASS, glass_box}
+#import lightwell::ray_scene::OF_GLASS
 #endif
 #import lightwell::sampling::hash_pair
 
@@ -54,145 +54,10 @@ fn inverse_direction(d: vec3f) -> vec3f {
     return select(select(vec3f(1e20), vec3f(-1e20), d < vec3f(0.0)), 1.0 / d, abs(d) > vec3f(1e-20));
 }
 
-// Where the boxes lie.
-struct Frame {
-    origin: vec3f,
-    unit: vec3f,
-    boxes: u32,            // of a list
-    movers: u32,           // where those of dynamic objects begin; 0: nothing does
-}
-
-// `boxes` is the number of boxes of a list of static objects, which the host knows.
-fn load_frame(boxes: u32) -> Frame {
-    let second = textureLoad(nodes, vec2u(1u, 0u));
-#ifdef EXACT_BOXES
-    return Frame(vec3f(0.0), vec3f(1.0), boxes, second.w);
-#else
-    let origin = bitcast<vec3f>(textureLoad(nodes, vec2u(0u, 0u)).xyz);
-    return Frame(origin, bitcast<vec3f>(second.xyz), boxes, second.w);
-#endif
-}
-
-// A ray on its way along its list of boxes, which lie at box·scale + offset along it.
-struct Walk {
-    ray: Ray,
-    scale: vec3f,
-    offset: vec3f,
-    next: u32,             // box to be looked at
-    end: u32,              // of the list
-#ifdef MOVERS
-    movers: u32,           // where those of dynamic objects begin, if they are still to be looked at; else 0
-#endif
-    kind: u32,
-    hit: Hit,              // so far
-}
-
-struct Box {
-    low: vec3f,
-    high: vec3f,
-    link: u32,
-}
-
-// A ray at its start; one without reach is over already.
-fn begin_walk(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
-    let inverse = inverse_direction(ray.direction);
-    let first = HEADER + octant(ray.direction) * frame.boxes;
-    let end = first + frame.boxes;
-    let next = select(end, first, reach > 0.0);
-    let hit = no_hit(reach);
-#ifdef EXACT_BOXES
-    let scale = inverse;
-    let offset = ray.origin;
-#else
-    let scale = frame.unit * inverse;
-    let offset = (frame.origin - ray.origin) * inverse;
-#endif
-#ifdef MOVERS
-    return Walk(ray, scale, offset, next, end, frame.movers, kind, hit);
-#else
-    return Walk(ray, scale, offset, next, end, kind, hit);
-#endif
-}
-
-// Which of the eight lists is that of a direction.
+// Signs of a direction: bit i says that it is negative on axis i.
 fn octant(direction: vec3f) -> u32 {
     let negative = vec3u(direction < vec3f(0.0));
     return negative.x + 2u * negative.y + 4u * negative.z;
-}
-
-#ifdef MOVERS
-// Among moving objects' boxes: none, but a link that is always followed.
-#ifdef EXACT_BOXES
-const JUMP: f32 = 0x1.fffffep+127f;
-#else
-const JUMP: f32 = 65535.0;
-#endif
-// The link that ends all of their lists.
-const NOWHERE: u32 = LEAF - 1u;
-
-// The list over moving objects, after that of static objects: it leads into lists of each object, and back (see
-// rays/moving_boxes.rs).
-fn go_on_with_movers(walk: ptr<function, Walk>) {
-    let place = (*walk).movers;
-#ifdef EXACT_BOXES
-    let boxes = textureLoad(nodes, box_texel(2u * place)).w;
-#else
-    let header = textureLoad(nodes, box_texel(place));
-    let boxes = header.w;
-    let unit = bitcast<vec3f>(textureLoad(nodes, box_texel(place + 1u)).xyz);
-    let inverse = inverse_direction((*walk).ray.direction);
-    (*walk).scale = unit * inverse;
-    (*walk).offset = (bitcast<vec3f>(header.xyz) - (*walk).ray.origin) * inverse;
-#endif
-    (*walk).next = place + HEADER + octant((*walk).ray.direction) * boxes;
-    (*walk).end = NOWHERE;
-    (*walk).movers = 0u;
-}
-#endif
-
-// Boxes that the two texels before the lists take.
-#ifdef EXACT_BOXES
-const HEADER: u32 = 1u;
-#else
-const HEADER: u32 = 2u;
-#endif
-
-fn load_box(index: u32) -> Box {
-#ifdef EXACT_BOXES
-    let low = textureLoad(nodes, box_texel(2u * index));
-    let high = textureLoad(nodes, box_texel(2u * index + 1u));
-    return Box(bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz), low.w);
-#else
-    let words = textureLoad(nodes, box_texel(index));
-    // Signed, since that is one instruction on adapters that convert unsigned numbers in six.
-    let low = vec3i(vec3u(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu));
-    let high = vec3i(vec3u(words.y >> 16u, words.z & 0xffffu, words.z >> 16u));
-    return Box(vec3f(low), vec3f(high), words.w);
-#endif
-}
-
-// Whether the ray meets the box before t_max.
-//
-// Floats that are not negative are ordered as their bits are, and what is negative stays so: whole numbers will do,
-// whose minimum is one instruction where that of floats has to look out for NaN.
-fn meets_box(box: Box, walk: Walk) -> bool {
-#ifdef EXACT_BOXES
-    let a = bitcast<vec3i>((box.low - walk.offset) * walk.scale);
-    let b = bitcast<vec3i>((box.high - walk.offset) * walk.scale);
-#else
-    let a = bitcast<vec3i>(box.low * walk.scale + walk.offset);
-    let b = bitcast<vec3i>(box.high * walk.scale + walk.offset);
-#endif
-    let near = min(a, b);
-    let far = max(a, b);
-    let enter = max(max(near.x, near.y), max(near.z, 0));
-    let leave = min(min(far.x, far.y), min(far.z, bitcast<i32>(walk.hit.t)));
-    // Four roundings further, so that no box is missed that holds a hit (Ize 2013).
-#ifdef MOVERS
-    return enter <= leave + 4 && box.low.x < JUMP;
-#else
-    return enter <= leave + 4;
-#endif
 }
 
 // A number in [0, 1) for a ray and a point of a triangle: of all rays through a blended surface the share 1 − alpha
@@ -275,91 +140,4 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32) -> Hit {
     }
 #endif
     return hit;
-}
-
-fn is_over(walk: Walk) -> bool {
-    return walk.next >= walk.end;
-}
-
-// Looks at boxes until there are two leaves or more, or nothing is left, and then into the leaves: adapters that run
-// lanes in lockstep let no lane look into one while others search (Aila and Laine 2009, "Understanding the efficiency
-// of ray traversal on GPUs"). The walk must not be over.
-fn go_on(walk: ptr<function, Walk>) {
-    // Leaves whose boxes are met: one of earlier boxes, and those of the last two boxes.
-    var leaf = 0u;
-    var box_leaf = 0u;
-    var after_leaf = 0u;
-    loop {
-        // The box behind is the next one of most rays, and both at once take not much longer than one: most of the
-        // time goes into waiting, for memory and for one result after another. What lies behind the list's end leads
-        // nowhere or is met in vain.
-        let box = load_box((*walk).next);
-        let after = load_box((*walk).next + 1u);
-        let is_leaf = box.link >= LEAF;
-        let is_after_leaf = after.link >= LEAF;
-        let is_met = meets_box(box, *walk);
-        let is_after_met = meets_box(after, *walk);
-        let reaches_after = is_met || is_leaf;
-        leaf |= box_leaf | after_leaf;
-        box_leaf = select(0u, box.link, is_met && is_leaf);
-        after_leaf = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
-        let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
-        (*walk).next = select(box.link, after_next, reaches_after);
-        continuing {
-            let leaves = u32(leaf != 0u) + u32(box_leaf != 0u) + u32(after_leaf != 0u);
-            break if leaves >= 2u || (*walk).next >= (*walk).end;
-        }
-    }
-    while (leaf | box_leaf | after_leaf) != 0u {
-        if leaf == 0u {
-            leaf = select(after_leaf, box_leaf, box_leaf != 0u);
-            after_leaf = select(0u, after_leaf, box_leaf != 0u);
-            box_leaf = 0u;
-        }
-        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind);
-        // The leaf without this triangle.
-        leaf = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
-    }
-    if (*walk).kind == SHADOW && (*walk).hit.triangle != NONE {
-        (*walk).next = (*walk).end;
-    }
-#ifdef MOVERS
-    else if (*walk).next >= (*walk).end && (*walk).movers != 0u {
-        go_on_with_movers(walk);
-    }
-#endif
-}
-
-fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
-    var walk = begin_walk(load_frame(boxes), ray, t_max, kind);
-    while !is_over(walk) {
-        go_on(&walk);
-    }
-    return walk.hit;
-}
-
-// What glass leaves of light that comes along a SHADOW ray which nothing blocks.
-fn passed(ray: Ray, hit: Hit) -> vec3f {
-#ifdef GLASS
-    return left_of(hit.taken, min(hit.t * length(ray.direction), 1e9));
-#else
-    return vec3f(1.0);
-#endif
-}
-
-// What glass leaves of light on its way of so much of a LIGHT ray.
-fn left_by_glass(boxes: u32, ray: Ray, reach: f32) -> vec3f {
-#ifdef GLASS
-    let inverse = inverse_direction(ray.direction);
-    let a = (glass_box.low - ray.origin) * inverse;
-    let b = (glass_box.high - ray.origin) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    if max(max(near.x, near.y), max(near.z, 0.0)) > min(min(far.x, far.y), min(far.z, reach)) {
-        return vec3f(1.0);
-    }
-    return passed(ray, trace(boxes, ray, reach, THROUGH));
-#else
-    return vec3f(1.0);
-#endif
 }

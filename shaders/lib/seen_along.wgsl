@@ -31,7 +31,8 @@
 #import lightwell::rays::{Ray, SEEN}
 #import lightwell::refraction::{CLEAR, cross_surface, crossing_share, mirror_at_surface, reflecting}
 #endif
-#import lightwell::rays::{Hit, LIGHT, SHADOW, passed, trace}
+#import lightwell::rays::{Hit, LIGHT, SHADOW}
+#import lightwell::walk::{passed, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, basis, next_pair}
 #import lightwell::visible_surface::{SeenRay, VisibleSurface, ray_from}
 #ifdef ON_SCREEN

@@ -5,7 +5,8 @@
 #import lightwell::lights::Incidence
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface as Start, leave_surface}
-#import lightwell::rays::{SHADOW, Ray, left_by_glass, passed, trace}
+#import lightwell::rays::{SHADOW, Ray}
+#import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::view::{View, position_error}
 
 // Whether nothing is between a visible point and the light.

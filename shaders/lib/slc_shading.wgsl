@@ -13,7 +13,8 @@
 #import lightwell::view::{position_error, toward_eye}
 #ifdef RAYS
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, passed, trace}
+#import lightwell::rays::{Ray, SHADOW}
+#import lightwell::walk::{passed, trace}
 #endif
 
 @group(0) @binding(1) var<uniform> culling: Culling;

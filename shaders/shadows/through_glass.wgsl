@@ -3,7 +3,8 @@
 
 #import lightwell::gbuffer::{decode_base_color, decode_normal_reflectance, encode_base_color, encode_object, world_position}
 #import lightwell::lights::{Light, light_incidence}
-#import lightwell::rays::{Ray, left_by_glass}
+#import lightwell::rays::Ray
+#import lightwell::walk::left_by_glass
 #import lightwell::rsm::RsmLayer
 
 struct ThroughGlass {

@@ -13,7 +13,8 @@
 #import lightwell::ray_surfaces::{dispersed, followed_color}
 #endif
 #import lightwell::ray_surfaces::{Surface, surface_at}
-#import lightwell::rays::{PANE, Ray, trace}
+#import lightwell::rays::{PANE, Ray}
+#import lightwell::walk::trace
 #import lightwell::refraction::CLEAR
 #import lightwell::sampling::{Sampler, hash_pair, next_pair}
 #import lightwell::seen_along::{Around, Branch, ROOM, around, lit_crossed, of_layer, screen, seen_by, ways_from}

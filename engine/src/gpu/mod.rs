@@ -19,7 +19,7 @@ mod watch;
 
 pub(crate) use audit::Note;
 pub(crate) use changing::{Changing, changed};
-pub use context::{Gpu, GpuError, GpuOptions, instance_descriptor};
+pub use context::{Gpu, GpuError, GpuOptions, RayNodes, instance_descriptor};
 pub use counters::HostCounts;
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;

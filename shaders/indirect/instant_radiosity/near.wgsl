@@ -14,7 +14,8 @@
 #import lightwell::next_event::{LightSample, bounded, incidence_of, no_light, reflected, toward_light}
 #import lightwell::ray_scene::{NONE, load_light}
 #import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
-#import lightwell::rays::{Ray, LIGHT, SHADOW, left_by_glass, passed, trace}
+#import lightwell::rays::{Ray, LIGHT, SHADOW}
+#import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View

@@ -8,7 +8,8 @@
 #import lightwell::vpl::{VirtualLight, Connection, connect, connect_as_published, shadow_origin}
 #ifndef UNSHADOWED
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, passed, trace}
+#import lightwell::rays::{Ray, SHADOW}
+#import lightwell::walk::{passed, trace}
 #endif
 
 struct Letter {

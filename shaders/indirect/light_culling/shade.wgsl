@@ -6,7 +6,8 @@
 #ifdef RAYS
 #import lightwell::brdf::PI
 #import lightwell::ray_scene::NONE
-#import lightwell::rays::{Ray, SHADOW, passed, trace}
+#import lightwell::rays::{Ray, SHADOW}
+#import lightwell::walk::{passed, trace}
 #import lightwell::sampling::{cosine_direction, hash, unit_float}
 #import lightwell::slc::brightest
 #ifdef SKY_MAP

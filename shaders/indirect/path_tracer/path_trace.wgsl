@@ -27,11 +27,13 @@
 #endif
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
-#import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, Frame, Walk, load_frame, begin_walk, hit_of, is_over, go_on, passed, trace}
+#import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, hit_of}
+#import lightwell::walk::{Frame, Walk, load_frame, begin_walk, is_over, go_on, passed, trace}
 #ifdef GLASS
 #import lightwell::glass::{glass_at, pass_share}
 #import lightwell::ray_scene::load_triangle
-#import lightwell::rays::{SEEN, left_by_glass}
+#import lightwell::rays::SEEN
+#import lightwell::walk::left_by_glass
 #import lightwell::refraction::{cross_surface, crossing_share, reflecting}
 #ifdef DISPERSION
 #import lightwell::ray_surfaces::{dispersed, followed_color}

@@ -1,4 +1,4 @@
-//! The boxes of hierarchies as lists that rays follow without a stack, in the layout of `lib/rays.wgsl`.
+//! The boxes of hierarchies as lists that rays follow without a stack, in the layout of `lib/walk.wgsl`.
 
 use super::box_list::{BoxList, Links};
 use super::words::Texel;
@@ -76,7 +76,7 @@ impl Encoding<'_> {
         }
     }
 
-    /// Adds what leads on to another box and is never met: see `JUMP` of `lib/rays.wgsl`.
+    /// Adds what leads on to another box and is never met: see `JUMP` of `lib/walk.wgsl`.
     pub(super) fn push_jump(self, texels: &mut Vec<Texel>, link: u32) {
         match self {
             Self::InFrame(_) => texels.push([0xffff, 0, 0, link]),
@@ -201,7 +201,7 @@ mod tests {
         proptest::collection::vec(bounds, 1..count)
     }
 
-    /// Leaves in the order of a list, as `go_on` of `lib/rays.wgsl` goes: into all boxes that `meets` says yes to, two
+    /// Leaves in the order of a list, as `go_on` of `lib/walk.wgsl` goes: into all boxes that `meets` says yes to, two
     /// boxes at once.
     fn walk(lists: &BoxLists, octant: u32, mut meets: impl FnMut(&Texel) -> bool) -> Vec<u32> {
         let first = 2 + octant * lists.box_count;

@@ -1,10 +1,10 @@
 //! Nodes and triangles in the layouts of `lib/ray_scene.wgsl`.
 
 use super::RayError;
-use super::boxes::{self, BoxLists};
 use super::emitters::Emitters;
 use super::materials::GpuMaterials;
-use super::moving_boxes::{MovingBoxes, runs};
+use super::moving_boxes::runs;
+use super::nodes::Nodes;
 use super::words::{ROW, Texel, Words};
 use crate::assets::{VertexExtra, parallel};
 use crate::bvh::{Bvh, SceneBvh, corner_indices, is_mirrored, normal_matrix, turned_normal};
@@ -30,16 +30,11 @@ const WORTH_A_THREAD: usize = 2048;
 
 /// Geometry on the device: first static objects, then dynamic ones.
 pub(super) struct GpuGeometry {
-    nodes: Words,
+    pub(super) nodes: Nodes,
     triangles: Words,
     attributes: Words,
     extras: Words,
-    movers: MovingBoxes,
     has_extras: bool,
-    /// Boxes of a list of static objects.
-    pub(super) box_count: u32,
-    /// Whether the boxes are stored as they are: see [`boxes`].
-    pub(super) exact_boxes: bool,
 }
 
 /// The key of the geometry.
@@ -54,19 +49,12 @@ pub(super) struct Surfaces<'a> {
 impl GpuGeometry {
     pub(super) fn new(gpu: &Gpu) -> Self {
         Self {
-            nodes: Words::new(gpu, "ray boxes", 1),
+            nodes: Nodes::new(gpu),
             triangles: Words::new(gpu, "ray triangles", 1),
             attributes: Words::new(gpu, "ray attributes", 1),
             extras: Words::new(gpu, "ray extras", 1),
-            movers: MovingBoxes::new(&[], false, [0; 2]),
             has_extras: false,
-            box_count: 0,
-            exact_boxes: false,
         }
-    }
-
-    pub(super) fn nodes(&self) -> &wgpu::TextureView {
-        self.nodes.view()
     }
 
     pub(super) fn triangles(&self) -> &wgpu::TextureView {
@@ -84,35 +72,20 @@ impl GpuGeometry {
     /// The hierarchies, each with the index of its first triangle.
     pub(super) fn trees<'a>(&'a self, bvh: &'a SceneBvh) -> impl Iterator<Item = (&'a Bvh, u32)> {
         let objects = bvh.movers.objects.iter().enumerate();
-        let movers = objects.map(|(index, object)| (&object.bvh, self.movers.first_triangle(index)));
+        let movers = objects.map(|(index, object)| (&object.bvh, self.nodes.first_triangle(index)));
         std::iter::once((&bvh.statics.bvh, 0)).chain(movers)
     }
 
     /// Uploads all static objects, and makes room for dynamic ones, which are to be uploaded next.
     pub(super) fn update_statics(&mut self, gpu: &Gpu, surfaces: Surfaces) -> Result<(), RayError> {
         let statics = &surfaces.bvh.statics.bvh;
-        let counts = surfaces.bvh.counts_of_movers();
-        let moving = counts.iter().sum::<usize>();
-        let is_passage = statics.nodes.is_empty() && moving > 0;
-        let exact = match is_passage {
-            true => boxes::are_exact(surfaces.bvh.trees()),
-            false => boxes::are_exact(std::iter::once(statics)),
-        };
-        let static_texels = boxes::texel_count(if is_passage { 1 } else { statics.nodes.len() }, exact);
-        let moving_texels = if moving > 0 { MovingBoxes::texel_count(&counts, exact) } else { 0 };
-        let row = ROW as usize;
-        self.nodes.reserve(gpu, "ray boxes", "hierarchies", (static_texels + moving_texels).div_ceil(row))?;
-        let first = [static_texels / boxes::texels_of_box(exact), statics.order.len()].map(|first| first as u32);
-        let triangle_rows = 3 * (statics.order.len() + moving).div_ceil(row);
+        let moving = surfaces.bvh.moving_triangles();
+        self.nodes.update_statics(gpu, surfaces.bvh)?;
+        let triangle_rows = 3 * (statics.order.len() + moving).div_ceil(ROW as usize);
         self.has_extras = !surfaces.materials.is_plain();
         self.triangles.reserve(gpu, "ray triangles", "triangles", triangle_rows)?;
         self.attributes.reserve(gpu, "ray attributes", "triangles", triangle_rows)?;
         self.extras.reserve(gpu, "ray extras", "triangles", if self.has_extras { triangle_rows } else { 0 })?;
-        self.movers = MovingBoxes::new(&counts, exact, first);
-        let next = if moving > 0 { first[0] } else { 0 };
-        let lists = if is_passage { BoxLists::passage(exact, next) } else { BoxLists::new(statics, exact, next) };
-        self.nodes.write(gpu, 0, &lists.texels);
-        (self.box_count, self.exact_boxes) = (lists.box_count, exact);
         self.write_triangles(gpu, surfaces, 0, &statics.order, true);
         Ok(())
     }
@@ -120,15 +93,14 @@ impl GpuGeometry {
     /// Uploads the boxes and triangles of dynamic objects that have changed since a version which the device holds; none:
     /// of all.
     pub(super) fn update_movers(&mut self, gpu: &Gpu, surfaces: Surfaces, since: Option<u64>) {
-        let (statics, movers) = (&surfaces.bvh.statics, &surfaces.bvh.movers);
+        let movers = &surfaces.bvh.movers;
         if surfaces.bvh.moving_triangles() == 0 || since.is_some_and(|since| movers.version <= since) {
             return;
         }
-        let scene_size = statics.bounds().union(&movers.bounds()).size().max_element().max(f32::MIN_POSITIVE);
-        self.movers.update(gpu, &self.nodes, movers, scene_size, since);
+        self.nodes.update_movers(gpu, surfaces.bvh, since);
         let is_new = |index: &usize| since.is_none_or(|since| movers.objects[*index].version > since);
         let new: Vec<usize> = (0..movers.objects.len()).filter(is_new).collect();
-        let place = |object: usize| self.movers.first_triangle(object) as usize;
+        let place = |object: usize| self.nodes.first_triangle(object) as usize;
         for run in runs(&new, |before, object| place(object) - place(before + 1) <= GAP) {
             let mut order = Vec::with_capacity(place(run.end - 1) - place(run.start));
             // Extras stay with the vertices, wherever these are.

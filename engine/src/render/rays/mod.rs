@@ -13,6 +13,9 @@ mod geometry;
 mod lights;
 mod materials;
 mod moving_boxes;
+mod nodes;
+mod wide_nodes;
+mod wide_tree;
 mod words;
 
 use crate::bvh::SceneBvh;
@@ -214,6 +217,7 @@ impl RayScene {
             (then.has_materials_of(now) || then.has_statics_of(now))
                 && then.versions[0] == versions[0]
                 && then.is_plain == now.is_plain
+                && self.geometry.nodes.suit(gpu, bvh)
         };
         let keeps_statics = then.is_some_and(keeps) && !has_other_emitters;
         if !keeps_statics && has_materials {
@@ -234,9 +238,9 @@ impl RayScene {
         Ok(())
     }
 
-    /// What `trace` of `lib/rays.wgsl` is to know: the boxes of the first hierarchy; 0 if there is nothing to meet.
+    /// What `trace` of `lib/walk.wgsl` is to know; 0 if there is nothing to meet.
     pub fn root(&self) -> u32 {
-        self.geometry.box_count
+        self.geometry.nodes.root()
     }
 
     /// Whether any surface is smooth enough to show an image of what it reflects.
@@ -261,13 +265,14 @@ impl RayScene {
 
     /// The shader with all that this scene needs of `lib/ray_scene.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
-        let layers = self.materials.layers();
+        let (layers, nodes) = (self.materials.layers(), &self.geometry.nodes);
         let flags = [
-            ("EXACT_BOXES", self.geometry.exact_boxes),
+            ("EXACT_BOXES", nodes.are_exact()),
+            ("WIDE", nodes.are_wide()),
             ("UNTEXTURED", !self.atlas.holds_textures()),
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),
-            ("MOVERS", self.bvh.moving_triangles() > 0),
+            ("MOVERS", self.bvh.moving_triangles() > 0 && !nodes.are_wide()),
             ("UNLIT", self.emitter_count == 0),
             ("DARK", !self.materials.any_emissive()),
             ("PLAIN", self.materials.is_plain()),
@@ -321,7 +326,7 @@ impl RayScene {
     /// Group 1 of all passes that cast rays.
     fn bindings(&self) -> [(&'static str, Binding<'_>); 8] {
         [
-            ("nodes", Binding::Texture(self.geometry.nodes())),
+            ("nodes", self.geometry.nodes.binding()),
             ("triangles", Binding::Texture(self.geometry.triangles())),
             ("attributes", Binding::Texture(self.geometry.attributes())),
             ("materials", Binding::Buffer(&self.materials.buffer)),

@@ -1,4 +1,4 @@
-//! The boxes of moving objects, in the layout of `lib/rays.wgsl`: lists over the objects, which lead into lists of each.
+//! The boxes of moving objects, in the layout of `lib/walk.wgsl`: lists over the objects, which lead into lists of each.
 //!
 //! ```text
 //! header | lists over the objects, one an octant | ways back of all objects, for each octant | lists of each object
@@ -242,7 +242,7 @@ fn own_list(bvh: &Bvh, first_box: u32, octant: u32) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::boxes::{COUNT_BITS, LEAF};
     use super::*;
     use crate::assets::{Material, Shape};
@@ -256,7 +256,7 @@ mod tests {
     const TRIANGLES: u32 = 12;
 
     /// Boxes that move; those that stand nowhere have no box.
-    fn scene(places: &[Affine3A]) -> Scene {
+    pub(in super::super) fn scene(places: &[Affine3A]) -> Scene {
         let mesh = Arc::new(Shape::Box { size: [1.0; 3] }.mesh().expect("a valid shape"));
         let material = Arc::new(Material::diffuse("grey", Vec3::splat(0.5)));
         let primitives = places.iter().zip(0..).map(|(place, id)| Primitive {
@@ -288,7 +288,7 @@ mod tests {
         memory
     }
 
-    /// First triangles of the leaves that a ray comes by, as `go_on` of `lib/rays.wgsl` goes.
+    /// First triangles of the leaves that a ray comes by, as `go_on` of `lib/walk.wgsl` goes.
     fn walk(memory: &[Texel], exact: bool, octant: u32, mut meets: impl FnMut(&Texel) -> bool) -> Vec<u32> {
         let in_box = texels_of_box(exact);
         let length = memory[FIRST[0] as usize * in_box][3];
@@ -311,7 +311,7 @@ mod tests {
         leaves
     }
 
-    fn place() -> impl Strategy<Value = Affine3A> {
+    pub(in super::super) fn place() -> impl Strategy<Value = Affine3A> {
         let near = (-9.0..9.0_f32, -9.0..9.0_f32, -9.0..9.0_f32).prop_map(|at| Affine3A::from_translation(at.into()));
         prop_oneof![9 => near, 1 => Just(Affine3A::from_translation(Vec3::NAN))]
     }

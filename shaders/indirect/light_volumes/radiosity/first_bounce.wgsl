@@ -13,7 +13,8 @@
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::surface_at
-#import lightwell::rays::{Ray, SHADOW, left_by_glass, passed, trace}
+#import lightwell::rays::{Ray, SHADOW}
+#import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, next_pair}
 #import lightwell::sweep::Surfel
 

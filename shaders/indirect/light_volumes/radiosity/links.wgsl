@@ -23,7 +23,8 @@
 #import lightwell::radiosity::{RAYS, Link, encode_link, link_start, no_link}
 #import lightwell::ray_scene::{NONE, primitive_of}
 #import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
-#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW, left_by_glass, passed, trace}
+#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW}
+#import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, cosine_direction, next_pair}
 #import lightwell::sweep::Surfel
 

@@ -39,7 +39,8 @@
 #endif
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at}
-#import lightwell::rays::{Frame, Hit, Ray, Walk, LIGHT, SHADOW, begin_walk, go_on, is_over, left_by_glass, load_frame, passed, trace}
+#import lightwell::rays::{Hit, Ray, LIGHT, SHADOW}
+#import lightwell::walk::{Frame, Walk, begin_walk, go_on, is_over, left_by_glass, load_frame, passed, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
