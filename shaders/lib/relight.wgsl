@@ -9,7 +9,7 @@
 struct Cascade {
     volume: Volume,
     fade_center: vec3f,    // centre of the box before it was snapped [m]
-    fade_cells: f32,       // width of the fade into the next coarser cascade [cells]
+    fade_cells: f32,       // width of the fade into the next coarser cascade, or into the outside [cells]; 0: none
     fade_half: vec3f,      // half extent of that box [m]
     padding: f32,
 }
@@ -18,8 +18,8 @@ struct Relight {
     cascades: array<Cascade, 4>,
     count: u32,
     gain: f32,             // k
-    padding_a: u32,
-    padding_b: u32,
+    offset: f32,           // of lookups before the surface [cells]
+    damping: f32,          // strength of the gradient damping
 }
 
 #ifdef FORWARD
@@ -73,13 +73,40 @@ fn sample(level: u32, volume: Volume, point: vec3f) -> Cell {
 
 fn irradiance(level: u32, point: vec3f, n: vec3f) -> vec3f {
     let volume = relight.cascades[level].volume;
-    let at = point + n * (0.5 * volume.cell);
+    let at = point + n * (relight.offset * volume.cell);
     let cell = sample(level, volume, at);
     let lobe = sh_cosine_lobe(-n);
-    return max(vec3f(dot(cell.red, lobe), dot(cell.green, lobe), dot(cell.blue, lobe)), vec3f(0.0));
+    let looked_up = max(vec3f(dot(cell.red, lobe), dot(cell.green, lobe), dot(cell.blue, lobe)), vec3f(0.0));
+    if relight.damping > 0.0 {
+        return looked_up / (1.0 + relight.damping * gradient(level, volume, at, n, cell));
+    }
+    return looked_up;
 }
 
-// Share of a cascade at a point: 1 inside, falling to 0 over the fade; the coarsest is whole to its border.
+// The largest square, over the colour channels, of the central difference of the coefficients over one cell along the
+// normal (Šefčík 2016, section 5.6), relative to the coefficients, so that light of any brightness is damped alike.
+fn gradient(level: u32, volume: Volume, at: vec3f, n: vec3f, here: Cell) -> f32 {
+    let ahead = sample(level, volume, at + n * (0.5 * volume.cell));
+    let behind = sample(level, volume, at - n * (0.5 * volume.cell));
+    let red = relative_square(ahead.red - behind.red, here.red);
+    let green = relative_square(ahead.green - behind.green, here.green);
+    let blue = relative_square(ahead.blue - behind.blue, here.blue);
+    return max(red, max(green, blue));
+}
+
+// |difference|²/|coefficients|², of numbers whose squares may be too small or too large for floats.
+fn relative_square(difference: vec4f, coefficients: vec4f) -> f32 {
+    let either = max(abs(difference), abs(coefficients));
+    let largest = max(max(either.x, either.y), max(either.z, either.w));
+    if largest <= 0.0 {
+        return 0.0;
+    }
+    let d = difference / largest;
+    let c = coefficients / largest;
+    return dot(d, d) / max(dot(c, c), 1e-6);
+}
+
+// Share of a cascade at a point: 1 inside, falling to 0 over the fade.
 // The fade follows the box before it was snapped, so that a moving camera sees no jump.
 fn share(level: u32, point: vec3f) -> f32 {
     let cascade = relight.cascades[level];
@@ -88,7 +115,7 @@ fn share(level: u32, point: vec3f) -> f32 {
     if any(inside < vec3f(-1e-3 * cascade.volume.cell)) {
         return 0.0;
     }
-    if level + 1u == relight.count || cascade.fade_cells <= 0.0 {
+    if cascade.fade_cells <= 0.0 {
         return 1.0;
     }
     let margin = cascade.fade_half - abs(point - cascade.fade_center);
@@ -109,5 +136,6 @@ fn propagated_irradiance(point: vec3f, n: vec3f) -> vec3f {
             shares += w;
         }
     }
-    return e * (relight.gain / max(shares, 1e-6));
+    // Shares of less than 1 in all fade into the unlit outside.
+    return e * (relight.gain / max(shares, 1.0));
 }

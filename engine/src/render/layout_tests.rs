@@ -18,7 +18,8 @@ use super::indirect::light_volumes::sweep::{
     MirrorUniform, ReachUniform, SumUniform, UpsampleUniform,
 };
 use super::indirect::light_volumes::{
-    CameraSamplesUniform, FirstBounceUniform, LinksUniform, PropagationUniform, RelightUniform, VolumeUniform,
+    CameraSamplesUniform, EmissionUniform, FirstBounceUniform, LinksUniform, PropagationUniform, RelightUniform,
+    VolumeUniform,
 };
 use super::indirect::mirror_average::MirrorAverageUniform;
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
@@ -103,7 +104,12 @@ fn rust_and_wgsl_agree_on_every_struct() {
         "CameraSamples",
     );
     check(&gpu, PropagationUniform::min_size().get(), "indirect/light_volumes/diffusion/propagate.wgsl", "Propagation");
+    let emitters = "indirect/light_volumes/diffusion/inject_emitters.wgsl";
+    check(&gpu, EmissionUniform::min_size().get(), emitters, "Emission");
+    let printed = "indirect/light_volumes/diffusion/propagate_printed.wgsl";
+    check(&gpu, PropagationUniform::min_size().get(), printed, "Propagation");
     check(&gpu, RelightUniform::min_size().get(), "indirect/light_volumes/diffusion/relight.wgsl", "Relight");
+    check(&gpu, RelightUniform::min_size().get(), "indirect/light_volumes/diffusion/gloss_march.wgsl", "Relight");
     check(&gpu, TraceUniform::min_size().get(), "indirect/path_tracer/path_trace.wgsl", "Trace");
     check(&gpu, GatherUniform::min_size().get(), "indirect/light_volumes/sweep/gather.wgsl", "Gather");
     check(&gpu, ReachUniform::min_size().get(), "indirect/light_volumes/sweep/gather_filter.wgsl", "Reach");

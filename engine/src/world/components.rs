@@ -296,6 +296,30 @@ pub enum Precision {
     Half,
 }
 
+/// Which form of the thesis's formulas the diffusion uses (Šefčík 2016, sections 3.10 and 5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Formulas {
+    /// Flux is conserved: what a face receives is Δω_f·I, and blockers return a share of the flux that they stop.
+    #[default]
+    Corrected,
+    /// As the thesis prints them: Δω_f/4π (3.5) loses most of the flux in each step, and the reflection of blockers (3.7)
+    /// is added without being taken from the flux that passes.
+    Printed,
+}
+
+/// How the diffusion reflects light in glossy surfaces: it marches along the reflected ray (Šefčík 2016, sections 3.10.4
+/// and 5.6).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum GlossMarch {
+    /// Surfaces reflect diffusely alone.
+    #[default]
+    Off,
+    /// Steps are weighted by 1/d, as section 5.6 has it.
+    InverseDistance,
+    /// Steps are weighted by 1/d², as section 3.10.4 has it.
+    InverseSquare,
+}
+
 /// Cascaded light propagation volumes: indirect light for the scene that holds this component.
 ///
 /// Design and formulas: Šefčík 2016, chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
@@ -353,6 +377,17 @@ pub struct Clpv {
     /// Width of the border over which a cascade fades into the next coarser one, in cells; with `transport: Diffusion`
     /// alone.
     pub border_fade: f32,
+    /// Width of the border over which the coarsest cascade fades into the unlit outside, in cells; 0: it is whole up to its
+    /// border. With `transport: Diffusion` alone.
+    pub outside_fade: f32,
+    /// Which form of the thesis's formulas is used; with `transport: Diffusion` alone.
+    pub formulas: Formulas,
+    /// Strength s of the gradient damping; 0: none. Light whose coefficients differ by g times themselves over a cell along
+    /// the normal is divided by 1 + s·g², which darkens what leaks through walls, and true gradients too. With
+    /// `transport: Diffusion` alone.
+    pub gradient_damping: f32,
+    /// What glossy surfaces reflect; with `transport: Diffusion` alone.
+    pub gloss_march: GlossMarch,
 }
 
 impl Default for Clpv {
@@ -378,6 +413,10 @@ impl Default for Clpv {
             camera_blockers: false,
             gain: 2.0 / 3.0,
             border_fade: 2.0,
+            outside_fade: 0.0,
+            formulas: Formulas::Corrected,
+            gradient_damping: 0.0,
+            gloss_march: GlossMarch::Off,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, Vec3};
-use lightwell::assets::Shape;
+use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, read_buffer};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
@@ -71,6 +71,24 @@ fn a_spot_light_injects_what_its_cone_holds() {
     let injected = flux(&gpu, &renderer, "inject, cascade 0", 0.5);
     let expected = f64::from(0.5 * 2.0 * 2.0 * PI * (1.0 - outer.cos()));
     assert!((injected / expected - 1.0).abs() < 1e-2, "{injected} W of {expected} W");
+}
+
+#[test]
+fn emissive_surfaces_inject_their_flux_and_light_a_room_alone() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(&gpu);
+    let mut stage = room(0.5, half_metre_cells(10, 8));
+    stage.scene.lights.clear();
+    let radiance = Vec3::new(2.0, 1.0, 0.5);
+    let panel = Material { emissive: radiance, ..Material::diffuse("panel", Vec3::ZERO) };
+    let turned = Affine3A::from_rotation_translation(glam::Quat::from_rotation_x(PI), Vec3::new(0.1, 1.4, 0.2));
+    stage.add_material(Shape::Plane { size: [0.8, 0.6], subdivisions: [1, 1] }, panel, turned);
+    let (image, _) = stage.render_with(&gpu, &mut renderer, &indirect());
+    let injected = flux(&gpu, &renderer, "inject, cascade 0", 0.5);
+    let expected = f64::from(PI * radiance.x * 0.8 * 0.6);
+    assert!((injected / expected - 1.0).abs() < 2e-3, "{injected} W of {expected} W");
+    let sum: Vec3 = image.rgba.iter().map(|p| Vec3::new(p[0], p[1], p[2])).sum();
+    assert!(sum.x > 0.0 && (sum.y / sum.x - 0.5).abs() < 1e-3, "{sum}");
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //! any grid: flux, walls, symmetry, whole cells.
 
 use crate::support::grid::{
-    AXES, BLOCKED, FREE, Grid, Settings, all, cosine_lobe, dot, faces, largest, propagate, random_grid, reference_step,
-    solid_angle,
+    AXES, BLOCKED, FREE, Grid, Settings, all, cosine_lobe, dot, faces, largest, printed_step, propagate,
+    propagate_as_printed, random_grid, reference_step, solid_angle,
 };
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, DVec3, UVec3, Vec3};
@@ -45,6 +45,33 @@ fn the_device_propagates_as_the_reference_does() {
             }
         }
     }
+}
+
+#[test]
+fn the_device_propagates_by_the_printed_formulas() {
+    let gpu = gpu();
+    for cells in [[9, 5, 7], [1, 1, 1], [17, 2, 3]] {
+        let grid = random_grid(cells);
+        for settings in [FREE, Settings { bounce: 0, ..BLOCKED }, Settings { blocker_scale: 1.0, ..BLOCKED }] {
+            let mut light: Vec<[f64; 12]> = grid.light.iter().map(|l| l.map(f64::from)).collect();
+            (0..3).for_each(|_| light = printed_step(&grid, &light, settings));
+            let (device, _) = propagate_as_printed(&gpu, &grid, settings, 3);
+            let scale = f64::from(largest(&device)).max(1e-6);
+            let pairs = device.light.iter().flatten().zip(light.iter().flatten());
+            let error = pairs.map(|(&a, &b)| (f64::from(a) - b).abs()).fold(0.0, f64::max) / scale;
+            assert!(error < 1e-5, "{cells:?}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_printed_step_passes_on_the_share_of_one_over_four_pi() {
+    let mut grid = Grid::new([7, 7, 7]);
+    grid.add_lobe(UVec3::splat(3), Vec3::Y);
+    let gpu = gpu();
+    let ratio =
+        propagate_as_printed(&gpu, &grid, FREE, 1).0.flux(|_| true) / propagate(&gpu, &grid, FREE, 1).0.flux(|_| true);
+    assert!((ratio * 4.0 * PI - 1.0).abs() < 1e-5, "{ratio}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod alpha_mask;
 mod area_lights;
 mod blend;
 mod depth_of_field;
+mod diffusion_lookup;
 mod direct_light;
 mod double_sided_shells;
 mod formulas;

@@ -157,6 +157,37 @@ pub fn reference_step(grid: &Grid, light: &[[f64; 12]], settings: Settings, clam
     next
 }
 
+/// One step by the formulas as Šefčík 2016 prints them in 3.10.3, with the flux that equation 3.7 lacks.
+pub fn printed_step(grid: &Grid, light: &[[f64; 12]], settings: Settings) -> Vec<[f64; 12]> {
+    let mut next = vec![[0.0; 12]; light.len()];
+    for cell in all(grid.cells) {
+        for travel in AXES {
+            let neighbour = cell.as_ivec3() - travel.as_ivec3();
+            if neighbour.min_element() < 0 || !neighbour.cmplt(grid.cells.as_ivec3()).all() {
+                continue;
+            }
+            let source = light[grid.cell(neighbour.as_uvec3())];
+            let (between, _) = blocker(grid, cell, -travel);
+            let (farthest, reflectance) = blocker(grid, cell, travel);
+            let blocking =
+                |b: [f64; 4], d: DVec3| (f64::from(settings.blocker_scale) * dot(b, basis(d))).clamp(0.0, 1.0);
+            for (normal, towards, angle) in faces(travel) {
+                let passed = if settings.occlusion == 1 { 1.0 - blocking(between, -towards) } else { 1.0 };
+                let share = if settings.bounce == 1 { blocking(farthest, -towards) } else { 0.0 };
+                let lobe = cosine_lobe(normal);
+                let to = &mut next[grid.cell(cell)];
+                for channel in 0..3 {
+                    let own: [f64; 4] = std::array::from_fn(|i| source[4 * channel + i]);
+                    let flux = angle / (4.0 * PI) * dot(own, basis(towards)).max(0.0) * passed;
+                    let reflected = reflectance[channel] * share * flux;
+                    (0..4).for_each(|i| to[4 * channel + i] += flux / PI * lobe[i] + reflected * farthest[i]);
+                }
+            }
+        }
+    }
+    next
+}
+
 /// Mean blocker and reflectance over the corners of the face of a cell along `travel`.
 fn blocker(grid: &Grid, cell: UVec3, travel: DVec3) -> ([f64; 4], [f64; 3]) {
     let mut sum = [0.0; 8];
@@ -173,10 +204,16 @@ fn blocker(grid: &Grid, cell: UVec3, travel: DVec3) -> ([f64; 4], [f64; 3]) {
 
 /// Steps on the device: the light after the last, and the sum of all with what was there before.
 pub fn propagate(gpu: &Gpu, grid: &Grid, settings: Settings, steps: u32) -> (Grid, Grid) {
-    let pipeline = gpu
-        .pipelines
-        .compute(gpu, &ComputeKey::new("indirect/light_volumes/diffusion/propagate.wgsl", "step"))
-        .expect("a valid shader");
+    propagate_by(gpu, "indirect/light_volumes/diffusion/propagate.wgsl", grid, settings, steps)
+}
+
+/// The same by the printed formulas.
+pub fn propagate_as_printed(gpu: &Gpu, grid: &Grid, settings: Settings, steps: u32) -> (Grid, Grid) {
+    propagate_by(gpu, "indirect/light_volumes/diffusion/propagate_printed.wgsl", grid, settings, steps)
+}
+
+fn propagate_by(gpu: &Gpu, shader: &'static str, grid: &Grid, settings: Settings, steps: u32) -> (Grid, Grid) {
+    let pipeline = gpu.pipelines.compute(gpu, &ComputeKey::new(shader, "step")).expect("a valid shader");
     let volume = gpu.uniform("volume", &VolumeUniform { origin: Vec3::ZERO, cell: 1.0, cells: grid.cells, padding: 0 });
     let settings = gpu.uniform("settings", &settings);
     let blockers = gpu.storage("blockers", &grid.blockers, wgpu::BufferUsages::empty());

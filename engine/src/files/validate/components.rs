@@ -238,7 +238,9 @@ impl Validator {
         self.require(c.steps <= 1024, "steps", format!("`steps` is {}", c.steps), "use 0 to 1024")?;
         self.number("blocker_scale", c.blocker_scale, 0.0, 1e6)?;
         self.number("gain", c.gain, 0.0, 1e6)?;
-        self.number("border_fade", c.border_fade, 0.0, 128.0)
+        self.number("border_fade", c.border_fade, 0.0, 128.0)?;
+        self.number("outside_fade", c.outside_fade, 0.0, 128.0)?;
+        self.number("gradient_damping", c.gradient_damping, 0.0, 1e6)
     }
 
     pub(super) fn vpl(&mut self, c: &InstantRadiosity) -> Checked {

@@ -39,7 +39,7 @@ pub(in crate::render) fn declare<'a>(
 ) -> Handle<Texture> {
     let (diffuse, field) = (light.radiance, &light.field);
     if light.is_glossy {
-        graph.skip(names.pass, "the light was gathered for all of a surface's reflection");
+        graph.skip(names.pass, "the method found what glossy surfaces reflect itself");
         return diffuse;
     }
     let Field::Swept { volume, .. } = field else {

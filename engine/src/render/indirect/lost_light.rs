@@ -12,6 +12,7 @@ pub(in crate::render) fn of(frame: &Frame, method: GiMethod) -> Vec<String> {
     let mut lost = match method {
         GiMethod::CLPV => of_light_volumes(frame),
         GiMethod::VPL => of_virtual_lights(frame.scene),
+        GiMethod::SLC => of_light_culling(frame.scene),
         _ => Vec::new(),
     };
     lost.extend(of_media(frame.scene, method));
@@ -85,4 +86,17 @@ fn of_virtual_lights(scene: &Scene) -> Vec<String> {
         ));
     }
     lost
+}
+
+/// Light culling has the light of reflective shadow maps alone.
+fn of_light_culling(scene: &Scene) -> Vec<String> {
+    let Some(primitive) = scene.primitives.iter().find(|primitive| primitive.material.emissive != Vec3::ZERO) else {
+        return Vec::new();
+    };
+    vec![format!(
+        "{}: surfaces that emit, as `{}`, light nothing, since stochastic light culling has the lights of reflective shadow \
+         maps alone; `clpv` and `vpl` take them",
+        entity(&scene.settings_names.slc, "slc"),
+        primitive.material.name
+    )]
 }

@@ -103,6 +103,8 @@ fn sanitized(clpv: &Clpv) -> Clpv {
         blocker_scale: positive(clpv.blocker_scale, default.blocker_scale),
         gain: positive(clpv.gain, default.gain),
         border_fade: positive(clpv.border_fade, default.border_fade),
+        outside_fade: positive(clpv.outside_fade, default.outside_fade),
+        gradient_damping: positive(clpv.gradient_damping, default.gradient_damping).min(1e6),
         ..clpv.clone()
     }
 }

@@ -133,7 +133,7 @@ pub const METHODS: [fn(&mut Studio); 11] = [
     },
 ];
 
-const SETTINGS: usize = 20;
+const SETTINGS: usize = 24;
 
 const SURFACES: usize = 11;
 const SKIES: usize = 7;
@@ -333,6 +333,21 @@ impl Studio {
                 let mut settings = self.world.ecs.resource_mut::<SceneSettings>();
                 settings.sky_light = !settings.sky_light;
             }
+            (GiMethod::CLPV, 20) => self.clpv(|clpv| clpv.gradient_damping = 2.0 - clpv.gradient_damping),
+            (GiMethod::CLPV, 21) => self.clpv(|clpv| clpv.outside_fade = 2.0 - clpv.outside_fade),
+            (GiMethod::CLPV, 22) => self.clpv(|clpv| {
+                clpv.formulas = match clpv.formulas {
+                    Formulas::Corrected => Formulas::Printed,
+                    Formulas::Printed => Formulas::Corrected,
+                };
+            }),
+            (GiMethod::CLPV, 23) => self.clpv(|clpv| {
+                clpv.gloss_march = match clpv.gloss_march {
+                    GlossMarch::Off => GlossMarch::InverseDistance,
+                    GlossMarch::InverseDistance => GlossMarch::InverseSquare,
+                    GlossMarch::InverseSquare => GlossMarch::Off,
+                };
+            }),
             (_, 12..) => self.effect(which - 12),
             _ => {}
         }

@@ -49,8 +49,10 @@ impl IndirectMethod for LightVolumesMethod {
     }
 
     fn surfel_spacing(&self, subject: &Subject) -> Result<Option<f32>, RenderError> {
-        let swept = subject.scene.clpv.as_ref().filter(|clpv| clpv.settings.transport == Transport::Sweep);
-        let Some(clpv) = swept else { return Ok(None) };
+        let Some(clpv) = &subject.scene.clpv else { return Ok(None) };
+        if clpv.settings.transport == Transport::Diffusion {
+            return diffusion::surfel_spacing(clpv, subject);
+        }
         let is_gathered = subject.has_rays && gather::is_wanted(&clpv.settings);
         let quality = gather::quality_of_volumes(&clpv.settings, is_gathered);
         let volumes = sweep::volumes(clpv, quality, subject.bounds, subject.view)?;

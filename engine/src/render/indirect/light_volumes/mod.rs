@@ -12,7 +12,7 @@ mod volume;
 
 pub(crate) use diffusion::relight::RelightUniform;
 #[cfg(test)]
-pub(crate) use diffusion::{CameraSamplesUniform, PropagationUniform};
+pub(crate) use diffusion::{CameraSamplesUniform, EmissionUniform, PropagationUniform};
 pub(in crate::render) use method::LightVolumesMethod;
 #[cfg(test)]
 pub(crate) use radiosity::{FirstBounceUniform, LinksUniform};

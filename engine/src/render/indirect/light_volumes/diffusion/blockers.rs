@@ -1,6 +1,6 @@
 //! The geometry volume: blockers of transported radiance with their reflectance, from all that lights (and the camera) see.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::Frame;
 use crate::render::frame::linear_groups;
@@ -8,6 +8,7 @@ use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::texels::dispatch_texels;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;
+use crate::world::Formulas;
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
@@ -21,9 +22,10 @@ pub(crate) struct CameraSamplesUniform {
 /// Most samples of the camera's view along an edge.
 const CAMERA_SAMPLES: u32 = 128;
 
-/// The two buffers of a cascade and where it lies.
+/// The two buffers of a cascade, where it lies, and how it is filled.
 struct Grid {
     volume: Volume,
+    formulas: Formulas,
     fixed: Handle<Buffer>,
     merged: Handle<Buffer>,
 }
@@ -37,6 +39,7 @@ pub(super) fn declare<'a>(
     camera: Option<&GBuffer>,
     level: usize,
     volume: &Volume,
+    formulas: Formulas,
 ) -> Handle<Buffer> {
     let name = format!("blockers, cascade {level}");
     // Eight 32-bit numbers a corner, in both buffers.
@@ -55,10 +58,10 @@ pub(super) fn declare<'a>(
         pass.read(gbuffer.normal);
         pass.read(gbuffer.depth);
     }
-    let grid = Grid { volume: *volume, fixed: pass.write(fixed), merged: pass.write(merged) };
+    let grid = Grid { volume: *volume, formulas, fixed: pass.write(fixed), merged: pass.write(merged) };
     let merged = grid.merged;
     // What the lights see says it all; how bright they are does not matter here.
-    pass.key(&(volume.key(), rsms.len(), camera.map(|_| frame.view_key())));
+    pass.key(&(volume.key(), rsms.len(), camera.map(|_| frame.view_key()), formulas));
     let (rsms, camera, frame) = (rsms.to_vec(), camera.copied(), frame.clone());
     pass.execute(move |cx| {
         let target = cx.buffer(grid.merged).clone();
@@ -72,15 +75,31 @@ pub(super) fn declare<'a>(
         // The first view is no merge: it meets an empty volume.
         let views = rsms.iter().map(|rsm| rsm.views.len() as u64).sum::<u64>() + u64::from(camera.is_some());
         cx.counts().merges += views.saturating_sub(1);
-        limit(cx, &grid)
+        // The thesis sets no limit.
+        if formulas == Formulas::Corrected { limit(cx, &grid) } else { Ok(()) }
     });
     merged
 }
 
+impl Grid {
+    fn shader(&self, entry: &'static str) -> ComputeKey {
+        let printed = (self.formulas == Formulas::Printed).then_some(("PRINTED", ShaderDef::Flag(true)));
+        ComputeKey {
+            defs: printed.into_iter().collect(),
+            ..ComputeKey::new("indirect/light_volumes/diffusion/blockers.wgsl", entry)
+        }
+    }
+}
+
+/// Pixels along an edge of a sample of the camera's view: the thesis halves its images until they are small enough.
+fn camera_stride(size: [u32; 2], formulas: Formulas) -> u32 {
+    let stride = size[0].max(size[1]).div_ceil(CAMERA_SAMPLES);
+    if formulas == Formulas::Printed { stride.next_power_of_two() } else { stride }
+}
+
 fn from_rsm(cx: &mut PassContext, rsm: &Rsm, layer: usize, grid: &Grid) -> Result<(), PassError> {
     let fixed = cleared(cx, grid);
-    let key = ComputeKey::new("indirect/light_volumes/diffusion/blockers.wgsl", "from_rsm");
-    dispatch_texels(cx, &key, rsm, layer..layer + 1, &grid.volume, &fixed, 1.0)?;
+    dispatch_texels(cx, &grid.shader("from_rsm"), rsm, layer..layer + 1, &grid.volume, &fixed, 1.0)?;
     merge(cx, grid)
 }
 
@@ -88,14 +107,14 @@ fn from_camera(cx: &mut PassContext, frame: &Frame, gbuffer: &GBuffer, grid: &Gr
     let gpu = cx.gpu;
     let fixed = cleared(cx, grid);
     let [width, height] = frame.view.size;
-    let stride = width.max(height).div_ceil(CAMERA_SAMPLES);
+    let stride = camera_stride(frame.view.size, grid.formulas);
     let half_height = frame.view.camera.half_height();
     let samples = gpu.uniform("camera samples", &CameraSamplesUniform { stride, half_height });
     let volume = gpu.uniform("volume", &grid.volume.uniform());
     let (base_color, normal, depth) = (cx.view(gbuffer.base_color), cx.view(gbuffer.normal), cx.view(gbuffer.depth));
     let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
     cx.dispatch(
-        &ComputeKey::new("indirect/light_volumes/diffusion/blockers.wgsl", "from_camera"),
+        &grid.shader("from_camera"),
         &[
             ("volume", Binding::Buffer(&volume)),
             ("view", Binding::Buffer(&frame.view_uniform(gpu))),
@@ -121,7 +140,7 @@ fn limit(cx: &mut PassContext, grid: &Grid) -> Result<(), PassError> {
     let volume = cx.gpu.uniform("volume", &grid.volume.uniform());
     let merged = cx.buffer(grid.merged).clone();
     cx.dispatch(
-        &ComputeKey::new("indirect/light_volumes/diffusion/blockers.wgsl", "limit"),
+        &grid.shader("limit"),
         &[("volume", Binding::Buffer(&volume)), ("merged", Binding::Buffer(&merged))],
         linear_groups(grid.volume.corner_count()),
     )
@@ -132,7 +151,7 @@ fn merge(cx: &mut PassContext, grid: &Grid) -> Result<(), PassError> {
     let (fixed, merged) = (cx.buffer(grid.fixed).clone(), cx.buffer(grid.merged).clone());
     cx.counts().cells += u64::from(grid.volume.corner_count());
     cx.dispatch(
-        &ComputeKey::new("indirect/light_volumes/diffusion/blockers.wgsl", "merge"),
+        &grid.shader("merge"),
         &[
             ("volume", Binding::Buffer(&volume)),
             ("fixed", Binding::Buffer(&fixed)),

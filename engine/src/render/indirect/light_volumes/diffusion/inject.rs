@@ -1,4 +1,5 @@
-//! Injection of light from reflective shadow maps into a volume.
+//! Injection of light into a volume: from reflective shadow maps, and from samples of emissive surfaces (Šefčík 2016, section
+//! 8.2).
 
 use super::LIGHT_BYTES;
 use crate::gpu::{Binding, ComputeKey};
@@ -8,14 +9,37 @@ use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::texels::dispatch_texels;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;
+use encase::ShaderType;
+use glam::Vec3;
 use wgpu::BufferUsages;
 
-/// Declares the injection of all lights into one cascade: each in fixed point with a scale of its own, added in the
+/// `Emission` of `indirect/light_volumes/diffusion/inject_emitters.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct EmissionUniform {
+    scale: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+/// Samples of the emissive surfaces.
+#[derive(Clone, Copy)]
+pub(super) struct Emitters {
+    /// The scene's surfels.
+    pub surfels: Handle<Buffer>,
+    /// Number of all surfels.
+    pub count: u32,
+    /// Flux that all of them emit \[W\].
+    pub flux: Vec3,
+}
+
+/// Declares the injection of all lights and emissive surfaces into one cascade: each in fixed point with a scale of its own, added in the
 /// scene's order, so that the sum depends neither on the order of texels nor on the brightest light.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     rsms: &[Rsm<'a>],
+    emitters: Option<Emitters>,
     level: usize,
     volume: &Volume,
 ) -> Handle<Buffer> {
@@ -30,6 +54,7 @@ pub(super) fn declare<'a>(
         pass.read(rsm.normal);
         pass.read(rsm.depth);
     }
+    emitters.iter().for_each(|emitters| pass.read(emitters.surfels));
     let (fixed, injected) = (pass.write(fixed), pass.write(injected));
     let lights: Vec<u64> = rsms.iter().map(|rsm| rsm.light.revision).collect();
     pass.key(&(volume.key(), lights, frame.scene.identity));
@@ -37,7 +62,8 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let target = cx.buffer(injected).clone();
         cx.encoder().clear_buffer(&target, 0, None);
-        rsms.iter().try_for_each(|rsm| inject(cx, rsm, &volume, fixed, injected))
+        rsms.iter().try_for_each(|rsm| inject(cx, rsm, &volume, fixed, injected))?;
+        emitters.iter().try_for_each(|emitters| inject_emitters(cx, emitters, &volume, fixed, injected))
     });
     injected
 }
@@ -64,6 +90,48 @@ fn inject(
         &[
             ("volume", Binding::Buffer(&volume_uniform)),
             ("rsm", Binding::Buffer(&layer)),
+            ("fixed", Binding::Buffer(&fixed)),
+            ("injected", Binding::Buffer(&injected)),
+        ],
+        linear_groups(12 * volume.cell_count()),
+    )
+}
+
+/// Adds the light of emissive surfaces.
+fn inject_emitters(
+    cx: &mut PassContext,
+    emitters: &Emitters,
+    volume: &Volume,
+    fixed: Handle<Buffer>,
+    injected: Handle<Buffer>,
+) -> Result<(), PassError> {
+    const SHADER: &str = "indirect/light_volumes/diffusion/inject_emitters.wgsl";
+    // As of a light's flux: a lobe's coefficient is at most a third of it.
+    let total = emitters.flux.max_element().clamp(1e-30, 1e36);
+    let scale = (29.0 - total.log2().ceil()).exp2();
+    let uniform = EmissionUniform { scale, padding_a: 0, padding_b: 0, padding_c: 0 };
+    let (volume_uniform, emission) =
+        (cx.gpu.uniform("volume", &volume.uniform()), cx.gpu.uniform("emission", &uniform));
+    let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
+    let surfels = cx.buffer(emitters.surfels).clone();
+    cx.encoder().clear_buffer(&fixed, 0, None);
+    cx.counts().injections += u64::from(emitters.count);
+    cx.dispatch(
+        &ComputeKey::new(SHADER, "inject"),
+        &[
+            ("volume", Binding::Buffer(&volume_uniform)),
+            ("emission", Binding::Buffer(&emission)),
+            ("surfels", Binding::Buffer(&surfels)),
+            ("fixed", Binding::Buffer(&fixed)),
+        ],
+        linear_groups(emitters.count),
+    )?;
+    cx.counts().cells += u64::from(volume.cell_count());
+    cx.dispatch(
+        &ComputeKey::new(SHADER, "add_to_volume"),
+        &[
+            ("volume", Binding::Buffer(&volume_uniform)),
+            ("emission", Binding::Buffer(&emission)),
             ("fixed", Binding::Buffer(&fixed)),
             ("injected", Binding::Buffer(&injected)),
         ],

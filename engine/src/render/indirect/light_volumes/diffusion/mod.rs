@@ -3,31 +3,48 @@
 //! colour channel, and what the visible surfaces reflect of them.
 //!
 //! ```text
-//! rsm (a light) ─┬─ inject (a cascade) ───┬─ propagate (a cascade) ─ relight
+//! surfels that emit ───┐
+//! rsm (a light) ─┬─ inject (a cascade) ───┬─ propagate (a cascade) ─ relight ─ gloss march
 //!                └─ blockers (a cascade) ─┘
 //! ```
 //! Light is kept as I/h² [W/(m² sr)] in 32-bit floats.
 
 mod blockers;
+mod gloss_march;
 mod inject;
 mod propagate;
 pub(super) mod relight;
 
 #[cfg(test)]
-pub(crate) use self::{blockers::CameraSamplesUniform, propagate::PropagationUniform};
+pub(crate) use self::{blockers::CameraSamplesUniform, inject::EmissionUniform, propagate::PropagationUniform};
 
+use super::sweep::surfels;
 use super::volume::volumes;
 use super::{Field, Indirect};
 use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::Scattered;
+use crate::render::indirect::{Scattered, Subject};
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv};
+use glam::Vec3;
 
 /// Bytes of a cell of light: three channels of four coefficients.
 const LIGHT_BYTES: u64 = 48;
+
+/// How far apart the samples of emissive surfaces may be \[m\]: `None` where nothing is emissive.
+///
+/// # Errors
+/// Settings that make no volume.
+pub(super) fn surfel_spacing(clpv: &SceneClpv, subject: &Subject) -> Result<Option<f32>, RenderError> {
+    let is_emissive = subject.scene.primitives.iter().any(|primitive| primitive.material.emissive != Vec3::ZERO);
+    if !is_emissive {
+        return Ok(None);
+    }
+    let volumes = volumes(clpv, subject.bounds, subject.view)?;
+    Ok(volumes.first().map(|volume| volume.cell))
+}
 
 /// Declares all passes; none, with the reason in the report, if no light feeds the volumes.
 ///
@@ -44,16 +61,18 @@ pub(super) fn declare<'a>(
     let lights = frame.scene.lights.iter().zip(0..);
     let rsms: Vec<Rsm> =
         lights.filter_map(|(light, index)| reflective::declare(graph, frame, light, index, &reach)).collect();
-    if rsms.is_empty() {
+    let settings = &clpv.settings;
+    let emitters = emitters(graph, frame);
+    if rsms.is_empty() && emitters.is_none() {
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);
     }
-    let settings = &clpv.settings;
     let mut lit = Vec::with_capacity(volumes.len());
     for (level, volume) in volumes.iter().enumerate() {
-        let injected = inject::declare(graph, frame, &rsms, level, volume);
+        let injected = inject::declare(graph, frame, &rsms, emitters, level, volume);
         let blockers = if settings.occlusion {
-            Some(blockers::declare(graph, frame, &rsms, settings.camera_blockers.then_some(gbuffer), level, volume))
+            let camera = settings.camera_blockers.then_some(gbuffer);
+            Some(blockers::declare(graph, frame, &rsms, camera, level, volume, settings.formulas))
         } else {
             graph.skip(format!("blockers, cascade {level}"), "occlusion is switched off");
             None
@@ -61,14 +80,25 @@ pub(super) fn declare<'a>(
         lit.push(propagate::declare(graph, settings, injected, blockers, level, volume));
     }
     let uniform = relight::uniform(settings, &volumes);
-    let radiance = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
+    let diffuse = relight::declare(graph, frame, gbuffer, settings, &volumes, &lit);
+    let marched = gloss_march::declare(graph, frame, gbuffer, settings, diffuse, (&volumes, &lit));
     Ok(Some(Indirect {
-        radiance,
+        radiance: marched.unwrap_or(diffuse),
         mirrored: None,
-        is_glossy: false,
+        is_glossy: marched.is_some(),
         field: Field::Propagated { uniform, lit },
         sky: None,
         scattered: Scattered::default(),
         change: None,
     }))
+}
+
+/// Samples of the emissive surfaces.
+fn emitters<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Option<inject::Emitters> {
+    let is_emissive = frame.scene.primitives.iter().any(|primitive| primitive.material.emissive != Vec3::ZERO);
+    if !is_emissive || !frame.surfels.is_emissive() {
+        return None;
+    }
+    let surfels = surfels::declare(graph, frame);
+    Some(inject::Emitters { surfels, count: frame.surfels.count(), flux: frame.surfels.emitted() })
 }

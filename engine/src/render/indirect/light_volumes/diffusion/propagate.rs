@@ -4,7 +4,7 @@ use super::LIGHT_BYTES;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::indirect::light_volumes::volume::Volume;
-use crate::world::Clpv;
+use crate::world::{Clpv, Formulas};
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
@@ -15,6 +15,14 @@ pub(crate) struct PropagationUniform {
     bounce: u32,
     blocker_scale: f32,
     padding: u32,
+}
+
+/// The shader of a step.
+fn shader(formulas: Formulas) -> &'static str {
+    match formulas {
+        Formulas::Corrected => "indirect/light_volumes/diffusion/propagate.wgsl",
+        Formulas::Printed => "indirect/light_volumes/diffusion/propagate_printed.wgsl",
+    }
 }
 
 /// Declares the propagation of one cascade; the result is the light of all steps together.
@@ -49,7 +57,8 @@ pub(super) fn declare<'a>(
         blocker_scale: if settings.blocker_scale.is_finite() { settings.blocker_scale.max(0.0) } else { 0.0 },
         padding: 0,
     };
-    pass.key(&(volume.key(), steps, uniform.occlusion, uniform.bounce, uniform.blocker_scale.to_bits()));
+    let formulas = settings.formulas;
+    pass.key(&(volume.key(), steps, uniform.occlusion, uniform.bounce, uniform.blocker_scale.to_bits(), formulas));
     let volume = *volume;
     pass.execute(move |cx| {
         let gpu = cx.gpu;
@@ -63,7 +72,7 @@ pub(super) fn declare<'a>(
         for step in 0..steps as usize {
             let gathered = &waves[step % 2];
             cx.dispatch(
-                &ComputeKey::new("indirect/light_volumes/diffusion/propagate.wgsl", "step"),
+                &ComputeKey::new(shader(formulas), "step"),
                 &[
                     ("volume", Binding::Buffer(&volume_uniform)),
                     ("propagation", Binding::Buffer(&settings)),

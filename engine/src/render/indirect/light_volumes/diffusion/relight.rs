@@ -5,7 +5,7 @@ use crate::graph::{Buffer, Graph, Handle, PassContext, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::volume::{MAX_CASCADES, Volume, VolumeUniform};
-use crate::world::Clpv;
+use crate::world::{Clpv, Formulas};
 use encase::ShaderType;
 use glam::Vec3;
 
@@ -37,8 +37,16 @@ pub(crate) struct RelightUniform {
     cascades: [CascadeUniform; MAX_CASCADES],
     count: u32,
     gain: f32,
-    padding_a: u32,
-    padding_b: u32,
+    offset: f32,
+    damping: f32,
+}
+
+impl RelightUniform {
+    /// All that a lookup depends on besides the volumes, for cache keys.
+    pub(super) fn key(&self) -> ([u32; 3], Vec<u32>) {
+        let fades = self.cascades.iter().map(|cascade| cascade.fade_cells.to_bits()).collect();
+        ([self.gain, self.offset, self.damping].map(f32::to_bits), fades)
+    }
 }
 
 /// Declares the pass; `lit` are the propagated volumes, finest first. The result is reflected radiance.
@@ -66,7 +74,7 @@ pub(in crate::render::indirect) fn declare<'a>(
     let uniform = uniform(settings, volumes);
     let fades: Vec<_> = volumes.iter().map(Volume::fade_key).collect();
     let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
-    pass.key(&(keys, fades, uniform.gain.to_bits(), settings.border_fade.to_bits(), frame.view_key()));
+    pass.key(&(keys, fades, uniform.key(), frame.view_key()));
     let (frame, lit) = (frame.clone(), lit.to_vec());
     pass.execute(move |cx| {
         let gpu = cx.gpu;
@@ -102,13 +110,15 @@ pub(in crate::render::indirect) fn cascade_buffers(cx: &PassContext, lit: &[Hand
 
 pub(in crate::render::indirect) fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {
     let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
-    let cascade =
-        |level: usize| CascadeUniform::new(&volumes[level.min(volumes.len() - 1)], finite(settings.border_fade));
+    let coarsest = volumes.len() - 1;
+    let fade = |level: usize| if level < coarsest { settings.border_fade } else { settings.outside_fade };
+    let cascade = |level: usize| CascadeUniform::new(&volumes[level.min(coarsest)], finite(fade(level)));
     RelightUniform {
         cascades: std::array::from_fn(cascade),
         count: volumes.len() as u32,
         gain: finite(settings.gain),
-        padding_a: 0,
-        padding_b: 0,
+        // The thesis looks light up at the surface itself.
+        offset: if settings.formulas == Formulas::Printed { 0.0 } else { 0.5 },
+        damping: finite(settings.gradient_damping),
     }
 }

@@ -38,7 +38,7 @@ mod probes;
 mod rsm_samples;
 mod shell;
 pub(in crate::render) mod sky;
-mod surfels;
+pub(super) mod surfels;
 mod transport;
 
 pub use grid::volumes;

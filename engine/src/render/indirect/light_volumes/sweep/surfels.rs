@@ -7,7 +7,10 @@ use crate::scene::Surfel;
 use wgpu::BufferUsages;
 
 /// Declares the surfels in world space.
-pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> Handle<Buffer> {
+pub(in crate::render::indirect::light_volumes) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+) -> Handle<Buffer> {
     let gpu_surfels = frame.surfels;
     let count = gpu_surfels.count();
     let bytes = u64::from(count) * size_of::<Surfel>() as u64;
