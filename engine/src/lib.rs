@@ -58,7 +58,7 @@
 //! | picking, ray casts | [`game::SpatialQuery`], [`bvh`] |
 //! | main loop, events, input | [`game::Game`], [`game::Input`]; the window in `lightwell_game::App` |
 //! | resources, import (4.4, 6.3) | [`assets::AssetLibrary`], [`assets::Gltf`] |
-//! | reflective shadow maps IGB, GRSM (5.2) | [`render::rsm`] |
+//! | reflective shadow maps GRSM (5.3.3) | [`render::rsm`] |
 //! | injection IL, IB; propagation PRP; relight REL (5.3 to 5.6) | [`render::lpv`] |
 //! | cascaded volume and its placement (3.10.5) | [`render::lpv::Volume`], [`world::Clpv`] |
 //! | reference images (6.7) | [`render::reference`] |

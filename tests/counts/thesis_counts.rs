@@ -67,7 +67,7 @@ fn counts_of(report: &FrameReport, prefix: &str) -> Counts {
 /// The counts of injection and blockers, and the number of cascades.
 fn volumes(report: &FrameReport) -> (Counts, u64) {
     let mut sum = counts_of(report, "inject, ");
-    sum += counts_of(report, "blockers, ");
+    sum += counts_of(report, "blockers");
     let cascades = report.passes.iter().filter(|pass| pass.name.starts_with("inject, ")).count();
     (sum, cascades as u64)
 }

@@ -25,6 +25,7 @@ mod results;
 mod rooms;
 mod run;
 mod stage;
+mod thesis;
 mod timing;
 mod variant;
 

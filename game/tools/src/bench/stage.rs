@@ -12,13 +12,14 @@ pub struct Stage {
 
 /// All stages, in the order of a frame. The one table to change where a pass comes or goes.
 pub const STAGES: &[Stage] = &[
-    Stage { name: "IGB", what: "initial G-buffer", passes: &["gbuffer"] },
+    Stage { name: "GB", what: "G-buffer", passes: &["gbuffer"] },
     Stage { name: "SHD", what: "shadow maps", passes: &["shadow"] },
     Stage { name: "DIR", what: "direct light", passes: &["direct", "main light"] },
     Stage { name: "GRSM", what: "reflective shadow maps", passes: &["rsm"] },
     Stage { name: "IL", what: "inject light", passes: &["inject"] },
-    Stage { name: "IB", what: "inject and merge blockers", passes: &["blockers"] },
-    Stage { name: "PRP", what: "propagate", passes: &["propagate"] },
+    Stage { name: "IB", what: "inject blockers that lights see", passes: &["blockers of lights"] },
+    Stage { name: "IGB", what: "inject blockers that the camera sees", passes: &["blockers of the camera"] },
+    Stage { name: "PRP", what: "merge blockers and propagate", passes: &["blockers", "propagate"] },
     Stage { name: "SRF", what: "place surfels", passes: &["surfels"] },
     Stage {
         name: "OPA",
@@ -103,7 +104,9 @@ mod tests {
 
     #[test]
     fn passes_are_found_by_the_whole_word() {
-        assert_eq!(stage_of("gbuffer"), Some("IGB"));
+        assert_eq!(stage_of("gbuffer"), Some("GB"));
+        assert_eq!(stage_of("blockers of the camera, cascade 1"), Some("IGB"));
+        assert_eq!(stage_of("blockers, cascade 1"), Some("PRP"));
         assert_eq!(stage_of("rsm spot light 3"), Some("GRSM"));
         assert_eq!(stage_of("inject, cascade 0"), Some("IL"));
         assert_eq!(stage_of("tone map"), Some("TON"));

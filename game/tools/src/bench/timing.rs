@@ -196,15 +196,8 @@ fn count(report: &FrameReport, timing: &mut Timing) {
     timing.merges = merges(report);
 }
 
-/// Merges of blocker volumes: a cascade merges each view's volume but its first. Counted from the corners that the
-/// merging covered and those that a volume has.
+/// Merges of blocker volumes: a cascade merges each view's volume but its first.
 fn merges(report: &FrameReport) -> Option<u64> {
-    /// Bytes of a corner of the geometry volume: eight 32-bit numbers.
-    const CORNER_BYTES: u64 = 32;
-    let passes = report.passes.iter().filter(|pass| pass.state == PassState::Ran && pass.name.starts_with("blockers"));
-    let views = passes.filter_map(|pass| {
-        let volume = report.resources.iter().find(|resource| resource.name == pass.name)?;
-        (pass.counts.cells * CORNER_BYTES).checked_div(volume.bytes)
-    });
-    views.map(|views| views.saturating_sub(1)).reduce(|a, b| a + b)
+    let passes = report.passes.iter().filter(|pass| pass.state == PassState::Ran && pass.name.starts_with("blockers,"));
+    passes.map(|pass| pass.counts.merges).reduce(|a, b| a + b)
 }

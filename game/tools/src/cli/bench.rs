@@ -17,6 +17,7 @@ Examples:
   lightwell bench -o out/all --models ~/models             all scenes whose models are there
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench courtyard -o out/host --host             what a frame costs the host alone
+  lightwell bench --thesis -o out/thesis --models ~/models tables and figures of the thesis, side by side
   lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
@@ -87,6 +88,11 @@ pub struct BenchArgs {
     /// that move; nothing else is measured. Writes host.json and host.md [size: 1920x1080]
     #[arg(long, conflicts_with_all = ["growth", "sweep", "method", "variant"])]
     pub host: bool,
+    /// Measure the thesis's tables 7.1, 7.3 and 7.4 and figures 7.2 to 7.10 in its six scenes, and write them beside the
+    /// printed ones: thesis.json, thesis.md and pictures. SCENE names some of the six [frames: 30; --aa: 4; --reference-spp:
+    /// 256]
+    #[arg(long, conflicts_with_all = ["host", "growth", "sweep", "method", "variant", "rooms", "quick", "bless", "times"])]
+    pub thesis: bool,
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
     pub label: String,
