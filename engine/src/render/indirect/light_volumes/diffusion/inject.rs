@@ -115,7 +115,6 @@ fn inject_emitters(
     let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
     let surfels = cx.buffer(emitters.surfels).clone();
     cx.encoder().clear_buffer(&fixed, 0, None);
-    cx.counts().injections += u64::from(emitters.count);
     cx.dispatch(
         &ComputeKey::new(SHADER, "inject"),
         &[
