@@ -16,6 +16,7 @@ pub struct AssetLibrary {
     models: HashMap<PathBuf, Arc<Gltf>>,
     imported: HashMap<(PathBuf, String), Arc<Gltf>>,
     noted: BTreeSet<PathBuf>,
+    remarks: BTreeSet<String>,
     meter: Arc<Meter>,
 }
 
@@ -92,6 +93,19 @@ impl AssetLibrary {
         models
             .into_iter()
             .flat_map(|model| model.warnings.iter().map(|warning| format!("{}: {warning}", model.path.display())))
+    }
+
+    /// What was decided in loading models, each with its file.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        self.remarks.iter().map(String::as_str)
+    }
+
+    /// Remembers a decision of a load for [`AssetLibrary::remarks`], and logs it the first time.
+    pub fn remark(&mut self, remark: String) {
+        if !self.remarks.contains(&remark) {
+            log::info!("{remark}");
+            self.remarks.insert(remark);
+        }
     }
 
     /// A model as import settings want it; `model` is one of this library's.

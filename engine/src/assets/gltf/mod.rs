@@ -28,8 +28,10 @@ mod tangents;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod units;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
+pub use units::{LightConversion, LightUnits};
 
 use super::{AssetError, Clip, Material, Mesh, Meter, parallel, read_file};
 use crate::scene::ViewProjection;
@@ -76,7 +78,8 @@ impl GltfCamera {
     }
 }
 
-/// A light of a file (`KHR_lights_punctual`, read as radiometric RGB), shining along −Z where it has a direction.
+/// A light of a file (`KHR_lights_punctual`) with the numbers of the file, shining along −Z where it has a direction.
+/// [`LightConversion`] says what they stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfLight {
     /// Name; empty if the file has none.
@@ -85,7 +88,7 @@ pub struct GltfLight {
     pub kind: LightKind,
     /// Colour, linear RGB.
     pub color: Vec3,
-    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others.
+    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others, once it is converted.
     pub intensity: f32,
     /// Distance beyond which there is no light \[m\].
     pub range: Option<f32>,
@@ -141,6 +144,8 @@ pub struct GltfNode {
 pub struct Gltf {
     /// The file.
     pub path: PathBuf,
+    /// The program that wrote it, by its own account; empty if the file does not say.
+    pub generator: String,
     /// All nodes, by their index in the file, those outside the scene too.
     pub nodes: Vec<GltfNode>,
     /// The top nodes of the file's default scene; of its first scene if it names none; else all that have no parent.
@@ -209,7 +214,8 @@ impl Gltf {
         skin::check(&reader.buffers, &nodes, &skins, &mut warnings)?;
         let clips = Arc::new(animation::read(&document, &reader.buffers, &nodes, &mut warnings)?);
         let warnings = condense(path, warnings);
-        Ok(Self { path: path.to_path_buf(), nodes, roots, skins, clips, files: beside.files, warnings })
+        let generator = document.as_json().asset.generator.clone().unwrap_or_default();
+        Ok(Self { path: path.to_path_buf(), generator, nodes, roots, skins, clips, files: beside.files, warnings })
     }
 
     /// The first node of that name.

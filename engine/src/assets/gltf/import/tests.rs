@@ -15,6 +15,7 @@ fn model(nodes: Vec<GltfNode>) -> Gltf {
     let roots = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
     Gltf {
         path: PathBuf::from("m.glb"),
+        generator: String::new(),
         nodes,
         roots,
         skins: Vec::new(),
