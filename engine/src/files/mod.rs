@@ -125,6 +125,8 @@ pub struct LoadOptions {
     pub budget: LoadBudget,
     /// Units of the lights of models whose import settings name none (`--light-units`).
     pub light_units: LightUnits,
+    /// Whether a model of which something is broken is refused, in place of a warning (`--strict`).
+    pub strict: bool,
     /// Components of a game that scenes may hold.
     pub types: ComponentTypes,
 }

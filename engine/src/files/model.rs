@@ -167,7 +167,7 @@ pub(super) fn enter_gltf(
     if !path.is_file() {
         return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
     }
-    library.begin_load(&options.budget);
+    library.begin_load(&options.budget, options.strict);
     let whole = library.gltf(path).map_err(|e| Document::in_memory(path).asset_error(&[], Kind::Asset, &e))?;
     let (gltf, units) = imported_beside(library, &Roots::of(path, options), &whole, path)?;
     let lights = Some(conversion(library, &gltf, units, options));

@@ -31,6 +31,9 @@ pub struct Common {
     /// settings that name other units stand
     #[arg(long, global = true, value_name = "UNITS", default_value = "auto", value_parser = light_units())]
     pub light_units: LightUnits,
+    /// Refuse models of which something is broken, in place of a warning
+    #[arg(long, global = true)]
+    pub strict: bool,
     /// Part of the name of the graphics adapter to use (`lightwell info` lists them)
     #[arg(long, global = true, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -62,7 +65,7 @@ impl Common {
         let packed = assets.as_ref().map(|assets| assets.join(packed::MODELS)).filter(|folder| folder.is_dir());
         let trusted = self.trust.iter().cloned().chain(listed).chain(assets).collect();
         let models = self.models.clone().or(packed);
-        LoadOptions { models, trusted, budget, light_units: self.light_units, types }
+        LoadOptions { models, trusted, budget, light_units: self.light_units, strict: self.strict, types }
     }
 
     /// The arguments that say the same to another process of this program.
@@ -76,6 +79,9 @@ impl Common {
         let units = [LightUnits::Photometric, LightUnits::Radiometric].into_iter().zip(&LightUnits::NAMES[1..]);
         let chosen = units.filter(|(units, _)| *units == self.light_units);
         arguments.extend(chosen.flat_map(|(_, name)| ["--light-units".into(), name.into()]));
+        if self.strict {
+            arguments.push("--strict".into());
+        }
         if let Some(adapter) = &self.adapter {
             arguments.extend(["--adapter".into(), adapter.into()]);
         }

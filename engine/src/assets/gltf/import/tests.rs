@@ -22,6 +22,7 @@ fn model(nodes: Vec<GltfNode>) -> Gltf {
         clips: Arc::default(),
         files: Vec::new(),
         warnings: Vec::new(),
+        faults: Vec::new(),
     }
 }
 
