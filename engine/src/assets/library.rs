@@ -16,7 +16,9 @@ pub struct AssetLibrary {
     models: HashMap<PathBuf, Arc<Gltf>>,
     imported: HashMap<(PathBuf, String), Arc<Gltf>>,
     noted: BTreeSet<PathBuf>,
+    remarks: BTreeSet<String>,
     meter: Arc<Meter>,
+    is_strict: bool,
 }
 
 impl AssetLibrary {
@@ -25,9 +27,10 @@ impl AssetLibrary {
         Self::default()
     }
 
-    /// Begins a load, which may take so much.
-    pub(crate) fn begin_load(&mut self, budget: &LoadBudget) {
+    /// Begins a load, which may take so much. A strict one refuses models of which something is broken.
+    pub(crate) fn begin_load(&mut self, budget: &LoadBudget, is_strict: bool) {
         self.meter = Arc::new(Meter::new(budget));
+        self.is_strict = is_strict;
     }
 
     /// The amounts that the present load has taken.
@@ -80,7 +83,7 @@ impl AssetLibrary {
         if let Some(model) = self.models.get(&key) {
             return Ok(model.clone());
         }
-        let model = Arc::new(Gltf::load_within(path, &self.meter)?);
+        let model = Arc::new(load_model(path, &self.meter, self.is_strict)?);
         self.models.insert(key, model.clone());
         Ok(model)
     }
@@ -92,6 +95,19 @@ impl AssetLibrary {
         models
             .into_iter()
             .flat_map(|model| model.warnings.iter().map(|warning| format!("{}: {warning}", model.path.display())))
+    }
+
+    /// What was decided in loading models, each with its file.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        self.remarks.iter().map(String::as_str)
+    }
+
+    /// Remembers a decision of a load for [`AssetLibrary::remarks`], and logs it the first time.
+    pub fn remark(&mut self, remark: String) {
+        if !self.remarks.contains(&remark) {
+            log::info!("{remark}");
+            self.remarks.insert(remark);
+        }
     }
 
     /// A model as import settings want it; `model` is one of this library's.
@@ -133,8 +149,8 @@ impl AssetLibrary {
     /// The first fault met. The library then keeps the last good content of what could not be loaded.
     pub fn reload(&mut self, path: impl AsRef<Path>) -> Result<bool, AssetError> {
         let changed = identity(path.as_ref());
-        self.begin_load(&self.meter.budget().clone());
-        let meter = &self.meter;
+        self.begin_load(&self.meter.budget().clone(), self.is_strict);
+        let (meter, is_strict) = (&self.meter, self.is_strict);
         let mut found = false;
         let mut fault = None;
         for (key, texture) in self.textures.iter_mut().filter(|(key, _)| key.0 == changed) {
@@ -150,7 +166,7 @@ impl AssetLibrary {
             }
             found = true;
             self.imported.retain(|(path, _), _| path != key);
-            match Gltf::load_within(key, meter) {
+            match load_model(key, meter, is_strict) {
                 Ok(new) => *model = Arc::new(new),
                 Err(e) => fault = fault.or(Some(e)),
             }
@@ -174,6 +190,16 @@ impl AssetLibrary {
 /// One name for each file, however it is written; the path itself where the file is not there.
 fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+fn load_model(path: &Path, meter: &Meter, is_strict: bool) -> Result<Gltf, AssetError> {
+    let model = Gltf::load_within(path, meter)?;
+    let Some(fault) = model.faults.first().filter(|_| is_strict) else { return Ok(model) };
+    let more = match model.faults.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and {more} more faults)"),
+    };
+    Err(AssetError::format(path, "strict", format!("{fault}{more}")))
 }
 
 fn load_texture(path: &Path, srgb: bool, sampling: Sampling, meter: &Meter) -> Result<Texture, AssetError> {

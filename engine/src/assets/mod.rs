@@ -34,7 +34,8 @@ pub use self::error::AssetError;
 #[cfg(test)]
 pub(crate) use self::gltf::rig_tests;
 pub use self::gltf::{
-    Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, Normals, Parts, UpAxis,
+    Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, LightConversion,
+    LightUnits, Normals, Parts, UpAxis,
 };
 pub use self::pixels::MAX_IMAGE_SIZE;
 pub use atmosphere::{Atmosphere, AtmosphereTables};

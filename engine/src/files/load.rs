@@ -152,7 +152,7 @@ impl<'a> Loader<'a> {
         info: SceneInfo,
         path: &Path,
     ) -> Self {
-        library.begin_load(&options.budget);
+        library.begin_load(&options.budget, options.strict);
         Self {
             library,
             options,

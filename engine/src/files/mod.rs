@@ -110,7 +110,7 @@ pub(crate) use trust::Roots;
 pub use trust::project_root;
 pub use write::write_atomically;
 
-use crate::assets::{AssetLibrary, LoadBudget};
+use crate::assets::{AssetLibrary, LightUnits, LoadBudget};
 use crate::world::GameWorld;
 use std::path::{Path, PathBuf};
 
@@ -123,6 +123,10 @@ pub struct LoadOptions {
     pub trusted: Vec<PathBuf>,
     /// Limits of a load (`--budget`).
     pub budget: LoadBudget,
+    /// Units of the lights of models whose import settings name none (`--light-units`).
+    pub light_units: LightUnits,
+    /// Whether a model of which something is broken is refused, in place of a warning (`--strict`).
+    pub strict: bool,
     /// Components of a game that scenes may hold.
     pub types: ComponentTypes,
 }

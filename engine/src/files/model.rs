@@ -11,7 +11,7 @@ use super::steps::{extended, key};
 use super::suggest::suggestion;
 use super::tree::Step;
 use super::trust::Roots;
-use crate::assets::{AssetLibrary, Gltf, ImportFault, Material};
+use crate::assets::{AssetLibrary, Gltf, ImportFault, LightConversion, LightUnits, Material};
 use crate::scene::Aabb;
 use crate::world::animation::{Track, Wrap};
 use crate::world::{
@@ -58,16 +58,17 @@ impl Loader<'_> {
             return Err(self.missing_model(&details, context, at));
         };
         let whole = self.library.gltf(&path).map_err(|e| context.document.asset_error(at, Kind::Asset, &e))?;
-        let gltf = match &details.import {
-            Some(settings) => self
-                .library
-                .imported(&whole, settings)
-                .map_err(|fault| import_error(&context.document, &extended(at, &[key("import")]), fault))?,
+        let (gltf, units) = match &details.import {
+            Some(settings) => {
+                let fault = |fault| import_error(&context.document, &extended(at, &[key("import")]), fault);
+                (self.library.imported(&whole, settings).map_err(fault)?, settings.light_units)
+            }
             None => imported_beside(self.library, &self.roots, &whole, &path)?,
         };
         let copies = gltf.nodes.iter().map(|node| node.instances.len() as u64).sum::<u64>();
         self.count(gltf.nodes.len() as u64 + copies, &context.document, at)?;
-        let take = Take { lights: details.lights, cameras: details.cameras, material, components };
+        let lights = details.lights.then(|| conversion(self.library, &gltf, units, self.options));
+        let take = Take { lights, cameras: details.cameras, material, components };
         let mut model = Model::new(&mut self.world, &gltf, entity, take);
         let Some(name) = &details.node else {
             model.spawn(&gltf.roots, entity);
@@ -109,23 +110,34 @@ impl Loader<'_> {
     }
 }
 
-/// The model as the file `NAME.import.ron` beside it wants it, if there is one.
+/// The model as the file `NAME.import.ron` beside it wants it, if there is one, and the units of its lights.
 fn imported_beside(
     library: &mut AssetLibrary,
     roots: &Roots,
     whole: &Arc<Gltf>,
     path: &Path,
-) -> Result<Arc<Gltf>, FileError> {
+) -> Result<(Arc<Gltf>, LightUnits), FileError> {
     let beside = path.with_extension("import.ron");
     if !beside.is_file() {
-        return Ok(whole.clone());
+        return Ok((whole.clone(), LightUnits::Auto));
     }
     // A link may lead elsewhere.
     let name = beside.file_name().unwrap_or_default().to_string_lossy();
     roots.check("import settings", &name, &beside, &Document::in_memory(path), &[])?;
     let (document, settings) = Document::read::<ImportSettings>(&beside)?;
     library.note(&beside);
-    library.imported(whole, &settings).map_err(|fault| import_error(&document, &[], fault))
+    let model = library.imported(whole, &settings).map_err(|fault| import_error(&document, &[], fault))?;
+    Ok((model, settings.light_units))
+}
+
+/// How the model's lights are read, with a remark if it has any. Import settings go before the options of the load.
+fn conversion(library: &mut AssetLibrary, gltf: &Gltf, units: LightUnits, options: &LoadOptions) -> LightConversion {
+    let units = if units == LightUnits::Auto { options.light_units } else { units };
+    let conversion = LightConversion::of(units, &gltf.generator);
+    if gltf.nodes.iter().any(|node| node.light.is_some()) {
+        library.remark(format!("{}: {conversion}", gltf.path.display()));
+    }
+    conversion
 }
 
 fn import_error(document: &Document, at: &[Step], fault: ImportFault) -> FileError {
@@ -155,9 +167,10 @@ pub(super) fn enter_gltf(
     if !path.is_file() {
         return Err(super::document::io_error(path, "", &std::io::ErrorKind::NotFound.into()));
     }
-    library.begin_load(&options.budget);
+    library.begin_load(&options.budget, options.strict);
     let whole = library.gltf(path).map_err(|e| Document::in_memory(path).asset_error(&[], Kind::Asset, &e))?;
-    let gltf = imported_beside(library, &Roots::of(path, options), &whole, path)?;
+    let (gltf, units) = imported_beside(library, &Roots::of(path, options), &whole, path)?;
+    let lights = Some(conversion(library, &gltf, units, options));
     despawn(world, old);
     let name = path.file_stem().map_or("model".into(), |s| s.to_string_lossy().into_owned());
     let model = world.spawn(&name.replace('/', "_"), None);
@@ -166,11 +179,12 @@ pub(super) fn enter_gltf(
     let components = OverrideFile { model: Some(ModelFile::Detailed(details)), ..Default::default() };
     let source = Source { components: components.clone(), origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(model).insert(source);
-    let take = Take { lights: true, cameras: true, material: None, components: &components };
+    let take = Take { lights, cameras: true, material: None, components: &components };
     let mut nodes = Model::new(world, &gltf, model, take);
     nodes.spawn(&gltf.roots, model);
     nodes.finish();
-    let mut settings = SceneSettings::default();
+    // The file says nothing of how bright it is to be shown.
+    let mut settings = SceneSettings { auto_exposure: true, ..SceneSettings::default() };
     if let Some(clip) = gltf.clips.first() {
         settings.duration = Some(clip.duration as f32).filter(|duration| *duration > 0.0);
         let track = Track::Clip { name: clip.name.clone(), speed: 1.0, offset: 0.0, wrap: Wrap::Loop };
@@ -197,7 +211,7 @@ fn complete(world: &mut GameWorld, path: &Path) {
         let source = Source { components, origin: Origin::File, ..model_source() };
         world.ecs.entity_mut(entity).insert((Transform::from(transform), camera, source));
     }
-    if world.ecs.query::<&Light>().iter(&world.ecs).next().is_none() {
+    if !is_lit(world) {
         log::warn!("{}: the file has no light; a directional light and an even sky are added", path.display());
         let transform = TransformFile {
             translation: bounds.center() + Vec3::Y * bounds.size().length(),
@@ -217,6 +231,13 @@ fn complete(world: &mut GameWorld, path: &Path) {
     let components = OverrideFile { transform: Some(transform), clpv: Some(Clpv::default()), ..Default::default() };
     let source = Source { components, origin: Origin::File, ..model_source() };
     world.ecs.entity_mut(entity).insert((Transform::from(transform), Clpv::default(), source));
+}
+
+/// Whether anything gives light: a light, or a surface that shines. What is unlit shows its colour and lights nothing.
+fn is_lit(world: &mut GameWorld) -> bool {
+    let shines = |surface: &MeshRenderer| surface.material.emissive.max_element() > 0.0 && !surface.material.unlit;
+    world.ecs.query::<&Light>().iter(&world.ecs).next().is_some()
+        || world.ecs.query::<&MeshRenderer>().iter(&world.ecs).any(shines)
 }
 
 /// Bounds of all that is drawn, at a few times if it moves.

@@ -3,7 +3,7 @@
 use super::format::OverrideFile;
 use super::source::{Origin, Source};
 use super::surfaces::renderer;
-use crate::assets::{Gltf, GltfNode, Material, Mesh};
+use crate::assets::{Gltf, GltfNode, LightConversion, Material, Mesh};
 use crate::world::{ClipTarget, Clips, GameWorld, MeshRenderer, MorphWeights, Posed};
 use bevy_ecs::prelude::Entity;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 /// The parts that are taken from a model.
 pub(super) struct Take<'a> {
-    pub lights: bool,
+    /// How intensities are read; none: lights are left out.
+    pub lights: Option<LightConversion>,
     pub cameras: bool,
     pub material: Option<&'a Arc<Material>>,
     pub components: &'a OverrideFile,
@@ -58,8 +59,8 @@ impl<'a> Model<'a> {
             let node = &self.gltf.nodes[index];
             let entity = self.place(index, parent);
             self.primitives(index, node, entity);
-            if let Some(light) = node.light.as_ref().filter(|_| self.take.lights) {
-                self.world.ecs.entity_mut(entity).insert(light.light());
+            if let Some((light, conversion)) = node.light.as_ref().zip(self.take.lights.as_ref()) {
+                self.world.ecs.entity_mut(entity).insert(conversion.apply(light).light());
             }
             if let Some(camera) = node.camera.as_ref().filter(|_| self.take.cameras) {
                 self.world.ecs.entity_mut(entity).insert(camera.camera());

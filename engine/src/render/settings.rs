@@ -143,6 +143,9 @@ pub struct RenderSettings {
     pub only: Layer,
     /// Display exposure as a power of two. Never touches the radiance image.
     pub exposure: f32,
+    /// Exposes the display image by its own brightness where the camera has no exposure of its own; `exposure` comes on
+    /// top.
+    pub auto_exposure: bool,
     /// Recompute everything, whatever the cache holds.
     pub no_cache: bool,
     /// A pass for each light, those without shadows too.
@@ -181,14 +184,19 @@ impl RenderSettings {
         power_of_two(self.exposure + self.show.exposure + lens.exposure.stops())
     }
 
-    /// The same on top of an exposure that follows the image: of the display alone.
-    pub(super) fn correction_factor(&self) -> f32 {
-        power_of_two(self.show.exposure)
+    /// The same on top of an exposure that follows the image: of the display, and of the scene where it is the scene that
+    /// asks for it.
+    pub(super) fn correction_factor(&self, lens: &Lens) -> f32 {
+        power_of_two(self.show.exposure + if self.scene_is_auto_exposed(lens) { self.exposure } else { 0.0 })
     }
 
     /// Whether the exposure follows the image.
     pub(super) fn is_auto_exposed(&self, lens: &Lens) -> bool {
-        self.show.auto_exposure || lens.exposure == Exposure::Automatic
+        self.show.auto_exposure || lens.exposure == Exposure::Automatic || self.scene_is_auto_exposed(lens)
+    }
+
+    fn scene_is_auto_exposed(&self, lens: &Lens) -> bool {
+        self.auto_exposure && lens.exposure == Exposure::Scene
     }
 }
 
@@ -204,6 +212,7 @@ impl Default for RenderSettings {
             reference: ReferenceSettings::default(),
             only: Layer::Total,
             exposure: 0.0,
+            auto_exposure: false,
             no_cache: false,
             each_light_alone: false,
             virtual_light: None,

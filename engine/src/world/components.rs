@@ -435,6 +435,9 @@ pub struct SceneSettings {
     pub sky_light: bool,
     /// Display exposure as a power of two. Never touches a measured image.
     pub exposure: f32,
+    /// Exposes the display image by its own brightness, as [`Exposure::Automatic`](super::Exposure::Automatic) does, for
+    /// cameras without an exposure of their own; `exposure` comes on top.
+    pub auto_exposure: bool,
     /// Speed of the fly camera [m/s].
     pub move_speed: f32,
     /// Length of one animation loop \[s\]; `render --frames` and `play` wrap there. None: no loop.
@@ -450,6 +453,7 @@ impl Default for SceneSettings {
             environment: None,
             sky_light: true,
             exposure: 0.0,
+            auto_exposure: false,
             move_speed: 3.0,
             duration: None,
             frame_rate: 30,

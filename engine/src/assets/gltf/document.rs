@@ -1,13 +1,13 @@
-//! The JSON document: parsing, validation, extensions, and loading of its buffers.
+//! The JSON document: version, extensions, and loading of its buffers.
 
 use super::accessor::Buffers;
-use super::{BufferData, draco, meshopt, source};
+use super::remarks::Remarks;
+use super::{BufferData, draco, mend, meshopt, source};
 use crate::assets::AssetError;
 use gltf::Document;
-use gltf::json::camera;
-use gltf::json::extensions::scene::khr_lights_punctual::Type;
-use gltf::json::validation::Checked;
+use gltf::json::Value;
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
@@ -35,32 +35,39 @@ const SUPPORTED: [&str; 21] = [
     "KHR_materials_variants",
 ];
 
-/// Parses and validates the document. Returns whether it uses `KHR_mesh_quantization` too.
-pub(super) fn parse(path: &Path, json: &[u8], warnings: &mut Vec<String>) -> Result<(Document, bool), AssetError> {
-    let mut root: gltf::json::Root = gltf::json::deserialize::from_slice(json).map_err(|e| {
+/// Parses and mends the document. Returns whether it uses `KHR_mesh_quantization` too.
+pub(super) fn parse(path: &Path, json: &[u8], remarks: &mut Remarks) -> Result<(Document, bool), AssetError> {
+    let mend::Parsed { mut value, text } = mend::parse(path, json, remarks)?;
+    check_version(path, &value)?;
+    let before = value.clone();
+    mend::ignore_targetless(&mut value, remarks);
+    mend::mend(&mut value, remarks);
+    let root = match value == before {
+        true => gltf::json::deserialize::from_slice(&text),
+        false => gltf::json::serialize::to_vec(&value).and_then(|text| gltf::json::deserialize::from_slice(&text)),
+    };
+    let mut root: gltf::json::Root = root.map_err(|e| {
         AssetError::format(path, format!("JSON, line {}, column {}", e.line(), e.column()), e.to_string())
     })?;
-    check_version(path, &root.asset)?;
-    check_extensions(path, &root, warnings)?;
-    check_attributes(path, &root)?;
-    check_channels(path, &root)?;
-    check_kinds(path, &root)?;
-    draco::give_views(&mut root);
+    check_extensions(path, &root, remarks)?;
     let quantized = root.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     // They were checked above, against what is supported here rather than by the parser.
     root.extensions_required.clear();
-    let document = Document::from_json(root).map_err(|e| describe(path, &e))?;
-    Ok((document, quantized))
+    check(path, &root)?;
+    Ok((Document::from_json_without_validation(root), quantized))
 }
 
-fn describe(path: &Path, error: &gltf::Error) -> AssetError {
-    use gltf::json::validation::Error as Kind;
-    let gltf::Error::Validation(faults) = error else {
-        return AssetError::format(path, "document", error.to_string());
+/// What the parser relies on is checked once more by the parser itself. It asks for bounds of positions and a buffer view for
+/// every accessor, which nothing here needs.
+fn check(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
+    use gltf::json::validation::{Error as Kind, Validate};
+    let mut faults = Vec::new();
+    root.validate(root, gltf::json::Path::new, &mut |place, kind| faults.push((place(), kind)));
+    let is_needed = |(place, kind): &&(gltf::json::Path, Kind)| {
+        let dispensable = ["min", "max", "bufferView"];
+        !(*kind == Kind::Missing && dispensable.iter().any(|field| place.as_str().ends_with(field)))
     };
-    let Some((place, kind)) = faults.first() else {
-        return AssetError::format(path, "document", "is not valid");
-    };
+    let Some((place, kind)) = faults.iter().find(is_needed) else { return Ok(()) };
     let problem = match kind {
         Kind::IndexOutOfBounds => "refers to something that is not in the file (index out of range)",
         Kind::Invalid => "has a value that glTF 2.0 does not allow here",
@@ -68,97 +75,26 @@ fn describe(path: &Path, error: &gltf::Error) -> AssetError {
         Kind::Oversize => "is larger than this system's memory",
         Kind::Unsupported => "is not supported",
     };
-    let more = if faults.len() > 1 { format!(" (and {} more faults)", faults.len() - 1) } else { String::new() };
-    AssetError::format(path, place.to_string(), format!("{problem}{more}"))
+    Err(AssetError::format(path, place.to_string(), problem))
 }
 
-/// The parser's own validation looks into the accessors of positions before it has checked that they are there.
-fn check_attributes(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
-    let count = root.accessors.len();
-    for (m, mesh) in root.meshes.iter().enumerate() {
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            if let Some(index) = primitive.attributes.values().find(|a| a.value() >= count) {
-                let problem = format!("refers to accessor {}, but there are {count}", index.value());
-                return Err(AssetError::format(path, format!("mesh {m}, primitive {p}"), problem));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The parser looks up what channels refer to without a check.
-fn check_channels(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
-    for (a, animation) in root.animations.iter().enumerate() {
-        for (c, channel) in animation.channels.iter().enumerate() {
-            let (node, sampler) = (channel.target.node.value(), channel.sampler.value());
-            let problem = if matches!(channel.target.path, Checked::Invalid) {
-                "moves something that is none of translation, rotation, scale and weights".into()
-            } else if node >= root.nodes.len() {
-                format!("moves node {node}, but there are {}", root.nodes.len())
-            } else if sampler >= animation.samplers.len() {
-                format!("refers to sampler {sampler}, but there are {}", animation.samplers.len())
-            } else {
-                continue;
-            };
-            return Err(AssetError::format(path, format!("animation {a}, channel {c}"), problem));
-        }
-        for (s, sampler) in animation.samplers.iter().enumerate() {
-            let most = sampler.input.value().max(sampler.output.value());
-            if most >= root.accessors.len() {
-                let problem = format!("refers to accessor {most}, but there are {}", root.accessors.len());
-                return Err(AssetError::format(path, format!("animation {a}, sampler {s}"), problem));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Parameters of a kind of camera or light that must be there are unwrapped by the parser.
-fn check_kinds(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
-    let fail = |place: String, part: &str| {
-        Err(AssetError::format(path, place, format!("has no `{part}`, which its type asks for")))
-    };
-    for (i, camera) in root.cameras.iter().enumerate() {
-        let part = match camera.type_ {
-            Checked::Valid(camera::Type::Perspective) if camera.perspective.is_none() => "perspective",
-            Checked::Valid(camera::Type::Orthographic) if camera.orthographic.is_none() => "orthographic",
-            _ => continue,
-        };
-        return fail(format!("camera {i}"), part);
-    }
-    let lights = root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-    for (i, light) in lights.iter().flat_map(|all| &all.lights).enumerate() {
-        if matches!(light.type_, Checked::Valid(Type::Spot)) && light.spot.is_none() {
-            return fail(format!("light {i}"), "spot");
-        }
-    }
-    let count = lights.map_or(0, |all| all.lights.len());
-    for (i, node) in root.nodes.iter().enumerate() {
-        let light = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-        if let Some(index) = light.map(|l| l.light.value()).filter(|index| *index >= count) {
-            let problem = format!("refers to light {index}, but there are {count}");
-            return Err(AssetError::format(path, format!("node {i}"), problem));
-        }
-    }
-    Ok(())
-}
-
-fn check_version(path: &Path, asset: &gltf::json::Asset) -> Result<(), AssetError> {
+/// A version is the first thing that a reader must know.
+fn check_version(path: &Path, root: &Value) -> Result<(), AssetError> {
+    let fail = |place: &str, problem: String| Err(AssetError::format(path, place, problem));
+    let version = root.get("asset").and_then(|asset| asset.get("version"));
     let parse = |text: &str| -> Option<(u32, u32)> {
         let (major, minor) = text.split_once('.')?;
         Some((major.parse().ok()?, minor.parse().ok()?))
     };
-    let fail = |place: &str, problem: String| Err(AssetError::format(path, place, problem));
-    match parse(&asset.version) {
-        Some((2, _)) => {}
-        Some(_) => {
-            return fail("asset.version", format!("is {}; only glTF 2 is read: convert the file", asset.version));
-        }
-        None => {
-            return fail("asset.version", format!("{:?} is not a version such as \"2.0\"", asset.version));
-        }
+    match version.and_then(Value::as_str) {
+        None => return fail("asset.version", "is missing, or no text such as \"2.0\": this is no glTF".into()),
+        Some(version) => match parse(version) {
+            Some((2, _)) => {}
+            Some(_) => return fail("asset.version", format!("is {version}; only glTF 2 is read: convert the file")),
+            None => return fail("asset.version", format!("{version:?} is not a version such as \"2.0\"")),
+        },
     }
-    match &asset.min_version {
+    match root.get("asset").and_then(|asset| asset.get("minVersion")).and_then(Value::as_str) {
         Some(least) if parse(least) != Some((2, 0)) => {
             fail("asset.minVersion", format!("is {least:?}; only glTF 2.0 is read"))
         }
@@ -166,7 +102,7 @@ fn check_version(path: &Path, asset: &gltf::json::Asset) -> Result<(), AssetErro
     }
 }
 
-fn check_extensions(path: &Path, root: &gltf::json::Root, warnings: &mut Vec<String>) -> Result<(), AssetError> {
+fn check_extensions(path: &Path, root: &gltf::json::Root, remarks: &mut Remarks) -> Result<(), AssetError> {
     let known = |e: &str| SUPPORTED.contains(&e);
     for (i, extension) in root.extensions_required.iter().enumerate() {
         if !known(extension) {
@@ -175,54 +111,83 @@ fn check_extensions(path: &Path, root: &gltf::json::Root, warnings: &mut Vec<Str
             return Err(AssetError::format(path, format!("extensionsRequired[{i}]"), problem));
         }
         if !root.extensions_used.contains(extension) {
-            let problem = format!("{extension} is not listed in extensionsUsed");
-            return Err(AssetError::format(path, format!("extensionsRequired[{i}]"), problem));
+            remarks.fault(format!(
+                "extensionsRequired[{i}]: {extension} is not listed in extensionsUsed; read all the same"
+            ));
         }
     }
     let unknown = root.extensions_used.iter().filter(|e| !known(e));
-    warnings.extend(unknown.map(|e| format!("the extension {e} is not supported and has no effect")));
+    remarks.extend(unknown.map(|e| format!("the extension {e} is not supported and has no effect")));
     Ok(())
 }
 
-/// Loads each buffer once: from the file's binary chunk, its data URI, or the file beside it.
+/// The buffers that geometry is read from. Without one of them there is no model.
+fn buffers_of_geometry(document: &Document) -> HashSet<usize> {
+    let mut found = HashSet::new();
+    for primitive in document.meshes().flat_map(|mesh| mesh.primitives()) {
+        let positions = primitive.get(&gltf::Semantic::Positions);
+        let views = positions.into_iter().chain(primitive.indices()).filter_map(|accessor| accessor.view());
+        found.extend(views.map(|view| view.buffer().index()));
+    }
+    found
+}
+
+/// Loads each buffer once: from the file's binary chunk, its data URI, or the file beside it. One that is not there, and
+/// that no geometry is read from, is empty.
+///
+/// # Errors
+/// A buffer of geometry that is not there.
 pub(super) fn load_buffers<'a>(
     path: &Path,
     document: &Document,
     bin: Option<&'a [u8]>,
     beside: &mut source::Beside,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<BufferData<'a>, AssetError> {
     let mut data = BufferData::new();
+    let needed = buffers_of_geometry(document);
     for (i, buffer) in document.as_json().buffers.iter().enumerate() {
-        let place = format!("buffer {i}");
-        let wanted = buffer.byte_length.0;
         if meshopt::is_fallback(buffer) {
             // What refers to it is decoded from other buffers.
             data.push(Cow::Borrowed(&[][..]));
             continue;
         }
-        let bytes = match (&buffer.uri, bin) {
-            (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, beside)?),
-            (None, Some(bin)) if i == 0 => Cow::Borrowed(bin),
-            (None, _) => {
-                return Err(AssetError::format(path, place, "has no URI, and the file has no binary chunk for it"));
-            }
-        };
-        if wanted == 0 {
-            return Err(AssetError::format(path, place, "has no bytes: byteLength must be at least 1"));
+        match load_buffer(path, i, buffer, bin, beside, remarks) {
+            Err(error) if needed.contains(&i) => return Err(error),
+            result => data.push(remarks.part(result, "what it holds is left out")?.unwrap_or_default()),
         }
-        if (bytes.len() as u64) < wanted {
-            let problem = format!("is truncated: {} bytes of {wanted} are there", bytes.len());
-            return Err(AssetError::format(path, place, problem));
-        }
-        // A binary chunk is padded to a multiple of four.
-        let padding = if buffer.uri.is_none() { 3 } else { 0 };
-        if bytes.len() as u64 > wanted + padding {
-            warnings.push(format!("{place}: {} bytes beyond its length are ignored", bytes.len() as u64 - wanted));
-        }
-        data.push(truncate(bytes, wanted as usize));
     }
     Ok(data)
+}
+
+fn load_buffer<'a>(
+    path: &Path,
+    index: usize,
+    buffer: &gltf::json::Buffer,
+    bin: Option<&'a [u8]>,
+    beside: &mut source::Beside,
+    remarks: &mut Remarks,
+) -> Result<Cow<'a, [u8]>, AssetError> {
+    let (place, wanted) = (format!("buffer {index}"), buffer.byte_length.0);
+    let bytes = match (&buffer.uri, bin) {
+        (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, beside)?),
+        (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
+        (None, _) => {
+            return Err(AssetError::format(path, place, "has no URI, and the file has no binary chunk for it"));
+        }
+    };
+    let found = bytes.len() as u64;
+    // A binary chunk is padded to a multiple of four.
+    let padding = if buffer.uri.is_none() { 3 } else { 0 };
+    if wanted == 0 || found < wanted {
+        // What lies beyond the end is missed by those that need it.
+        remarks.fault(format!("{place}: has {found} bytes, and its byteLength is {wanted}; what is there is read"));
+        return Ok(bytes);
+    }
+    if found > wanted + padding {
+        remarks.push(format!("{place}: {} bytes beyond its length are ignored", found - wanted));
+    }
+    Ok(truncate(bytes, wanted as usize))
 }
 
 fn truncate(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
@@ -235,19 +200,23 @@ fn truncate(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
     }
 }
 
-/// Checks all buffer views and accessors, used or not.
-pub(super) fn check_data(document: &Document, buffers: &Buffers) -> Result<(), AssetError> {
+/// Checks all buffer views and accessors. Those that no part has missed are noted.
+pub(super) fn check_data(document: &Document, buffers: &Buffers, remarks: &mut Remarks) {
     for view in document.views() {
-        buffers.view(&view)?;
         let stride = view.stride().unwrap_or(4);
-        if !(4..=252).contains(&stride) || stride % 4 != 0 {
-            let problem = format!("stride {stride} must be a multiple of 4 between 4 and 252");
-            return Err(AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
-        }
-        if view.stride().is_some_and(|s| s > view.length()) {
-            let problem = format!("stride {stride} is larger than the view ({} bytes)", view.length());
-            return Err(AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
-        }
+        let problem = if !(4..=252).contains(&stride) || stride % 4 != 0 {
+            format!("stride {stride} must be a multiple of 4 between 4 and 252")
+        } else if view.stride().is_some_and(|s| s > view.length()) {
+            format!("stride {stride} is larger than the view ({} bytes)", view.length())
+        } else if let Err(error) = buffers.view(&view) {
+            remarks.unused(&error);
+            continue;
+        } else {
+            continue;
+        };
+        remarks.unused(&AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
     }
-    document.accessors().try_for_each(|accessor| buffers.check(&accessor))
+    for error in document.accessors().filter_map(|accessor| buffers.check(&accessor).err()) {
+        remarks.unused(&error);
+    }
 }

@@ -1,6 +1,7 @@
 //! Primitives compressed by Draco: `KHR_draco_mesh_compression`.
 
 use super::accessor::{Buffers, place};
+use super::remarks::Remarks;
 use crate::assets::{AssetError, parallel};
 use draco_core::{DecodeLimits, DecoderBuffer, FaceIndex, MeshDecoder, PointAttribute, PointIndex};
 use gltf::accessor::{Accessor, DataType};
@@ -26,31 +27,21 @@ struct Packed<'a> {
     ids: HashMap<String, u32>,
 }
 
+/// What becomes of a primitive that cannot be decoded.
+const UNPACKED: &str = "its uncompressed form is read, if there is one";
+
 /// The content of accessors, tightly packed, by their index.
 type Contents = HashMap<usize, Vec<u8>>;
 
-/// The parser wants a buffer view for every accessor, and accessors of compressed data need none: they get that of the
-/// compressed data. Nothing reads them there.
-pub(super) fn give_views(root: &mut json::Root) {
-    for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
-        let found = primitive.extensions.as_ref().and_then(|e| e.others.get(NAME));
-        let Some(view) = found.and_then(|e| e.get("bufferView")).and_then(Value::as_u64) else { continue };
-        for index in primitive.attributes.values().chain(&primitive.indices) {
-            if let Some(accessor) = root.accessors.get_mut(index.value()) {
-                accessor.buffer_view.get_or_insert(json::Index::new(view as u32));
-            }
-        }
-    }
-}
-
 /// Decodes all compressed primitives: what their accessors hold.
-pub(super) fn decode(document: &Document, buffers: &Buffers) -> Result<Contents, AssetError> {
+pub(super) fn decode(document: &Document, buffers: &Buffers, remarks: &mut Remarks) -> Result<Contents, AssetError> {
     let mut packed = Vec::new();
     for (mesh, source) in document.meshes().zip(&document.as_json().meshes) {
         for (primitive, source) in mesh.primitives().zip(&source.primitives) {
             if let Some(found) = source.extensions.as_ref().and_then(|e| e.others.get(NAME)) {
                 let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-                packed.push(read(primitive, found, place, document, buffers)?);
+                let result = read(primitive, found, place, document, buffers);
+                packed.extend(remarks.part(result, UNPACKED)?);
             }
         }
     }
@@ -63,7 +54,7 @@ pub(super) fn decode(document: &Document, buffers: &Buffers) -> Result<Contents,
     let decoded = parallel::map(&packed, |one| one.decode().map_err(|problem| fail(one, problem)));
     let mut contents = Contents::new();
     for one in decoded {
-        contents.extend(one?);
+        contents.extend(remarks.part(one, UNPACKED)?.unwrap_or_default());
     }
     Ok(contents)
 }

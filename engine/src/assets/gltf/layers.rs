@@ -2,11 +2,9 @@
 //! for them: they are read from the extensions as they are written.
 
 use super::material::{TextureUse, Textures, affine};
-use crate::assets::{Anisotropy, AssetError, Clearcoat, Iridescence, Material, Sheen, Texture, UvMap};
+use crate::assets::{Anisotropy, Clearcoat, Iridescence, Material, Sheen, Texture, UvMap};
 use glam::Vec3;
-use gltf::Document;
 use gltf::json::Value;
-use std::path::Path;
 use std::sync::Arc;
 
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
@@ -36,27 +34,11 @@ fn number(value: Option<&Value>, usual: f32) -> f32 {
     value.and_then(Value::as_f64).map_or(usual, |value| value as f32)
 }
 
-/// The textures that the layers of a material use.
-///
-/// # Errors
-/// A texture that is not there.
-pub(super) fn textures(path: &Path, document: &Document, m: &gltf::Material) -> Result<Vec<TextureUse>, AssetError> {
-    let count = document.textures().len();
-    let mut wanted = Vec::new();
-    for (extension, name, srgb) in TEXTURES {
-        let Some(info) = field(m, extension, name) else { continue };
-        let place = || format!("material {}, {extension}, {name}", m.index().unwrap_or(0));
-        let index = info.get("index").and_then(Value::as_u64).and_then(|index| usize::try_from(index).ok());
-        match index {
-            Some(index) if index < count => wanted.push((index, srgb)),
-            Some(index) => {
-                let problem = format!("refers to texture {index}, but there are {count}");
-                return Err(AssetError::format(path, place(), problem));
-            }
-            None => return Err(AssetError::format(path, place(), "names no texture (no `index`)")),
-        }
-    }
-    Ok(wanted)
+/// The textures that the layers of a material use. References to what is not there were taken away before.
+pub(super) fn textures(m: &gltf::Material) -> Vec<TextureUse> {
+    let index = |info: &Value| usize::try_from(info.get("index")?.as_u64()?).ok();
+    let found = |(extension, name, srgb)| Some((index(field(m, extension, name)?)?, srgb));
+    TEXTURES.into_iter().filter_map(found).collect()
 }
 
 /// Gives the material its layers.

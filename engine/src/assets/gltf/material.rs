@@ -1,5 +1,6 @@
 //! Materials and the textures they use.
 
+use super::remarks::Remarks;
 use super::{layers, source};
 use crate::assets::{
     AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap,
@@ -62,7 +63,7 @@ pub(super) fn load(
     document: &Document,
     image_bytes: &dyn Fn(&gltf::buffer::View) -> Result<Vec<u8>, AssetError>,
     beside: &mut source::Beside,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<Materials, AssetError> {
     let mut wanted: BTreeSet<TextureUse> = BTreeSet::new();
     for m in document.materials() {
@@ -77,10 +78,10 @@ pub(super) fn load(
         }
         let transmission = m.transmission().and_then(|t| t.transmission_texture());
         wanted.extend(transmission.map(|t| (t.texture().index(), false)));
-        wanted.extend(layers::textures(path, document, &m)?);
+        wanted.extend(layers::textures(&m));
     }
-    let textures = load_textures(path, document, &wanted, image_bytes, beside)?;
-    let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, warnings)).collect();
+    let textures = load_textures(path, document, &wanted, image_bytes, beside, remarks)?;
+    let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, remarks)).collect();
     all.push((Arc::new(Material { metallic: 1.0, ..Material::new("default") }), UvSource::default()));
     Ok(Materials { all })
 }
@@ -92,11 +93,15 @@ fn load_textures(
     wanted: &BTreeSet<TextureUse>,
     image_bytes: &dyn Fn(&gltf::buffer::View) -> Result<Vec<u8>, AssetError>,
     beside: &mut source::Beside,
+    remarks: &mut Remarks,
 ) -> Result<Textures, AssetError> {
     let by_index: Vec<_> = document.textures().collect();
     let mut by_image: BTreeMap<usize, Vec<TextureUse>> = BTreeMap::new();
     for (texture, srgb) in wanted {
-        by_image.entry(source_of(path, document, *texture)?).or_default().push((*texture, *srgb));
+        let source = source_of(path, document, *texture);
+        if let Some(image) = remarks.part(source, "drawn without it")? {
+            by_image.entry(image).or_default().push((*texture, *srgb));
+        }
     }
     let mut encoded = Vec::new();
     for (index, uses) in &by_image {
@@ -104,24 +109,22 @@ fn load_textures(
         let label = json.name.as_deref().or(json.uri.as_deref().filter(|u| !u.starts_with("data:")));
         let place = label.map_or(format!("image {index}"), |l| format!("image {index} \"{l}\""));
         let bytes = match (&json.uri, json.buffer_view) {
-            (Some(uri), _) => source::fetch(path, &place, uri, beside)?,
+            (Some(uri), _) => source::fetch(path, &place, uri, beside),
             (None, Some(view)) => match document.views().nth(view.value()) {
-                Some(view) => image_bytes(&view)?,
-                None => {
-                    return Err(AssetError::format(path, place, "its buffer view is not there"));
-                }
+                Some(view) => image_bytes(&view),
+                None => Err(AssetError::format(path, &place, "its buffer view is not there")),
             },
-            (None, None) => {
-                return Err(AssetError::format(path, place, "has neither a URI nor a buffer view"));
-            }
+            (None, None) => Err(AssetError::format(path, &place, "has neither a URI nor a buffer view")),
         };
+        let Some(bytes) = remarks.part(bytes, "drawn without it")? else { continue };
         encoded.push((place, label.map_or(format!("image {index}"), str::to_string), bytes, uses));
     }
     let meter = beside.meter;
     let decoded = parallel::map(&encoded, |(place, _, bytes, _)| image::decode(path, place, bytes, meter));
     let mut textures = HashMap::new();
     for ((_, name, _, uses), pixels) in encoded.iter().zip(decoded) {
-        let mut pixels = Some(pixels?);
+        let Some(pixels) = remarks.part(pixels, "drawn without it")? else { continue };
+        let mut pixels = Some(pixels);
         let mut same: HashMap<(Sampling, bool), Arc<Texture>> = HashMap::new();
         let kinds: HashSet<_> = uses.iter().map(|(t, srgb)| (sampling(&by_index[*t]), *srgb)).collect();
         let mut left = kinds.len();
@@ -183,7 +186,7 @@ fn minification(filter: MinFilter) -> Minification {
     Minification { nearest, levels }
 }
 
-fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Vec<String>) -> (Arc<Material>, UvSource) {
+fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Remarks) -> (Arc<Material>, UvSource) {
     let index = m.index().unwrap_or(0);
     let name = m.name().map_or(format!("material {index}"), str::to_string);
     let pbr = m.pbr_metallic_roughness();
@@ -241,7 +244,7 @@ fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Vec<String>) 
 }
 
 /// A mesh has room for two sets of texture coordinates: those that the material uses take their places there.
-fn choose_sets(m: &mut Material, warnings: &mut Vec<String>) -> UvSource {
+fn choose_sets(m: &mut Material, warnings: &mut Remarks) -> UvSource {
     let used: BTreeSet<u32> = m.textures().iter().filter(|(t, _)| t.is_some()).map(|(_, map)| map.set).collect();
     let mut sets = [0, 1];
     if used.iter().any(|set| *set > 1) {
@@ -299,7 +302,7 @@ fn make_unlit(m: &mut Material) {
 }
 
 /// Numbers beyond the range of floats, and factors outside their range, are brought back.
-fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
+fn make_finite(m: &mut Material, name: &str, warnings: &mut Remarks) {
     let factors = |m: &Material| {
         let base = (m.base_color, m.metallic, m.roughness, m.specular, m.emissive, m.normal_scale, m.transmission);
         format!("{:?}", (base, m.clearcoat, m.sheen, m.anisotropy, m.iridescence, m.dispersion))
@@ -315,7 +318,7 @@ fn make_finite(m: &mut Material, name: &str, warnings: &mut Vec<String>) {
     m.transmission = bring(m.transmission, 1.0);
     layers::make_finite(m);
     if before != factors(m) {
-        warnings.push(format!("material \"{name}\": factors out of range were clamped"));
+        warnings.fault(format!("material \"{name}\": factors out of range were clamped"));
     }
 }
 

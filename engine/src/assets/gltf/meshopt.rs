@@ -1,6 +1,7 @@
 //! Buffer views compressed by meshoptimizer: `EXT_meshopt_compression` and `KHR_meshopt_compression`.
 
 use super::accessor::Buffers;
+use super::remarks::Remarks;
 use crate::assets::{AssetError, parallel};
 use gltf::Document;
 use gltf::json::Value;
@@ -14,6 +15,9 @@ const MAX_BYTES: usize = 1 << 30;
 /// Most bytes that a byte can decode to: a block of the vertex codec holds 256 elements and spends at least a byte on
 /// four bytes of them.
 const MAX_RATIO: usize = 1024;
+
+/// What becomes of a view that cannot be decoded.
+const UNPACKED: &str = "its uncompressed bytes are read, if there are any";
 
 /// The extension of a buffer view or buffer, under whichever name.
 fn extension<'a>(get: impl Fn(&str) -> Option<&'a Value>) -> Option<&'a Value> {
@@ -37,11 +41,16 @@ struct Packed<'a> {
 }
 
 /// Decodes all compressed buffer views, by their index.
-pub(super) fn decode(document: &Document, buffers: &Buffers) -> Result<HashMap<usize, Vec<u8>>, AssetError> {
+pub(super) fn decode(
+    document: &Document,
+    buffers: &Buffers,
+    remarks: &mut Remarks,
+) -> Result<HashMap<usize, Vec<u8>>, AssetError> {
     let mut packed = Vec::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
         if let Some(found) = extension(|name| view.extensions.as_ref()?.others.get(name)) {
-            packed.push(read(index, found, view.byte_length.0 as usize, buffers)?);
+            let result = read(index, found, view.byte_length.0 as usize, buffers);
+            packed.extend(remarks.part(result, UNPACKED)?);
         }
     }
     let fail = |view: &Packed, problem: String| AssetError::format(buffers.path, place(view.index), problem);
@@ -51,7 +60,11 @@ pub(super) fn decode(document: &Document, buffers: &Buffers) -> Result<HashMap<u
         return Err(AssetError::format(buffers.path, "bufferViews", problem));
     }
     let decoded = parallel::map(&packed, |view| view.decode().map_err(|problem| fail(view, problem)));
-    packed.iter().zip(decoded).map(|(view, bytes)| Ok((view.index, bytes?))).collect()
+    let mut views = HashMap::new();
+    for (view, bytes) in packed.iter().zip(decoded) {
+        views.extend(remarks.part(bytes, UNPACKED)?.map(|bytes| (view.index, bytes)));
+    }
+    Ok(views)
 }
 
 fn place(index: usize) -> String {

@@ -15,11 +15,13 @@ mod import;
 mod instances;
 mod layers;
 mod material;
+mod mend;
 mod meshopt;
 #[cfg(test)]
 mod model_tests;
 mod nodes;
 mod primitive;
+mod remarks;
 #[cfg(test)]
 pub(crate) mod rig_tests;
 mod skin;
@@ -28,8 +30,10 @@ mod tangents;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod units;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
+pub use units::{LightConversion, LightUnits};
 
 use super::{AssetError, Clip, Material, Mesh, Meter, parallel, read_file};
 use crate::scene::ViewProjection;
@@ -37,6 +41,7 @@ use crate::world::{Camera, Light, LightKind, Projection, Transform};
 use accessor::Buffers;
 use glam::{Affine3A, Vec3};
 use primitive::{Job, Reader};
+use remarks::Remarks;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -76,7 +81,8 @@ impl GltfCamera {
     }
 }
 
-/// A light of a file (`KHR_lights_punctual`, read as radiometric RGB), shining along −Z where it has a direction.
+/// A light of a file (`KHR_lights_punctual`) with the numbers of the file, shining along −Z where it has a direction.
+/// [`LightConversion`] says what they stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfLight {
     /// Name; empty if the file has none.
@@ -85,7 +91,7 @@ pub struct GltfLight {
     pub kind: LightKind,
     /// Colour, linear RGB.
     pub color: Vec3,
-    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others.
+    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others, once it is converted.
     pub intensity: f32,
     /// Distance beyond which there is no light \[m\].
     pub range: Option<f32>,
@@ -141,6 +147,8 @@ pub struct GltfNode {
 pub struct Gltf {
     /// The file.
     pub path: PathBuf,
+    /// The program that wrote it, by its own account; empty if the file does not say.
+    pub generator: String,
     /// All nodes, by their index in the file, those outside the scene too.
     pub nodes: Vec<GltfNode>,
     /// The top nodes of the file's default scene; of its first scene if it names none; else all that have no parent.
@@ -153,6 +161,8 @@ pub struct Gltf {
     pub files: Vec<PathBuf>,
     /// Warnings of what was changed on import. They were logged too.
     pub warnings: Vec<String>,
+    /// Those that say what was broken, and mended or left out.
+    pub faults: Vec<String>,
 }
 
 impl Gltf {
@@ -180,36 +190,41 @@ impl Gltf {
     }
 
     fn read(path: &Path, bytes: &[u8], meter: &Meter) -> Result<Self, AssetError> {
-        let mut warnings = Vec::new();
+        let mut remarks = Remarks::default();
         let mut beside = source::Beside { files: Vec::new(), meter };
-        let container = source::split(path, bytes)?;
-        warnings.extend(container.warning.clone());
-        let (document, quantized) = document::parse(path, container.json, &mut warnings)?;
-        let data = document::load_buffers(path, &document, container.bin, &mut beside, &mut warnings)?;
+        let container = source::split(path, bytes, &mut remarks)?;
+        let (document, quantized) = document::parse(path, container.json, &mut remarks)?;
+        let data = document::load_buffers(path, &document, container.bin, &mut beside, &mut remarks)?;
         let mut reader =
             Reader { buffers: Buffers { path, data, decoded: HashMap::new(), replaced: HashMap::new() }, quantized };
-        reader.buffers.decoded = meshopt::decode(&document, &reader.buffers)?;
-        reader.buffers.replaced = draco::decode(&document, &reader.buffers)?;
-        document::check_data(&document, &reader.buffers)?;
-        let (mut nodes, roots) = nodes::read(path, &document, &mut warnings)?;
+        reader.buffers.decoded = meshopt::decode(&document, &reader.buffers, &mut remarks)?;
+        reader.buffers.replaced = draco::decode(&document, &reader.buffers, &mut remarks)?;
+        let (mut nodes, roots) = nodes::read(path, &document, &mut remarks);
         let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
-        let materials = material::load(path, &document, &image_bytes, &mut beside, &mut warnings)?;
-        let meshes = load_meshes(&document, &reader, &materials, meter, &mut warnings)?;
+        let materials = material::load(path, &document, &image_bytes, &mut beside, &mut remarks)?;
+        let meshes = load_meshes(&document, &reader, &materials, meter, &mut remarks)?;
         for (node, json) in nodes.iter_mut().zip(&document.as_json().nodes) {
             let mesh = json.mesh.map(|m| m.value());
             node.primitives = mesh.and_then(|m| meshes.get(m)).cloned().unwrap_or_default();
             node.skin = json.skin.map(|s| s.value());
-            node.instances = instances::read(&document, &reader.buffers, json, &format!("node \"{}\"", node.name))?;
+            let copies = instances::read(&document, &reader.buffers, json, &format!("node \"{}\"", node.name));
+            node.instances = remarks.part(copies, "it is drawn once")?.unwrap_or_default();
             if instances::has_more(json) {
-                warnings.push(format!("node \"{}\": its instances have attributes that are not used", node.name));
+                remarks.push(format!("node \"{}\": its instances have attributes that are not used", node.name));
             }
-            node.weights = weights(path, node, json, mesh.map(|m| &document.as_json().meshes[m]))?;
+            node.weights = weights(node, json, mesh.map(|m| &document.as_json().meshes[m]), &mut remarks);
         }
-        let skins = skin::read(&document, &reader.buffers, &mut warnings)?;
-        skin::check(&reader.buffers, &nodes, &skins, &mut warnings)?;
-        let clips = Arc::new(animation::read(&document, &reader.buffers, &nodes, &mut warnings)?);
-        let warnings = condense(path, warnings);
-        Ok(Self { path: path.to_path_buf(), nodes, roots, skins, clips, files: beside.files, warnings })
+        let skins = skin::read(&document, &reader.buffers, &mut remarks)?;
+        skin::check(&mut nodes, &skins, &mut remarks);
+        let clips = Arc::new(animation::read(&document, &reader.buffers, &nodes, &mut remarks)?);
+        document::check_data(&document, &reader.buffers, &mut remarks);
+        if !document.as_json().meshes.is_empty() && meshes.iter().all(Vec::is_empty) {
+            remarks.fault("the file has meshes, but nothing of them can be drawn".into());
+        }
+        let generator = document.as_json().asset.generator.clone().unwrap_or_default();
+        let (warnings, faults) = remarks.finish(path);
+        let files = beside.files;
+        Ok(Self { path: path.to_path_buf(), generator, nodes, roots, skins, clips, files, warnings, faults })
     }
 
     /// The first node of that name.
@@ -231,23 +246,27 @@ impl Gltf {
     }
 }
 
-/// Weights of the node's morph targets: its own, or else its mesh's; zero where they are missing or not finite.
+/// Weights of the node's morph targets: its own, or else its mesh's; zero where they are missing or not finite. There are as
+/// many as the primitive with the most targets has.
 fn weights(
-    path: &Path,
     node: &GltfNode,
     json: &gltf::json::Node,
     mesh: Option<&gltf::json::Mesh>,
-) -> Result<Vec<f32>, AssetError> {
+    remarks: &mut Remarks,
+) -> Vec<f32> {
     let counts = node.primitives.iter().map(|(mesh, _)| mesh.deform.as_ref().map_or(0, |d| d.targets.len()));
     let (most, least) = (counts.clone().max().unwrap_or(0), counts.min().unwrap_or(0));
     if most != least {
         let problem =
-            format!("its mesh has primitives with {least} and with {most} morph targets; all must have as many");
-        return Err(AssetError::format(path, format!("node \"{}\"", node.name), problem));
+            format!("its mesh has primitives with {least} and with {most} morph targets; all should have as many");
+        remarks.fault(format!("node \"{}\": {problem}", node.name));
     }
     let given = json.weights.as_ref().or(mesh.and_then(|m| m.weights.as_ref()));
+    if let Some(given) = given.filter(|given| given.len() != most && !node.primitives.is_empty()) {
+        remarks.fault(format!("node \"{}\": {} weights for {most} morph targets", node.name, given.len()));
+    }
     let weight = |i: usize| given.and_then(|w| w.get(i)).copied().filter(|w| w.is_finite()).unwrap_or(0.0);
-    Ok((0..most).map(weight).collect())
+    (0..most).map(weight).collect()
 }
 
 /// Loads the primitives of all meshes in parallel; primitives that read the same data in the same way are one.
@@ -256,7 +275,7 @@ fn load_meshes(
     reader: &Reader,
     materials: &material::Materials,
     meter: &Meter,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<Vec<Vec<GltfPrimitive>>, AssetError> {
     let (mut jobs, mut known, mut uses, mut corners) = (Vec::new(), HashMap::new(), Vec::new(), 0usize);
     for mesh in document.meshes() {
@@ -292,9 +311,11 @@ fn load_meshes(
     }
     let mut loaded = Vec::with_capacity(jobs.len());
     for result in parallel::map(&jobs, |job| reader.load(job)) {
-        let (mesh, remarks) = result?;
-        warnings.extend(remarks);
-        loaded.push(mesh.map(Arc::new));
+        let part = remarks.part(result, "left out")?;
+        loaded.push(part.and_then(|(mesh, found)| {
+            remarks.append(found);
+            mesh.map(Arc::new)
+        }));
     }
     let mut meshes = vec![Vec::new(); document.meshes().len()];
     for (mesh, index, surface) in uses {
@@ -303,20 +324,6 @@ fn load_meshes(
         }
     }
     Ok(meshes)
-}
-
-/// Logs the warnings, the first ones of many.
-fn condense(path: &Path, mut warnings: Vec<String>) -> Vec<String> {
-    const MOST: usize = 40;
-    let surplus = warnings.len().saturating_sub(MOST);
-    warnings.truncate(MOST);
-    if surplus > 0 {
-        warnings.push(format!("and {surplus} more remarks"));
-    }
-    for warning in &warnings {
-        log::warn!("{}: {warning}", path.display());
-    }
-    warnings
 }
 
 /// Buffers of a document: parts of the file itself, or loaded.

@@ -1,99 +1,150 @@
 //! The node hierarchy with cameras and lights.
 
+use super::remarks::Remarks;
 use super::{GltfCamera, GltfLight, GltfNode};
 use crate::assets::AssetError;
 use crate::scene::ViewProjection;
-use crate::world::{self, LightKind, Transform};
+use crate::world::{self, Camera, LightKind, Transform};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use gltf::Document;
 use gltf::camera::Projection;
-use gltf::khr_lights_punctual::Kind;
+use gltf::khr_lights_punctual::{Kind, Light};
 use std::f32::consts::PI;
 use std::path::Path;
 
 /// Reads all nodes, without their meshes, and the roots of the scene.
-pub(super) fn read(
-    path: &Path,
-    document: &Document,
-    warnings: &mut Vec<String>,
-) -> Result<(Vec<GltfNode>, Vec<usize>), AssetError> {
-    let cameras = cameras(path, document)?;
-    let lights = lights(path, document)?;
+pub(super) fn read(path: &Path, document: &Document, remarks: &mut Remarks) -> (Vec<GltfNode>, Vec<usize>) {
+    let cameras = each(document.cameras(), remarks, |camera, remarks| self::camera(path, camera, remarks));
+    let lights = document.lights().into_iter().flatten();
+    let lights = each(lights, remarks, |light, remarks| self::light(path, light, remarks));
     let mut nodes = Vec::new();
     for node in document.nodes() {
         let name = node.name().map_or(format!("node {}", node.index()), str::to_string);
-        let place = place(node.index(), &name);
-        let local = transform(path, &place, node.transform(), warnings)?;
+        let local = transform(&place(node.index(), &name), node.transform(), remarks);
         let json = &document.as_json().nodes[node.index()];
         nodes.push(GltfNode {
             local,
             children: json.children.iter().flatten().map(|c| c.value()).collect(),
-            camera: json.camera.and_then(|c| cameras.get(c.value()).cloned()),
-            light: node.light().and_then(|l| lights.get(l.index()).cloned()),
+            camera: json.camera.and_then(|c| cameras.get(c.value()).cloned().flatten()),
+            light: node.light().and_then(|l| lights.get(l.index()).cloned().flatten()),
             name,
             ..GltfNode::default()
         });
     }
-    link(path, &mut nodes)?;
-    let roots = roots(path, document, &nodes)?;
-    Ok((nodes, roots))
+    link(&mut nodes, remarks);
+    let roots = roots(document, &nodes, remarks);
+    (nodes, roots)
+}
+
+/// Reads elements one by one; those that are broken are left out.
+fn each<J, T>(
+    elements: impl Iterator<Item = J>,
+    remarks: &mut Remarks,
+    read: impl Fn(&J, &mut Remarks) -> Result<T, AssetError>,
+) -> Vec<Option<T>> {
+    let read = |element: J| read(&element, remarks).map_err(|error| remarks.broken(&error, "left out")).ok();
+    elements.map(read).collect()
 }
 
 fn place(index: usize, name: &str) -> String {
     format!("node {index} \"{name}\"")
 }
 
-/// Notes the parents. Each node has at most one, and none is its own ancestor.
-fn link(path: &Path, nodes: &mut [GltfNode]) -> Result<(), AssetError> {
+/// Notes the parents. Each node has at most one, and none is its own ancestor: what says otherwise is cut.
+fn link(nodes: &mut [GltfNode], remarks: &mut Remarks) {
     for i in 0..nodes.len() {
-        for c in nodes[i].children.clone() {
-            if let Some(other) = nodes[c].parent.replace(i) {
-                let problem = format!("is a child of both node {other} and node {i}; a node has one parent");
-                return Err(AssetError::format(path, place(c, &nodes[c].name), problem));
+        let children = std::mem::take(&mut nodes[i].children);
+        let mut kept = Vec::with_capacity(children.len());
+        for c in children {
+            match nodes[c].parent {
+                None => {
+                    nodes[c].parent = Some(i);
+                    kept.push(c);
+                }
+                Some(other) => {
+                    let at = place(c, &nodes[c].name);
+                    remarks.fault(format!("{at}: is a child of node {other}, and then of node {i}; the first counts"));
+                }
             }
         }
+        nodes[i].children = kept;
     }
     let mut reached = vec![false; nodes.len()];
-    let mut open: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
+    let tops: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
+    reach(nodes, tops, &mut reached);
+    for i in 0..nodes.len() {
+        if !reached[i] {
+            // With one parent each, what no top node leads to hangs on a cycle.
+            let first = on_cycle(nodes, i);
+            cut(nodes, first, remarks);
+            reach(nodes, vec![first], &mut reached);
+        }
+    }
+}
+
+fn reach(nodes: &[GltfNode], mut open: Vec<usize>, reached: &mut [bool]) {
     while let Some(i) = open.pop() {
         reached[i] = true;
         open.extend(&nodes[i].children);
     }
-    match reached.iter().position(|r| !r) {
-        Some(i) => Err(AssetError::format(path, place(i, &nodes[i].name), "is part of a cycle of nodes")),
-        None => Ok(()),
+}
+
+/// A node of the cycle that a node hangs on, by Floyd's two walkers.
+fn on_cycle(nodes: &[GltfNode], start: usize) -> usize {
+    let up = |node: usize| nodes[node].parent.unwrap_or(node);
+    let (mut slow, mut fast) = (up(start), up(up(start)));
+    while slow != fast {
+        (slow, fast) = (up(slow), up(up(fast)));
+    }
+    slow
+}
+
+/// Makes a top node of one that is part of a cycle.
+fn cut(nodes: &mut [GltfNode], on_cycle: usize, remarks: &mut Remarks) {
+    let at = place(on_cycle, &nodes[on_cycle].name);
+    remarks.fault(format!("{at}: is part of a cycle of nodes; it is taken for a top node"));
+    if let Some(parent) = nodes[on_cycle].parent.take() {
+        nodes[parent].children.retain(|child| *child != on_cycle);
     }
 }
 
-fn roots(path: &Path, document: &Document, nodes: &[GltfNode]) -> Result<Vec<usize>, AssetError> {
+/// The top nodes of the scene that is shown.
+fn roots(document: &Document, nodes: &[GltfNode], remarks: &mut Remarks) -> Vec<usize> {
     let json = document.as_json();
     let scene = json.scene.map_or(0, |s| s.value());
-    for (i, s) in json.scenes.iter().enumerate() {
-        let mut seen = vec![false; nodes.len()];
-        for n in s.nodes.iter().map(|n| n.value()) {
-            let fail = |problem: &str| {
-                Err(AssetError::format(path, format!("scene {i}, {}", place(n, &nodes[n].name)), problem))
-            };
-            if let Some(parent) = nodes[n].parent {
-                return fail(&format!("is listed as a root, but is a child of node {parent}"));
-            }
-            if std::mem::replace(&mut seen[n], true) {
-                return fail("is listed twice");
-            }
+    let Some(listed) = json.scenes.get(scene) else {
+        return (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
+    };
+    let mut is_root = vec![false; nodes.len()];
+    let mut roots = Vec::new();
+    for n in listed.nodes.iter().map(|n| n.value()) {
+        if std::mem::replace(&mut is_root[n], true) {
+            remarks.fault(format!("scene {scene}, {}: is listed twice; it counts once", place(n, &nodes[n].name)));
+        } else {
+            roots.push(n);
         }
     }
-    match json.scenes.get(scene) {
-        Some(scene) => Ok(scene.nodes.iter().map(|n| n.value()).collect()),
-        None => Ok((0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect()),
-    }
+    let below_listed = |mut n: usize| {
+        while let Some(parent) = nodes[n].parent {
+            if is_root[parent] {
+                return true;
+            }
+            n = parent;
+        }
+        false
+    };
+    roots.retain(|n| {
+        let Some(parent) = nodes[*n].parent else { return true };
+        let at = format!("scene {scene}, {}", place(*n, &nodes[*n].name));
+        let is_below = below_listed(*n);
+        let outcome = if is_below { "it counts as its child" } else { "it is shown without its parent" };
+        remarks.fault(format!("{at}: is listed as a root, but is a child of node {parent}; {outcome}"));
+        !is_below
+    });
+    roots
 }
 
-fn transform(
-    path: &Path,
-    place: &str,
-    transform: gltf::scene::Transform,
-    warnings: &mut Vec<String>,
-) -> Result<Transform, AssetError> {
+fn transform(place: &str, transform: gltf::scene::Transform, remarks: &mut Remarks) -> Transform {
     let local = match transform {
         gltf::scene::Transform::Matrix { matrix } => {
             let matrix = Mat4::from_cols_array_2d(&matrix);
@@ -102,7 +153,7 @@ fn transform(
                 (Mat4::from(local.matrix()) - matrix).to_cols_array().into_iter().fold(0.0, |m, x| x.abs().max(m));
             let size = matrix.to_cols_array().into_iter().fold(1.0, |m, x| x.abs().max(m));
             if matrix.is_finite() && error > 1e-3 * size {
-                warnings.push(format!(
+                remarks.push(format!(
                     "{place}: its matrix shears or projects; only translation, rotation and scale are kept"
                 ));
             }
@@ -114,12 +165,16 @@ fn transform(
             scale: Vec3::from(scale),
         },
     };
-    if !(local.translation.is_finite() && local.rotation.is_finite() && local.scale.is_finite()) {
-        return Err(AssetError::format(path, place, "its transform has numbers that are not finite"));
+    if !local.translation.is_finite() || !local.scale.is_finite() || !local.matrix().is_finite() {
+        remarks.fault(format!("{place}: its transform is not finite; it stays where its parent is"));
+        return Transform::default();
     }
     let rotation = local.rotation.length_squared();
-    let rotation = if rotation > 0.0 && rotation.is_finite() { local.rotation.normalize() } else { Quat::IDENTITY };
-    Ok(Transform { rotation, ..local })
+    if !(rotation.is_finite() && rotation > 0.0) {
+        remarks.fault(format!("{place}: its rotation has no direction; taken for none"));
+        return Transform { rotation: Quat::IDENTITY, ..local };
+    }
+    Transform { rotation: local.rotation.normalize(), ..local }
 }
 
 /// Takes a matrix apart into translation, rotation and scale. A mirroring one gets a negative x scale; axes of length
@@ -145,67 +200,90 @@ fn decompose(m: &Mat4) -> Transform {
     Transform { translation, rotation, scale }
 }
 
-fn cameras(path: &Path, document: &Document) -> Result<Vec<GltfCamera>, AssetError> {
-    let mut cameras = Vec::new();
-    for camera in document.cameras() {
-        let place = format!("camera {}", camera.index());
-        let fail = |problem: String| Err(AssetError::format(path, place.clone(), problem));
-        let (projection, aspect, near, far) = match camera.projection() {
-            Projection::Perspective(p) => {
-                if !(p.yfov() > 0.0 && p.yfov() < PI) {
-                    return fail(format!("yfov {} must lie between 0 and π", p.yfov()));
-                }
-                if !(p.znear() > 0.0 && p.znear().is_finite()) {
-                    return fail(format!("znear {} must be positive and finite", p.znear()));
-                }
-                let projection = ViewProjection::Perspective { vertical_fov: p.yfov() };
-                (projection, p.aspect_ratio(), p.znear(), p.zfar())
+fn camera(path: &Path, camera: &gltf::Camera, remarks: &mut Remarks) -> Result<GltfCamera, AssetError> {
+    let place = match camera.name() {
+        Some(name) => format!("camera {} \"{name}\"", camera.index()),
+        None => format!("camera {}", camera.index()),
+    };
+    let fail = |problem: String| Err(AssetError::format(path, &place, problem));
+    let usual = Camera::default().near;
+    let (projection, aspect, near, far, is_near) = match camera.projection() {
+        Projection::Perspective(p) => {
+            if !(p.yfov() > 0.0 && p.yfov() < PI) {
+                return fail(format!("yfov {} must lie between 0 and π", p.yfov()));
             }
-            Projection::Orthographic(o) => {
-                // Half the width and height; negative ones, which would mirror the image, glTF advises against.
-                let (width, height) = (2.0 * o.xmag().abs(), 2.0 * o.ymag().abs());
-                if !world::Projection::HEIGHTS.contains(&height) {
-                    return fail(format!("ymag {} must be between 5e-7 and 5e8 m", o.ymag()));
-                }
-                if !(o.znear() >= 0.0 && o.znear().is_finite()) {
-                    return fail(format!("znear {} must be finite and not negative", o.znear()));
-                }
-                (ViewProjection::Orthographic { height }, Some(width / height), o.znear(), Some(o.zfar()))
-            }
-        };
-        if far.is_some_and(|f| !(f > near && f.is_finite())) {
-            return fail(format!("zfar {} must be finite and beyond znear {near}", far.unwrap_or(0.0)));
+            let projection = ViewProjection::Perspective { vertical_fov: p.yfov() };
+            (projection, p.aspect_ratio(), p.znear(), p.zfar(), p.znear() > 0.0)
         }
-        let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
-        cameras.push(GltfCamera { name: camera.name().unwrap_or("").to_string(), projection, near, far, aspect });
+        Projection::Orthographic(o) => {
+            // Half the width and height; negative ones, which would mirror the image, glTF advises against.
+            let (width, height) = (2.0 * o.xmag().abs(), 2.0 * o.ymag().abs());
+            if !world::Projection::HEIGHTS.contains(&height) {
+                return fail(format!("ymag {} must be between 5e-7 and 5e8 m", o.ymag()));
+            }
+            let projection = ViewProjection::Orthographic { height };
+            (projection, Some(width / height), o.znear(), Some(o.zfar()), o.znear() >= 0.0)
+        }
+    };
+    let near = if is_near && near.is_finite() {
+        near
+    } else {
+        remarks.fault(format!("{place}: znear {near} must be positive and finite; taken as {usual}"));
+        usual
+    };
+    let is_far = |far: &f32| *far > near && far.is_finite();
+    if let Some(far) = far.filter(|far| !is_far(far)) {
+        remarks.fault(format!("{place}: zfar {far} must be finite and beyond znear {near}; taken for infinite"));
     }
-    Ok(cameras)
+    let far = far.filter(is_far);
+    let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0);
+    Ok(GltfCamera { name: camera.name().unwrap_or("").to_string(), projection, near, far, aspect })
 }
 
-fn lights(path: &Path, document: &Document) -> Result<Vec<GltfLight>, AssetError> {
-    let mut lights = Vec::new();
-    for light in document.lights().into_iter().flatten() {
-        let place = format!("light {}", light.index());
-        let fail = |problem: String| Err(AssetError::format(path, place.clone(), problem));
-        let (color, intensity) = (Vec3::from(light.color()), light.intensity());
-        if !(intensity >= 0.0 && intensity.is_finite() && color.is_finite() && color.min_element() >= 0.0) {
-            return fail(format!("intensity {intensity} and colour {color} must be finite and not negative"));
-        }
-        let range = light.range();
-        if range.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
-            return fail(format!("range {} must be positive and finite", range.unwrap_or(0.0)));
-        }
-        let kind = match light.kind() {
-            Kind::Directional => LightKind::Directional,
-            Kind::Point => LightKind::Point,
-            Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
-                if !(inner >= 0.0 && inner < outer && outer <= 0.5 * PI + 1e-6) {
-                    return fail(format!("cone angles {inner} and {outer} must be 0 ≤ inner < outer ≤ π/2"));
-                }
-                LightKind::Spot { inner: inner.to_degrees(), outer: outer.to_degrees() }
-            }
-        };
-        lights.push(GltfLight { name: light.name().unwrap_or("").to_string(), kind, color, intensity, range });
+fn light(path: &Path, light: &Light, remarks: &mut Remarks) -> Result<GltfLight, AssetError> {
+    let place = match light.name() {
+        Some(name) => format!("light {} \"{name}\"", light.index()),
+        None => format!("light {}", light.index()),
+    };
+    let (color, intensity) = (Vec3::from(light.color()), light.intensity());
+    if !(intensity >= 0.0 && intensity.is_finite()) {
+        return Err(AssetError::format(path, place, format!("intensity {intensity} must be finite and not negative")));
     }
-    Ok(lights)
+    if color.min_element() < 0.0 {
+        remarks.fault(format!("{place}: colour {color} is negative; taken for black there"));
+    }
+    let range = light.range().filter(|range| {
+        let is_valid = *range > 0.0 && range.is_finite();
+        if !is_valid {
+            remarks.fault(format!("{place}: range {range} must be positive and finite; taken for infinite"));
+        }
+        is_valid
+    });
+    let kind = match light.kind() {
+        Kind::Directional => LightKind::Directional,
+        Kind::Point => LightKind::Point,
+        Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => cone(&place, inner, outer, remarks),
+    };
+    let name = light.name().unwrap_or("").to_string();
+    Ok(GltfLight { name, kind, color: color.max(Vec3::ZERO), intensity, range })
 }
+
+/// The cone of a spot. Equal angles, as exporters write them for a hard edge, and those out of range become the nearest valid
+/// ones.
+fn cone(place: &str, inner: f32, outer: f32, remarks: &mut Remarks) -> LightKind {
+    let within = outer.clamp(LEAST_CONE, 0.5 * PI);
+    let inside = inner.clamp(0.0, (within - HARD_EDGE).max(0.0));
+    if inner == outer && within == outer {
+        remarks.fault(format!("{place}: its cone angles are both {outer}; taken for a hard edge"));
+    } else if within + 1e-6 < outer || within > outer || inner < 0.0 || inner >= outer {
+        remarks.fault(format!(
+            "{place}: cone angles {inner} and {outer} must be 0 ≤ inner < outer ≤ π/2; taken as {inside} and {within}"
+        ));
+    }
+    LightKind::Spot { inner: inside.to_degrees(), outer: within.to_degrees() }
+}
+
+/// Smallest outer angle of a spot \[rad\].
+const LEAST_CONE: f32 = 2e-4;
+/// Width of the edge of a spot that has none \[rad\]: a hundredth of a degree.
+const HARD_EDGE: f32 = 1.745e-4;

@@ -3,6 +3,7 @@
 use super::accessor::{Buffers, place};
 use super::face_normal::face_normal;
 use super::material::UvSource;
+use super::remarks::Remarks;
 use super::{tangents, thin};
 use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
 use glam::Vec3;
@@ -27,7 +28,7 @@ pub(super) struct Job<'a> {
 }
 
 /// A mesh, or none for what has no triangles, and remarks.
-pub(super) type Loaded = (Option<Mesh>, Vec<String>);
+pub(super) type Loaded = (Option<Mesh>, Remarks);
 
 struct Attributes {
     positions: Vec<[f32; 3]>,
@@ -39,26 +40,38 @@ struct Attributes {
 
 impl Reader<'_> {
     /// Reads a primitive.
+    ///
+    /// # Errors
+    /// Why it cannot be drawn.
     pub fn load(&self, job: &Job) -> Result<Loaded, AssetError> {
-        let mut warnings = Vec::new();
+        let mut warnings = Remarks::default();
         let mode = job.primitive.mode();
         let Some(positions) = job.primitive.get(&Semantic::Positions) else {
-            return Ok((None, vec![format!("{}: has no positions and is not drawn", job.place)]));
+            return Err(self.wrong(job, "has no positions and is not drawn".into()));
         };
-        let attributes = self.attributes(job, &positions)?;
+        let mut attributes = self.attributes(job, &positions, &mut warnings)?;
         let corners = self.corners(job, attributes.positions.len())?;
+        let (corners, each) = match mode {
+            Mode::Lines => (corners, 2),
+            mode if thin::is_thin(mode) => (corners, 1),
+            mode => (triangles(mode, corners, &mut warnings, &job.place), 3),
+        };
+        let mut indices = self.sound_corners(job, &attributes.positions, corners, each, &mut warnings);
+        // No corner reads them any more.
+        attributes.positions.iter_mut().filter(|p| !Vec3::from(**p).is_finite()).for_each(|p| *p = [0.0; 3]);
         if thin::is_thin(mode) {
-            return self.load_thin(job, attributes, &corners);
+            return self.load_thin(job, attributes, &indices, warnings);
         }
-        let mut indices = triangles(mode, corners, &mut warnings, &job.place);
         if indices.is_empty() {
-            return Ok((None, vec![format!("{}: has no triangle and is not drawn", job.place)]));
+            warnings.push(format!("{}: has no triangle and is not drawn", job.place));
+            return Ok((None, warnings));
         }
         let flat = attributes.normals.is_none();
         let given_tangents = attributes.tangents.is_some() && !flat;
         let mut own = Mesh::new("", Vec::new(), Vec::new());
         own.extras = extras(&attributes).map(Arc::new);
-        own.deform = self.deform(job, attributes.positions.len())?.map(|d| Arc::new(Deform { flat, ..d }));
+        own.deform =
+            self.deform(job, attributes.positions.len(), &mut warnings)?.map(|d| Arc::new(Deform { flat, ..d }));
         let mut vertices = weave(attributes);
         // Vertices are copied and reordered below; this is where each was.
         let mut origins: Vec<u32> = (0..vertices.len() as u32).collect();
@@ -67,7 +80,7 @@ impl Reader<'_> {
             origins = std::mem::replace(&mut indices, (0..vertices.len() as u32).collect());
             flat_normals(&mut vertices);
         } else if let Some(repaired) = repair_normals(&mut vertices, &indices) {
-            warnings.push(format!("{}: {repaired} normals are not finite or have no length; replaced", job.place));
+            warnings.fault(format!("{}: {repaired} normals are not finite or have no length; replaced", job.place));
         }
         match job.uv.normal.filter(|_| !given_tangents) {
             None => vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent)),
@@ -84,50 +97,77 @@ impl Reader<'_> {
     }
 
     /// Points and lines, as solids.
-    fn load_thin(&self, job: &Job, attributes: Attributes, corners: &[u32]) -> Result<Loaded, AssetError> {
+    fn load_thin(
+        &self,
+        job: &Job,
+        attributes: Attributes,
+        corners: &[u32],
+        mut warnings: Remarks,
+    ) -> Result<Loaded, AssetError> {
         let mut own = Mesh::new("", Vec::new(), Vec::new());
         own.extras = extras(&attributes).map(Arc::new);
-        own.deform = self.deform(job, attributes.positions.len())?.map(|d| Arc::new(Deform { flat: true, ..d }));
+        own.deform =
+            self.deform(job, attributes.positions.len(), &mut warnings)?.map(|d| Arc::new(Deform { flat: true, ..d }));
         let (mut vertices, origins) = thin::solids(job.primitive.mode(), &weave(attributes), corners);
         if vertices.is_empty() {
-            return Ok((None, vec![format!("{}: its lines have no length and are not drawn", job.place)]));
+            warnings.push(format!("{}: its lines have no length and are not drawn", job.place));
+            return Ok((None, warnings));
         }
         vertices.iter_mut().for_each(|v| v.tangent = tangents::sound(v.normal, v.tangent));
         let indices = (0..vertices.len() as u32).collect();
         let mut mesh = Mesh::new(job.name.clone(), vertices, indices);
         mesh.carry(&own, &origins);
-        Ok((Some(mesh), Vec::new()))
+        Ok((Some(mesh), warnings))
     }
 
-    fn attributes<'a>(&self, job: &Job<'a>, positions: &Accessor) -> Result<Attributes, AssetError> {
+    /// The attributes of the vertices. One besides the positions that is broken is left out.
+    fn attributes<'a>(
+        &self,
+        job: &Job<'a>,
+        positions: &Accessor,
+        remarks: &mut Remarks,
+    ) -> Result<Attributes, AssetError> {
         let count = positions.count();
-        let optional = |semantic: Semantic| self.counted(job, semantic, count);
-        let directions = |semantic: Semantic| {
-            let accessor = optional(semantic)?;
-            accessor.as_ref().map_or(Ok(()), |a| self.float_only(job, a))?;
-            Ok::<_, AssetError>(accessor)
-        };
-        self.float_only(job, positions)?;
-        let normals = directions(Semantic::Normals)?;
-        let tangents = directions(Semantic::Tangents)?;
-        let uvs = [self.uvs(job, optional(Semantic::TexCoords(job.uv.sets[0]))?)?, {
-            let second = if job.uv.uses_second { optional(Semantic::TexCoords(job.uv.sets[1]))? } else { None };
-            self.uvs(job, second)?
-        }];
-        let colors = optional(Semantic::Colors(0))?;
-        let found = Attributes {
+        self.note_quantized(job, positions, remarks);
+        let [first, second] = job.uv.sets.map(Semantic::TexCoords);
+        let second = if job.uv.uses_second { self.uvs(job, second, count) } else { Ok(None) };
+        let normals = self.directions(job, Semantic::Normals, count, remarks);
+        let tangents = self.directions(job, Semantic::Tangents, count, remarks);
+        let ignored = "ignored";
+        Ok(Attributes {
             positions: self.buffers.vectors(positions)?,
-            normals: normals.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
-            tangents: tangents.as_ref().map(|a| self.buffers.vectors(a)).transpose()?,
-            uvs,
-            colors: colors.as_ref().map(|a| self.colors(job, a)).transpose()?,
-        };
-        self.finite(job, positions, &found.positions)?;
-        Ok(found)
+            normals: remarks.part(normals, ignored)?.flatten(),
+            tangents: remarks.part(tangents, ignored)?.flatten(),
+            uvs: [
+                remarks.part(self.uvs(job, first, count), ignored)?.flatten(),
+                remarks.part(second, ignored)?.flatten(),
+            ],
+            colors: remarks.part(self.colors(job, count), ignored)?.flatten(),
+        })
     }
 
-    fn uvs(&self, job: &Job, accessor: Option<Accessor>) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
-        let Some(a) = accessor else { return Ok(None) };
+    fn directions<const N: usize>(
+        &self,
+        job: &Job,
+        semantic: Semantic,
+        count: usize,
+        remarks: &mut Remarks,
+    ) -> Result<Option<Vec<[f32; N]>>, AssetError> {
+        let Some(accessor) = self.counted(job, semantic, count)? else { return Ok(None) };
+        self.note_quantized(job, &accessor, remarks);
+        self.buffers.vectors(&accessor).map(Some)
+    }
+
+    /// Integers are read whether or not the file says that it has them.
+    fn note_quantized(&self, job: &Job, accessor: &Accessor, remarks: &mut Remarks) {
+        if accessor.data_type() != DataType::F32 && !self.quantized {
+            let problem = format!("{:?} components need the extension KHR_mesh_quantization", accessor.data_type());
+            remarks.broken(&self.fail(job, accessor, problem), "read all the same");
+        }
+    }
+
+    fn uvs(&self, job: &Job, semantic: Semantic, count: usize) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
+        let Some(a) = self.counted(job, semantic, count)? else { return Ok(None) };
         if !is_float_or_unit(&a) && !self.quantized {
             return Err(self.fail(
                 job,
@@ -141,7 +181,8 @@ impl Reader<'_> {
     }
 
     /// Colours of three or four components, clamped to 0 to 1.
-    fn colors(&self, job: &Job, accessor: &Accessor) -> Result<Vec<[f32; 4]>, AssetError> {
+    fn colors(&self, job: &Job, count: usize) -> Result<Option<Vec<[f32; 4]>>, AssetError> {
+        let Some(accessor) = &self.counted(job, Semantic::Colors(0), count)? else { return Ok(None) };
         if !is_float_or_unit(accessor) {
             return Err(self.fail(job, accessor, "colours must be floats or normalised unsigned integers".into()));
         }
@@ -151,7 +192,7 @@ impl Reader<'_> {
         };
         self.finite(job, accessor, &colors)?;
         colors.as_flattened_mut().iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
-        Ok(colors)
+        Ok(Some(colors))
     }
 
     /// An attribute, if it is there, with as many elements as there are vertices.
@@ -178,14 +219,6 @@ impl Reader<'_> {
         AssetError::format(self.buffers.path, format!("{}, {}", job.place, place(accessor)), problem)
     }
 
-    pub(super) fn float_only(&self, job: &Job, accessor: &Accessor) -> Result<(), AssetError> {
-        if accessor.data_type() == DataType::F32 || self.quantized {
-            return Ok(());
-        }
-        let problem = format!("{:?} components need the extension KHR_mesh_quantization", accessor.data_type());
-        Err(self.fail(job, accessor, problem))
-    }
-
     pub(super) fn finite<const N: usize>(
         &self,
         job: &Job,
@@ -200,23 +233,45 @@ impl Reader<'_> {
 
     /// The vertex of each corner, in order.
     fn corners(&self, job: &Job, count: usize) -> Result<Vec<u32>, AssetError> {
-        let Some(accessor) = job.primitive.indices() else {
-            return Ok((0..count as u32).collect());
-        };
-        let indices = self.buffers.indices(&accessor)?;
-        match indices.iter().position(|i| *i as usize >= count) {
-            Some(at) => Err(self.fail(
-                job,
-                &accessor,
-                format!("index {} at {at} is out of range: there are {count} vertices", indices[at]),
-            )),
-            None => Ok(indices),
+        match job.primitive.indices() {
+            Some(accessor) => self.buffers.indices(&accessor),
+            None => Ok((0..count as u32).collect()),
         }
+    }
+
+    /// The corners without those groups of which a vertex is not there or lies nowhere. `each`: corners of a group.
+    fn sound_corners(
+        &self,
+        job: &Job,
+        positions: &[[f32; 3]],
+        mut corners: Vec<u32>,
+        each: usize,
+        remarks: &mut Remarks,
+    ) -> Vec<u32> {
+        let wrong = |corner: &u32| positions.get(*corner as usize).is_none_or(|p| !Vec3::from(*p).is_finite());
+        let Some(first) = corners.iter().find(|corner| wrong(corner)).copied() else { return corners };
+        let before = corners.len() / each;
+        let sound = corners.chunks_exact(each).filter(|group| !group.iter().any(wrong));
+        corners = sound.flatten().copied().collect();
+        let lost = before - corners.len() / each;
+        let what = match positions.get(first as usize) {
+            Some(position) => format!("vertex {first} at {position:?} is no place: not a finite number"),
+            None => format!("index {first} is out of range: there are {} vertices", positions.len()),
+        };
+        let accessor = match positions.get(first as usize) {
+            Some(_) => job.primitive.get(&Semantic::Positions),
+            None => job.primitive.indices(),
+        };
+        let at = accessor.map_or_else(|| job.place.clone(), |a| format!("{}, {}", job.place, place(&a)));
+        let what = format!("{at}: {what}");
+        remarks
+            .fault(format!("{what}; {lost} of {before} {} left out", if each == 3 { "triangles" } else { "corners" }));
+        corners
     }
 }
 
 /// Turns strips and fans into lists (glTF 2.0, section 3.7.2.1), keeping the winding.
-fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Vec<String>, place: &str) -> Vec<u32> {
+fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Remarks, place: &str) -> Vec<u32> {
     match mode {
         Mode::TriangleStrip => {
             (2..corners.len()).flat_map(|i| [corners[i - 2], corners[i - 1 + i % 2], corners[i - i % 2]]).collect()
@@ -225,7 +280,7 @@ fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Vec<String>, plac
         _ => {
             let surplus = corners.len() % 3;
             if surplus > 0 {
-                warnings.push(format!("{place}: the last {surplus} corners make no triangle"));
+                warnings.fault(format!("{place}: the last {surplus} corners make no triangle"));
                 corners.truncate(corners.len() - surplus);
             }
             corners
@@ -299,12 +354,12 @@ mod tests {
 
     #[test]
     fn strips_and_fans_keep_the_winding() {
-        let mut w = Vec::new();
+        let mut w = Remarks::default();
         let corners = vec![0, 1, 2, 3, 4];
         assert_eq!(triangles(Mode::TriangleStrip, corners.clone(), &mut w, ""), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
         assert_eq!(triangles(Mode::TriangleFan, corners.clone(), &mut w, ""), [1, 2, 0, 2, 3, 0, 3, 4, 0]);
-        assert!(w.is_empty());
+        assert!(w.clone().finish(std::path::Path::new("")).0.is_empty());
         assert_eq!(triangles(Mode::Triangles, corners, &mut w, ""), [0, 1, 2]);
-        assert_eq!(w.len(), 1);
+        assert_eq!(w.finish(std::path::Path::new("")).0.len(), 1);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::accessor::{Buffers, place};
 use super::primitive::{Job, Reader};
+use super::remarks::Remarks;
 use super::{GltfNode, GltfSkin};
 use crate::assets::{AssetError, Deform, Influences, MorphTarget};
 use glam::{Affine3A, Mat4};
@@ -10,28 +11,33 @@ use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::mesh::Semantic;
 use std::sync::Arc;
 
-/// Reads all skins.
+/// Reads all skins. One that is broken has no joints.
 pub(super) fn read(
     document: &Document,
     buffers: &Buffers,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<Vec<Arc<GltfSkin>>, AssetError> {
     let mut skins = Vec::new();
     for skin in document.skins() {
         let at = format!("skin {}", skin.index());
         let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
-        if joints.is_empty() {
-            return Err(AssetError::format(buffers.path, at, "has no joints"));
-        }
         let mut inverse_bind = vec![Affine3A::IDENTITY; joints.len()];
         if let Some(accessor) = skin.inverse_bind_matrices() {
-            let matrices = matrices(&accessor, buffers, &at, joints.len())?;
+            let matrices = matrices(&accessor, buffers, &at);
+            let matrices = remarks.part(matrices, "its inverse bind matrices are taken for none")?;
+            if let Some(found) = matrices.as_ref().map(Vec::len).filter(|found| *found < joints.len()) {
+                remarks.fault(format!(
+                    "{at}: has {found} inverse bind matrices for {} joints; the others have none",
+                    joints.len()
+                ));
+            }
+            let matrices = matrices.unwrap_or_default();
             let broken = matrices.iter().filter(|m| !m.is_finite()).count();
             if broken > 0 {
-                warnings.push(format!("{at}: {broken} inverse bind matrices are not finite; taken for none"));
+                remarks.fault(format!("{at}: {broken} inverse bind matrices are not finite; taken for none"));
             }
-            for (to, from) in inverse_bind.iter_mut().zip(matrices).filter(|(_, from)| from.is_finite()) {
-                *to = Affine3A::from_mat4(from);
+            for (to, from) in inverse_bind.iter_mut().zip(&matrices).filter(|(_, from)| from.is_finite()) {
+                *to = Affine3A::from_mat4(*from);
             }
         }
         skins.push(Arc::new(GltfSkin { joints, inverse_bind }));
@@ -39,51 +45,40 @@ pub(super) fn read(
     Ok(skins)
 }
 
-fn matrices(accessor: &Accessor, buffers: &Buffers, at: &str, count: usize) -> Result<Vec<Mat4>, AssetError> {
-    let fail = |problem: String| Err(AssetError::format(buffers.path, format!("{at}, {}", place(accessor)), problem));
+fn matrices(accessor: &Accessor, buffers: &Buffers, at: &str) -> Result<Vec<Mat4>, AssetError> {
     if accessor.data_type() != DataType::F32 || accessor.dimensions() != Dimensions::Mat4 {
-        return fail("inverse bind matrices must be 4×4 matrices of floats".into());
-    }
-    if accessor.count() < count {
-        return fail(format!("{} inverse bind matrices for {count} joints", accessor.count()));
+        let problem = "inverse bind matrices must be 4×4 matrices of floats";
+        return Err(AssetError::format(buffers.path, format!("{at}, {}", place(accessor)), problem));
     }
     Ok(buffers.vectors::<16>(accessor)?.iter().map(Mat4::from_cols_array).collect())
 }
 
-/// Checks that the joints that meshes refer to are there, for each node with a skin.
-pub(super) fn check(
-    buffers: &Buffers,
-    nodes: &[GltfNode],
-    skins: &[Arc<GltfSkin>],
-    warnings: &mut Vec<String>,
-) -> Result<(), AssetError> {
-    for (i, node) in nodes.iter().enumerate() {
+/// Checks that the joints that meshes refer to are there, for each node with a skin. A node without them is drawn as it stands.
+pub(super) fn check(nodes: &mut [GltfNode], skins: &[Arc<GltfSkin>], remarks: &mut Remarks) {
+    for (i, node) in nodes.iter_mut().enumerate() {
         let Some(skin) = node.skin.and_then(|skin| skins.get(skin)) else { continue };
         let at = format!("node {i} \"{}\"", node.name);
         for (mesh, _) in &node.primitives {
             let Some(influences) = mesh.deform.as_ref().and_then(|d| d.skin.as_ref()) else {
-                warnings.push(format!("{at}: has a skin, but its mesh \"{}\" has no joints and weights", mesh.name));
+                remarks.push(format!("{at}: has a skin, but its mesh \"{}\" has no joints and weights", mesh.name));
                 continue;
             };
-            if influences.highest_joint() >= skin.joints.len() {
-                let problem = format!(
-                    "mesh \"{}\" refers to joint {}, but the skin has {}",
-                    mesh.name,
-                    influences.highest_joint(),
-                    skin.joints.len()
-                );
-                return Err(AssetError::format(buffers.path, at, problem));
+            let (highest, count) = (influences.highest_joint(), skin.joints.len());
+            if highest >= count {
+                let problem = format!("mesh \"{}\" refers to joint {highest}, but the skin has {count}", mesh.name);
+                remarks.fault(format!("{at}: {problem}; drawn without the skin"));
+                node.skin = None;
+                break;
             }
         }
     }
-    Ok(())
 }
 
 impl Reader<'_> {
     /// Data for posing the primitive's vertices; none if it is rigid.
-    pub(super) fn deform(&self, job: &Job, count: usize) -> Result<Option<Deform>, AssetError> {
-        let skin = self.influences(job, count)?;
-        let targets = self.targets(job, count)?;
+    pub(super) fn deform(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<Option<Deform>, AssetError> {
+        let skin = remarks.part(self.influences(job, count), "drawn without the skin")?.flatten();
+        let targets = self.targets(job, count, remarks)?;
         if skin.is_none() && targets.is_empty() {
             return Ok(None);
         }
@@ -122,25 +117,28 @@ impl Reader<'_> {
         Ok(Some(influences))
     }
 
-    fn targets(&self, job: &Job, count: usize) -> Result<Vec<MorphTarget>, AssetError> {
-        let read = |accessor: Option<Accessor>| -> Result<Vec<[f32; 3]>, AssetError> {
-            let Some(a) = accessor else { return Ok(Vec::new()) };
-            if a.count() != count {
-                let problem = format!("{} elements of a morph target, but {count} positions", a.count());
-                return Err(self.fail(job, &a, problem));
-            }
-            self.float_only(job, &a)?;
-            let values = self.buffers.vectors(&a)?;
-            self.finite(job, &a, &values)?;
-            Ok(values)
-        };
-        let target = |t: gltf::mesh::MorphTarget| {
-            Ok(MorphTarget {
-                positions: read(t.positions())?,
-                normals: read(t.normals())?,
-                tangents: read(t.tangents())?,
-            })
-        };
-        job.primitive.morph_targets().map(target).collect()
+    /// Morph targets; attributes of them that are broken move nothing.
+    fn targets(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<Vec<MorphTarget>, AssetError> {
+        let mut targets = Vec::new();
+        for target in job.primitive.morph_targets() {
+            let mut offsets = [target.positions(), target.normals(), target.tangents()].into_iter().map(|accessor| {
+                let offsets = self.offsets(job, accessor, count);
+                Ok::<_, AssetError>(remarks.part(offsets, "it moves nothing")?.unwrap_or_default())
+            });
+            let mut next = || offsets.next().unwrap_or_else(|| Ok(Vec::new()));
+            targets.push(MorphTarget { positions: next()?, normals: next()?, tangents: next()? });
+        }
+        Ok(targets)
+    }
+
+    fn offsets(&self, job: &Job, accessor: Option<Accessor>, count: usize) -> Result<Vec<[f32; 3]>, AssetError> {
+        let Some(a) = accessor else { return Ok(Vec::new()) };
+        if a.count() != count {
+            let problem = format!("{} elements of a morph target, but {count} positions", a.count());
+            return Err(self.fail(job, &a, problem));
+        }
+        let values = self.buffers.vectors(&a)?;
+        self.finite(job, &a, &values)?;
+        Ok(values)
     }
 }

@@ -1,5 +1,6 @@
 //! Bytes of a glTF asset: the GLB container, data URIs, and files beside it.
 
+use super::remarks::Remarks;
 use crate::assets::{AssetError, Meter, read_file};
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
@@ -11,7 +12,6 @@ const CHUNK_BIN: u32 = 0x004E_4942;
 pub(super) struct Container<'a> {
     pub json: &'a [u8],
     pub bin: Option<&'a [u8]>,
-    pub warning: Option<String>,
 }
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
@@ -19,7 +19,7 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 /// Splits a file into JSON and binary chunk (glTF 2.0, section 4.4). A file without the GLB magic is all JSON.
-pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>, AssetError> {
+pub(super) fn split<'a>(path: &Path, bytes: &'a [u8], remarks: &mut Remarks) -> Result<Container<'a>, AssetError> {
     let glb = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     if !bytes.starts_with(b"glTF") {
         if glb {
@@ -29,12 +29,12 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>, A
                 "the file does not begin with \"glTF\": it is no GLB file",
             ));
         }
-        return Ok(Container { json: bytes, bin: None, warning: None });
+        return Ok(Container { json: bytes, bin: None });
     }
-    split_glb(path, bytes)
+    split_glb(path, bytes, remarks)
 }
 
-fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>, AssetError> {
+fn split_glb<'a>(path: &Path, bytes: &'a [u8], remarks: &mut Remarks) -> Result<Container<'a>, AssetError> {
     let fail = |place: String, problem: &str| Err(AssetError::format(path, place, problem));
     let header = || "GLB header".to_string();
     let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
@@ -58,7 +58,7 @@ fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>, AssetErr
             return fail(place(), "the file ends within the chunk's header");
         };
         if size % 4 != 0 {
-            return fail(place(), &format!("length {size} is not a multiple of 4"));
+            remarks.fault(format!("{}: length {size} is not a multiple of 4", place()));
         }
         let Some(data) = (at + 8).checked_add(size as usize).and_then(|end| body.get(at + 8..end)) else {
             return fail(place(), &format!("length {size} is beyond the end of the file"));
@@ -78,9 +78,11 @@ fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>, AssetErr
         index += 1;
     }
     let surplus = bytes.len() - length;
-    let warning = (surplus > 0).then(|| format!("{surplus} bytes after the end of the GLB content are ignored"));
+    if surplus > 0 {
+        remarks.push(format!("{surplus} bytes after the end of the GLB content are ignored"));
+    }
     match json {
-        Some(json) => Ok(Container { json, bin, warning }),
+        Some(json) => Ok(Container { json, bin }),
         None => fail(header(), "there is no JSON chunk"),
     }
 }

@@ -84,7 +84,7 @@ impl Curve {
         if !shows_light(settings) {
             return Self { scale: 1.0, vignette: 0.0, mode, table: None };
         }
-        let scale = if is_automatic { settings.correction_factor() } else { settings.exposure_factor(lens) };
+        let scale = if is_automatic { settings.correction_factor(lens) } else { settings.exposure_factor(lens) };
         Self { scale, vignette: vignette(lens.vignette), mode, table: camera.grading.clone() }
     }
 

@@ -7,7 +7,8 @@ pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, Switch, TraceArgs};
 pub use parse::{parse_assignment, parse_frame_rate, parse_size};
 
 use clap::Args;
-use lightwell::assets::LoadBudget;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use lightwell::assets::{LightUnits, LoadBudget};
 use lightwell::files::{ComponentTypes, LoadOptions};
 use lightwell::packed;
 use std::ffi::OsString;
@@ -26,6 +27,13 @@ pub struct Common {
     /// Limit of what loading a scene may take: bytes, texels, triangles, entities or seconds, such as texels=4e9
     #[arg(long, global = true, value_name = "NAME=N", value_parser = limit)]
     pub budget: Vec<String>,
+    /// Units of the lights of models: those of the program that wrote the file, candela and lux, or W/sr and W/m². Import
+    /// settings that name other units stand
+    #[arg(long, global = true, value_name = "UNITS", default_value = "auto", value_parser = light_units())]
+    pub light_units: LightUnits,
+    /// Refuse models of which something is broken, in place of a warning
+    #[arg(long, global = true)]
+    pub strict: bool,
     /// Part of the name of the graphics adapter to use (`lightwell info` lists them)
     #[arg(long, global = true, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -36,6 +44,10 @@ pub struct Common {
 
 fn limit(written: &str) -> Result<String, String> {
     LoadBudget::default().set(written).map(|()| written.to_owned())
+}
+
+fn light_units() -> impl TypedValueParser<Value = LightUnits> {
+    PossibleValuesParser::new(LightUnits::NAMES).map(|name| name.parse().unwrap_or_default())
 }
 
 impl Common {
@@ -52,7 +64,8 @@ impl Common {
         let assets = packed::game().map(packed::Packed::assets);
         let packed = assets.as_ref().map(|assets| assets.join(packed::MODELS)).filter(|folder| folder.is_dir());
         let trusted = self.trust.iter().cloned().chain(listed).chain(assets).collect();
-        LoadOptions { models: self.models.clone().or(packed), trusted, budget, types }
+        let models = self.models.clone().or(packed);
+        LoadOptions { models, trusted, budget, light_units: self.light_units, strict: self.strict, types }
     }
 
     /// The arguments that say the same to another process of this program.
@@ -63,6 +76,12 @@ impl Common {
         }
         arguments.extend(self.trust.iter().flat_map(|folder| ["--trust".into(), folder.into()]));
         arguments.extend(self.budget.iter().flat_map(|limit| ["--budget".into(), limit.into()]));
+        let units = [LightUnits::Photometric, LightUnits::Radiometric].into_iter().zip(&LightUnits::NAMES[1..]);
+        let chosen = units.filter(|(units, _)| *units == self.light_units);
+        arguments.extend(chosen.flat_map(|(_, name)| ["--light-units".into(), name.into()]));
+        if self.strict {
+            arguments.push("--strict".into());
+        }
         if let Some(adapter) = &self.adapter {
             arguments.extend(["--adapter".into(), adapter.into()]);
         }

@@ -157,8 +157,7 @@ impl Session {
         load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look))?;
         files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
         self.library = library;
-        complete(&mut self.world, &self.path, &mut self.rendering)?;
-        Ok(())
+        complete(&mut self.world, &self.path, &mut self.library, &mut self.rendering)
     }
 
     /// Loads another scene on the same device. If that fails, the running one stays as it is.
@@ -288,6 +287,11 @@ impl Session {
         self.library.warnings()
     }
 
+    /// What was decided in loading the scene, such as the units of a model's lights.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        self.library.remarks()
+    }
+
     /// Draws a view of the scene as it stands.
     ///
     /// # Errors
@@ -334,7 +338,6 @@ fn update(world: &mut GameWorld, rendering: &mut RenderState) {
 
 /// Gives the scene a light propagation volume that fits it.
 fn add_light_volume(world: &mut GameWorld, scene: &Scene) {
-    log::info!("the scene has no `clpv` component: one that fits its bounds is used");
     let bounds = scene.bounds();
     let translation = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.center() };
     let entity = world.spawn("Light volume", None);
@@ -343,7 +346,6 @@ fn add_light_volume(world: &mut GameWorld, scene: &Scene) {
 
 /// Gives the scene the default settings of instant radiosity.
 fn add_virtual_lights(world: &mut GameWorld) {
-    log::info!("the scene has no `vpl` component: the default settings are used");
     let entity = world.spawn("Virtual lights", None);
     world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
 }
@@ -356,18 +358,23 @@ fn load(
     rendering: &mut RenderState,
 ) -> Result<GameWorld> {
     let mut world = load_scene(path, library, options)?;
-    complete(&mut world, path, rendering)?;
+    complete(&mut world, path, library, rendering)?;
     Ok(world)
 }
 
 /// Adds what the rendering's choices ask for to a scene that was loaded. None of it is saved.
-fn complete(world: &mut GameWorld, path: &Path, rendering: &mut RenderState) -> Result<()> {
+fn complete(world: &mut GameWorld, path: &Path, library: &mut AssetLibrary, rendering: &mut RenderState) -> Result<()> {
     let look = rendering.look.clone();
     world.set_tick(0);
     update(world, rendering);
-    let wants_volume = look.gi == Some(Gi::Clpv) && rendering.scene.clpv.is_none();
-    let wants_lights = rendering.scene.vpl.is_none()
-        && (look.gi == Some(Gi::Vpl) || look.gi.is_none() && render_state::gi_of_scene(world) == Gi::Vpl);
+    let method = look.gi.unwrap_or_else(|| render_state::gi_of_scene(world));
+    let wants_volume = method == Gi::Clpv && rendering.scene.clpv.is_none();
+    let wants_lights = method == Gi::Vpl && rendering.scene.vpl.is_none();
+    let missing = [(wants_volume, "clpv"), (wants_lights, "vpl")].into_iter().find(|(is_missing, _)| *is_missing);
+    if let Some((_, component)) = missing {
+        let file = path.display();
+        library.remark(format!("{file}: no entity has a `{component}` component: the default one is used"));
+    }
     if look.sets.is_empty() && !wants_volume && !wants_lights {
         world.ecs.remove_resource::<Overridden>();
         return rendering.camera().map(drop);

@@ -54,6 +54,7 @@ impl RenderState {
 
     /// Settings of a frame.
     pub fn settings(&self, world: &GameWorld, display: bool) -> RenderSettings {
+        let scene = settings(world);
         RenderSettings {
             gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(world)) {
                 Gi::None => GiMethod::NONE,
@@ -75,7 +76,8 @@ impl RenderState {
                 Only::Normal => Layer::Normal,
                 Only::Depth => Layer::Depth,
             },
-            exposure: settings(world).exposure,
+            exposure: scene.exposure,
+            auto_exposure: scene.auto_exposure,
             no_cache: false,
             each_light_alone: self.look.each_light_alone,
             virtual_light: self.look.virtual_light,

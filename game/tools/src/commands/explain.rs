@@ -30,6 +30,7 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         if scene.clpv.is_some() { "light propagation volumes" } else { "no light propagation volumes" },
         if scene.media.is_empty() { String::new() } else { format!(", fog of {} entities", scene.media.len()) },
     );
+    session.remarks().for_each(|remark| say!("note: {remark}"));
     session.model_warnings().for_each(|warning| say!("warning: {warning}"));
     let settings = session.render_settings(true);
     let view = SceneView { camera: session.camera()?, size: args.size, jitter: [0.0; 2] };

@@ -6,7 +6,7 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-use super::{Gltf, GltfNode, GltfPrimitive, tangents};
+use super::{Gltf, GltfNode, GltfPrimitive, LightUnits, tangents};
 use crate::assets::{AssetId, Material, Mesh, Vertex};
 use crate::scene::ViewProjection;
 use glam::{Mat3, Quat, Vec3};
@@ -33,6 +33,8 @@ pub struct ImportSettings {
     pub normals: Normals,
     /// How primitives are merged.
     pub parts: Parts,
+    /// Units of the intensities of lights. They act where the model is put into a scene.
+    pub light_units: LightUnits,
 }
 
 impl Default for ImportSettings {
@@ -44,6 +46,7 @@ impl Default for ImportSettings {
             flip_winding: false,
             normals: Normals::Keep,
             parts: Parts::Keep,
+            light_units: LightUnits::Auto,
         }
     }
 }

@@ -15,12 +15,14 @@ fn model(nodes: Vec<GltfNode>) -> Gltf {
     let roots = (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
     Gltf {
         path: PathBuf::from("m.glb"),
+        generator: String::new(),
         nodes,
         roots,
         skins: Vec::new(),
         clips: Arc::default(),
         files: Vec::new(),
         warnings: Vec::new(),
+        faults: Vec::new(),
     }
 }
 

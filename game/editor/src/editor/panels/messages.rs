@@ -77,6 +77,10 @@ pub fn errors(ui: &mut Ui, stage: &Stage) {
         ui.separator();
         ui.label(RichText::new(warning).monospace().color(WARNING));
     }
+    for remark in stage.files.library.remarks() {
+        ui.separator();
+        ui.weak(remark);
+    }
 }
 
 /// Colour of warnings.
