@@ -79,7 +79,7 @@ fn varying_of(
     out.position = world_from_object_point(instance, in.position);
     out.clip = view.clip_from_world * vec4f(out.position, 1.0);
     out.normal = world_from_object_normal(instance, in.normal);
-    out.tangent = vec4f(world_from_object_vector(instance, in.tangent.xyz), in.tangent.w);
+    out.tangent = world_from_object_tangent(instance, in.tangent);
     out.uv = in.uv;
 #ifndef PLAIN
     out.second_uv = extra.second_uv;
