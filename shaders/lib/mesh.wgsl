@@ -18,9 +18,9 @@ struct VertexExtra {
 struct Instance {
     rows: array<vec4f, 3>, // world_from_object, row by row
     id: u32,
+    handedness: f32,       // -1 if the transform mirrors, else 1
     pad_a: u32,
     pad_b: u32,
-    pad_c: u32,
 }
 
 struct Material {
@@ -74,15 +74,18 @@ fn world_from_object_vector(instance: Instance, v: vec3f) -> vec3f {
     return vec3f(dot(instance.rows[0].xyz, v), dot(instance.rows[1].xyz, v), dot(instance.rows[2].xyz, v));
 }
 
-// Normals transform by the cofactor matrix, which exists for singular transforms too; its sign is that of the
-// determinant, which is taken out so that mirrored objects keep their outside.
+// Normals transform by the cofactor matrix, which exists for singular transforms too; the sign of the determinant is
+// taken out, so that mirrored objects keep their outside.
 fn world_from_object_normal(instance: Instance, n: vec3f) -> vec3f {
     let a = instance.rows[0].xyz;
     let b = instance.rows[1].xyz;
     let c = instance.rows[2].xyz;
-    let bc = cross(b, c);
-    let mirrored = select(1.0, -1.0, dot(a, bc) < 0.0);
-    return mirrored * vec3f(dot(bc, n), dot(cross(c, a), n), dot(cross(a, b), n));
+    return instance.handedness * vec3f(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n));
+}
+
+// A tangent with the sign of its bitangent, which a transform that mirrors turns around.
+fn world_from_object_tangent(instance: Instance, tangent: vec4f) -> vec4f {
+    return vec4f(world_from_object_vector(instance, tangent.xyz), instance.handedness * tangent.w);
 }
 
 // Where a texture is sampled, and how far the next pixels lie from there.

@@ -9,7 +9,7 @@
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::layers::{stretched_alpha, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, albedo_of_sheen}
 #endif
-#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_vector, world_from_object_normal, shading_normal, texture_point, mapped, emission_color}
+#import lightwell::mesh::{Vertex, VertexExtra, Instance, Material, world_from_object_point, world_from_object_tangent, world_from_object_normal, shading_normal, texture_point, mapped, emission_color}
 #import lightwell::view::{View, toward_eye}
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -79,7 +79,7 @@ fn varying_of(
     out.position = world_from_object_point(instance, in.position);
     out.clip = view.clip_from_world * vec4f(out.position, 1.0);
     out.normal = world_from_object_normal(instance, in.normal);
-    out.tangent = vec4f(world_from_object_vector(instance, in.tangent.xyz), in.tangent.w);
+    out.tangent = world_from_object_tangent(instance, in.tangent);
     out.uv = in.uv;
 #ifndef PLAIN
     out.second_uv = extra.second_uv;

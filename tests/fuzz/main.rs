@@ -2,7 +2,9 @@
 //! never a panic.
 //!
 //! Each test mutates a few valid inputs, always in the same way, 100,000 times, or as often as 40 seconds allow where that
-//! is less. `LIGHTWELL_FUZZ=1000000` tries as many of each, however long it takes. What panics is written into `out/fuzz/`.
+//! is less. `LIGHTWELL_FUZZ=1000000` tries as many of each, however long it takes, or `LIGHTWELL_FUZZ_SECONDS` at most;
+//! `LIGHTWELL_FUZZ_SEED` mutates in another way. What panics, hangs, takes too much memory or reads a file outside the
+//! project is written into `out/fuzz/`.
 
 mod mutate;
 mod seeds;
@@ -11,13 +13,18 @@ use clap::Parser;
 use fastrand::Rng;
 use lightwell::assets::{AssetLibrary, CubeTable, Gltf, Sampling, SkyMap};
 use lightwell::files::{LoadOptions, load_scene};
+use lightwell::game::{Actions, Game, InputScript};
 use lightwell::gpu::{Gpu, GpuOptions};
 use lightwell_program::cli::Cli;
 use lightwell_tests::root;
 use mutate::{mutated, repair_checksums};
-use seeds::{PREFAB, SCENE, TABLE, glb, gltf_text, pictures_of_all_kinds, skies_of_all_kinds, small_models};
+use seeds::{
+    ACTIONS, IMPORT, PREFAB, SCENE, SCRIPT, TABLE, glb, gltf_text, pictures_of_all_kinds, skies_of_all_kinds,
+    small_models,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Inputs of each kind, where nothing else is asked for.
@@ -25,30 +32,76 @@ const EXECUTIONS: u32 = 100_000;
 /// Time after which it is enough, where nothing else is asked for: the whole suite shall take minutes.
 const BUDGET: Duration = Duration::from_secs(40);
 /// No input of this size may take longer, whatever the machine is busy with.
-const LONGEST: Duration = Duration::from_secs(20);
+const LONGEST: Duration = Duration::from_secs(10);
+/// Memory that the process may have at any time [MiB].
+const MEMORY: u64 = 1024;
 
 /// Tries as many mutations of the inputs as are asked for, or as there is time for.
 fn fuzz(name: &str, seeds: &[Vec<u8>], mut attempt: impl FnMut(&[u8])) {
-    let asked: Option<u32> = std::env::var("LIGHTWELL_FUZZ").ok().and_then(|n| n.parse().ok());
-    let (wanted, budget) = asked.map_or((EXECUTIONS, BUDGET), |count| (count, Duration::MAX));
-    let mut random = Rng::with_seed(7);
+    let asked = number("LIGHTWELL_FUZZ");
+    let (wanted, budget) = asked.map_or((u64::from(EXECUTIONS), BUDGET), |count| (count, Duration::MAX));
+    let budget = number("LIGHTWELL_FUZZ_SECONDS").map_or(budget, Duration::from_secs);
+    let seed = number("LIGHTWELL_FUZZ_SEED").unwrap_or(7);
+    let mut random = Rng::with_seed(seed);
+    let watchdog = Watchdog::new(name);
     let start = Instant::now();
     let mut slowest = Duration::ZERO;
     let mut count = 0;
     while count < wanted && start.elapsed() < budget {
         count += 1;
         let input = mutated(&mut random, seeds);
+        watchdog.begin(&input);
         let begin = Instant::now();
         if catch_unwind(AssertUnwindSafe(|| attempt(&input))).is_err() {
             panic!("{name}: panics, see {}", keep(name, &input).display());
         }
-        let elapsed = begin.elapsed();
-        assert!(elapsed < LONGEST, "{name}: takes {elapsed:?}, see {}", keep(name, &input).display());
-        slowest = slowest.max(elapsed);
+        slowest = slowest.max(begin.elapsed());
+        let memory = peak_memory();
+        assert!(
+            memory.is_none_or(|mib| mib < MEMORY),
+            "{name}: takes {memory:?} MiB, see {}",
+            keep(name, &input).display()
+        );
     }
+    let seconds = start.elapsed().as_secs_f64();
     let memory = peak_memory().map_or(String::new(), |mib| format!(", at most {mib} MiB in the process"));
-    println!("{name}: {count} inputs in {:.1} s, the slowest {slowest:?}{memory}", start.elapsed().as_secs_f64());
-    assert!(peak_memory().is_none_or(|mib| mib < 1024), "{name}{memory}");
+    let rate = f64::from(u32::try_from(count).unwrap_or(u32::MAX)) / seconds;
+    println!(
+        "{name}: seed {seed}, {count} inputs in {seconds:.1} s, {rate:.0} a second, the slowest {slowest:?}{memory}"
+    );
+}
+
+fn number(variable: &str) -> Option<u64> {
+    std::env::var(variable).ok().and_then(|number| number.parse().ok())
+}
+
+/// Ends the process when an input hangs, and keeps the input.
+struct Watchdog {
+    present: Arc<Mutex<Option<(Instant, Vec<u8>)>>>,
+}
+
+impl Watchdog {
+    fn new(name: &str) -> Self {
+        let (present, name) = (Arc::new(Mutex::new(None)), name.to_owned());
+        let watched: Weak<Mutex<Option<(Instant, Vec<u8>)>>> = Arc::downgrade(&present);
+        std::thread::spawn(move || {
+            while let Some(present) = watched.upgrade() {
+                let hangs = |(begin, _): &(Instant, Vec<u8>)| begin.elapsed() > LONGEST;
+                let hanging = present.lock().unwrap_or_else(PoisonError::into_inner).take_if(|input| hangs(input));
+                if let Some((_, input)) = hanging {
+                    eprintln!("{name}: takes more than {LONGEST:?}, see {}", keep(&name, &input).display());
+                    std::process::exit(1);
+                }
+                drop(present);
+                std::thread::sleep(Duration::from_millis(200));
+            }
+        });
+        Self { present }
+    }
+
+    fn begin(&self, input: &[u8]) {
+        *self.present.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), input.to_vec()));
+    }
 }
 
 fn keep(name: &str, input: &[u8]) -> PathBuf {
@@ -87,6 +140,25 @@ impl Loader {
         }
         std::fs::write(self.folder.path().join(self.file), input).expect("written");
         let _ = load_scene(&self.folder.path().join("a.scene.ron"), &mut self.library, &LoadOptions::default());
+        stays_within(self.folder.path(), &self.library);
+    }
+}
+
+/// What is read or looked for must lie in the folder.
+fn stays_within(folder: &Path, library: &AssetLibrary) {
+    let folder = folder.canonicalize().expect("a folder");
+    let resolved = |path: &Path| {
+        let mut resolved = PathBuf::new();
+        for part in path.components() {
+            match part {
+                Component::ParentDir => drop(resolved.pop()),
+                part => resolved.push(part),
+            }
+        }
+        resolved
+    };
+    for path in library.watched() {
+        assert!(resolved(&path).starts_with(&folder), "{} is not in the project", path.display());
     }
 }
 
@@ -99,6 +171,8 @@ fn the_seeds_are_valid() {
     let path = folder.path().join("a.scene.ron");
     load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     Gltf::from_bytes(Path::new("a.glb"), &glb()).unwrap_or_else(|e| panic!("{e}"));
+    Actions::parse(Path::new("a.actions.ron"), ACTIONS).unwrap_or_else(|e| panic!("{e}"));
+    InputScript::parse(Path::new("a.script.ron"), SCRIPT).unwrap_or_else(|e| panic!("{e}"));
     CubeTable::parse(TABLE).unwrap_or_else(|(line, e)| panic!("line {line}: {e}"));
     for bytes in pictures_of_all_kinds() {
         let path = folder.path().join("picture");
@@ -132,19 +206,97 @@ fn prefabs() {
 
 #[test]
 fn models() {
-    let mut seeds = vec![gltf_text().into_bytes(), glb()];
-    seeds.extend(small_models());
+    let mut seeds = vec![glb()];
+    seeds.extend(small_models("glb"));
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.glb");
     fuzz("model.glb", &seeds, |input| drop(Gltf::from_bytes(&path, input)));
 }
 
 #[test]
-fn pictures() {
+fn model_texts() {
+    let mut seeds = vec![gltf_text().into_bytes()];
+    seeds.extend(small_models("gltf"));
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.png");
+    let path = folder.path().join("a.gltf");
+    fuzz("model.gltf", &seeds, |input| drop(Gltf::from_bytes(&path, input)));
+}
+
+#[test]
+fn import_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.glb"), glb()).expect("written");
+    let scene = r#"Scene(entities: [(name: "A", model: "a.glb")])"#;
+    std::fs::write(folder.path().join("a.scene.ron"), scene).expect("written");
+    let mut loader = Loader::new(folder, "a.import.ron");
+    fuzz("a.import.ron", &[IMPORT.into()], |input| loader.load(input));
+}
+
+#[test]
+fn actions() {
+    let path = Path::new("a.actions.ron");
+    fuzz("actions.ron", &[ACTIONS.into()], |input| drop(Actions::parse(path, &String::from_utf8_lossy(input))));
+}
+
+#[test]
+fn scripts() {
+    let path = Path::new("a.script.ron");
+    fuzz("script.ron", &[SCRIPT.into()], |input| {
+        if let Ok(script) = InputScript::parse(path, &String::from_utf8_lossy(input)) {
+            assert!(script.steps <= InputScript::MOST_STEPS);
+        }
+    });
+}
+
+#[test]
+fn saved_games() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.prefab.ron"), PREFAB).expect("written");
+    std::fs::write(folder.path().join("a.gltf"), gltf_text()).expect("written");
+    let (scene, file) = (folder.path().join("a.scene.ron"), folder.path().join("slot.save.ron"));
+    std::fs::write(&scene, SCENE).expect("written");
+    let begin = || {
+        let mut game = Game::new();
+        game.enter(&scene).unwrap_or_else(|e| panic!("{e}"));
+        game
+    };
+    let mut game = begin();
+    game.save(&file).unwrap_or_else(|e| panic!("{e}"));
+    let seed = std::fs::read(&file).expect("read");
+    let mut count = 0;
+    fuzz("slot.save.ron", &[seed], |input| {
+        count += 1;
+        if count % 500 == 0 {
+            game = begin();
+        }
+        std::fs::write(&file, input).expect("written");
+        if game.load(&file).is_ok() {
+            let _ = game.step(&[]);
+        }
+    });
+}
+
+#[test]
+fn pictures() {
+    let (_, others): (Vec<_>, Vec<_>) = pictures_of_all_kinds().into_iter().partition(|picture| is_ktx2(picture));
+    fuzz_pictures("picture.png", &others);
+}
+
+#[test]
+fn ktx2_pictures() {
+    let (pictures, _): (Vec<_>, Vec<_>) = pictures_of_all_kinds().into_iter().partition(|picture| is_ktx2(picture));
+    fuzz_pictures("picture.ktx2", &pictures);
+}
+
+fn is_ktx2(picture: &[u8]) -> bool {
+    picture.starts_with(b"\xabKTX 20")
+}
+
+fn fuzz_pictures(name: &str, seeds: &[Vec<u8>]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
     let mut turn = 0;
-    fuzz("picture.png", &pictures_of_all_kinds(), |input| {
+    fuzz(name, seeds, |input| {
         let mut input = input.to_vec();
         turn += 1;
         if turn % 4 != 0 && input.starts_with(b"\x89PNG") {
@@ -156,10 +308,19 @@ fn pictures() {
 }
 
 #[test]
-fn skies() {
+fn radiance_skies() {
+    fuzz_skies("sky.hdr", &skies_of_all_kinds()[..1]);
+}
+
+#[test]
+fn exr_skies() {
+    fuzz_skies("sky.exr", &skies_of_all_kinds()[1..]);
+}
+
+fn fuzz_skies(name: &str, seeds: &[Vec<u8>]) {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.exr");
-    fuzz("sky.exr", &skies_of_all_kinds(), |input| {
+    let path = folder.path().join(name);
+    fuzz(name, seeds, |input| {
         std::fs::write(&path, input).expect("written");
         let _ = SkyMap::load(&path, 1.0, 0.0);
         let _ = lightwell::measure::read_image(&path);

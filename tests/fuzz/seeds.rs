@@ -36,6 +36,22 @@ pub const SCENE: &str = r#"Scene(
 pub const TABLE: &str = "# a table\nTITLE \"warm\"\nLUT_3D_SIZE 2\nDOMAIN_MIN 0 0 0\nDOMAIN_MAX 1 1 1\n\
     0 0 0\n1 0.1 0\n0 1 0\n1 1 0\n0 0 0.8\n1 0 0.8\n0 1 0.8\n1e0 1 .8\n";
 
+/// A table of actions with all that one may hold.
+pub const ACTIONS: &str = r#"Actions(
+    buttons: { "jump": [Key(Space), Pad(South), Mouse(Left)] },
+    axes: { "right": [Buttons(negative: Key(A), positive: Key(D)), Stick(LeftX)] },
+)"#;
+
+/// A script of input.
+pub const SCRIPT: &str = r#"Script(steps: 300, events: [
+    (1, Press(Key(Enter))), (2, Release(Key(Enter))), (10, Press(Key(W))), (300, Release(Key(W))),
+])"#;
+
+/// Import settings with all that they may say.
+pub const IMPORT: &str = r#"Import(
+    scale: 0.01, up: Z, ignore: ["Blind*", "Glass"], normals: Smooth(crease: 40), flip_winding: true, parts: Split(most: 64),
+)"#;
+
 /// A prefab that the scene uses.
 pub const PREFAB: &str = r#"Prefab(
     materials: { "own": (color: (0.1, 0.2, 0.3)) },
@@ -131,15 +147,15 @@ pub fn glb() -> Vec<u8> {
     bytes
 }
 
-/// Small models from the folder of models, if it is given.
-pub fn small_models() -> Vec<Vec<u8>> {
+/// Small models of that ending from the folder of models, if it is given.
+pub fn small_models(wanted: &str) -> Vec<Vec<u8>> {
     let Some(folder) = std::env::var_os("LIGHTWELL_MODELS").map(std::path::PathBuf::from) else { return Vec::new() };
     let mut pending = vec![folder];
     let mut models = Vec::new();
     while let Some(folder) = pending.pop() {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
-            let is_model = path.extension().is_some_and(|ending| ending == "glb");
+            let is_model = path.extension().is_some_and(|ending| ending == wanted);
             if path.is_dir() {
                 pending.push(path);
             } else if is_model && entry.metadata().is_ok_and(|data| data.len() < 20_000) {

@@ -1,9 +1,11 @@
 //! Limits of one load: a small file can ask for more than any machine has.
 
 use super::AssetError;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Limits of one load as a whole: a scene with all that it names, or an edit. What is loaded already and used again
 /// counts for nothing. The defaults hold scenes ten times as large as Sponza.
@@ -55,6 +57,8 @@ pub(crate) struct Meter {
     bytes: AtomicU64,
     texels: AtomicU64,
     triangles: AtomicU64,
+    /// Files that were asked for, whether they are there or not.
+    asked: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl Meter {
@@ -65,6 +69,17 @@ impl Meter {
     /// The limits.
     pub fn budget(&self) -> &LoadBudget {
         &self.budget
+    }
+
+    /// Notes a file that is looked for.
+    pub fn ask(&self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.asked.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+    }
+
+    /// The files that were looked for, as they were named.
+    pub fn asked(&self) -> BTreeSet<PathBuf> {
+        self.asked.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Before a file is read.

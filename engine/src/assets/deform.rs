@@ -3,6 +3,7 @@
 use super::{AssetId, Mesh, Vertex, parallel};
 use crate::scene::Aabb;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -106,7 +107,8 @@ impl Deform {
         Self { skin, targets: self.targets.iter().map(target).collect(), flat: self.flat }
     }
 
-    fn vertex(&self, rest: &Vertex, index: usize, pose: &Pose) -> Vertex {
+    /// The posed vertex, and whether its joints mirror it.
+    fn vertex(&self, rest: &Vertex, index: usize, pose: &Pose) -> (Vertex, bool) {
         let mut position = Vec3A::from(rest.position);
         let mut normal = Vec3A::from(rest.normal);
         let [tx, ty, tz, handedness] = rest.tangent;
@@ -120,12 +122,9 @@ impl Deform {
         let mut turn = 1.0;
         if let Some(skin) = self.skin.as_ref().filter(|_| !pose.palette.is_empty()) {
             let m = skin.matrix(index, &pose.palette);
-            let (x, y, z) = (m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis);
             position = m.transform_point3a(position);
-            // Normals keep at right angles to the surface: the cofactors, which exist for flat matrices too.
-            let cofactors = Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y));
-            turn = if x.dot(y.cross(z)) < 0.0 { -1.0 } else { 1.0 };
-            normal = turn * (cofactors * normal);
+            turn = handedness_of(&m.matrix3);
+            normal = turn * (cofactors(&m.matrix3) * normal);
             tangent = m.matrix3 * tangent;
         }
         let unit = |v: Vec3A, otherwise: [f32; 3]| {
@@ -134,13 +133,49 @@ impl Deform {
             unit.map_or(otherwise, |v| v.to_array())
         };
         let [x, y, z] = unit(tangent, [tx, ty, tz]);
-        Vertex {
+        let posed = Vertex {
             position: if position.is_finite() { position.to_array() } else { rest.position },
             normal: unit(normal, rest.normal),
             tangent: [x, y, z, turn * handedness],
             uv: rest.uv,
-        }
+        };
+        (posed, turn < 0.0)
     }
+
+    /// Whether a posed triangle winds the other way than at rest: its corners' joints mirror it. Where they mirror some
+    /// corners and not others, its normal decides: that side stays the outer one that the normals of the corners are on.
+    fn is_turned(&self, rest: &Mesh, pose: &Pose, posed: &[Vertex], is_mirrored: &[bool], corners: [usize; 3]) -> bool {
+        let mirrored = corners.map(|corner| is_mirrored[corner]);
+        if mirrored[0] == mirrored[1] && mirrored[1] == mirrored[2] {
+            return mirrored[0];
+        }
+        let Some(skin) = &self.skin else { return false };
+        let at_rest = area_normal(&rest.vertices, corners);
+        let outside = |corner: usize| {
+            let m = skin.matrix(corner, &pose.palette).matrix3;
+            handedness_of(&m) * (cofactors(&m) * at_rest).normalize_or_zero()
+        };
+        let outside: Vec3A = corners.into_iter().map(outside).sum();
+        area_normal(posed, corners).dot(outside) < 0.0
+    }
+}
+
+/// What normals are transformed by, but for their sign and length: they keep at right angles to the surface. Matrices
+/// without an inverse have cofactors too.
+fn cofactors(m: &Mat3A) -> Mat3A {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y))
+}
+
+/// −1 for matrices that mirror, else 1.
+fn handedness_of(m: &Mat3A) -> f32 {
+    if m.x_axis.dot(m.y_axis.cross(m.z_axis)) < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Normal of a triangle on the side from which its corners run counter-clockwise, as long as twice its area.
+fn area_normal(vertices: &[Vertex], corners: [usize; 3]) -> Vec3A {
+    let [a, b, c] = corners.map(|corner| Vec3A::from(vertices[corner].position));
+    (b - a).cross(c - a)
 }
 
 /// How a mesh is posed.
@@ -170,15 +205,19 @@ pub(crate) fn pose_all(work: &[(Arc<Mesh>, Pose)]) -> Vec<Arc<Mesh>> {
     let pieces: Vec<(usize, Range<usize>)> = work.iter().enumerate().flat_map(|(i, job)| pieces(i, job)).collect();
     let posed = parallel::map(&pieces, |(job, range)| {
         let (mesh, pose) = &work[*job];
-        let Some(deform) = &mesh.deform else { return Vec::new() };
-        range.clone().map(|index| deform.vertex(&mesh.vertices[index], index, pose)).collect::<Vec<Vertex>>()
+        let Some(deform) = &mesh.deform else { return Vertices::default() };
+        range.clone().map(|index| deform.vertex(&mesh.vertices[index], index, pose)).unzip()
     });
-    let mut vertices: Vec<Vec<Vertex>> = work.iter().map(|_| Vec::new()).collect();
+    let mut vertices: Vec<Vertices> = work.iter().map(|_| Vertices::default()).collect();
     for ((job, _), piece) in pieces.iter().zip(posed) {
-        vertices[*job].extend(piece);
+        vertices[*job].0.extend(piece.0);
+        vertices[*job].1.extend(piece.1);
     }
     work.iter().zip(vertices).map(|((rest, pose), vertices)| finished(rest, pose, vertices)).collect()
 }
+
+/// Posed vertices, and which of them joints mirror.
+type Vertices = (Vec<Vertex>, Vec<bool>);
 
 fn pieces(index: usize, (mesh, pose): &(Arc<Mesh>, Pose)) -> Vec<(usize, Range<usize>)> {
     if mesh.deform.is_none() || pose.is_rest() {
@@ -188,13 +227,22 @@ fn pieces(index: usize, (mesh, pose): &(Arc<Mesh>, Pose)) -> Vec<(usize, Range<u
     (0..count).step_by(PIECE).map(|first| (index, first..(first + PIECE).min(count))).collect()
 }
 
-fn finished(rest: &Arc<Mesh>, pose: &Pose, mut vertices: Vec<Vertex>) -> Arc<Mesh> {
+fn finished(rest: &Arc<Mesh>, pose: &Pose, (mut vertices, is_mirrored): Vertices) -> Arc<Mesh> {
     let Some(deform) = rest.deform.as_ref().filter(|_| !pose.is_rest()) else { return rest.clone() };
+    let mut indices = rest.indices.clone();
+    let winding = if is_mirrored.contains(&true) {
+        let is_turned = |corners| deform.is_turned(rest, pose, &vertices, &is_mirrored, corners);
+        turn(&mut indices, is_turned)
+    } else {
+        0
+    };
     if deform.flat {
-        for triangle in vertices.chunks_exact_mut(3) {
-            let [a, b, c] = [0, 1, 2].map(|i| Vec3::from(triangle[i].position));
-            let normal = (b - a).cross(c - a).try_normalize();
-            triangle.iter_mut().for_each(|v| v.normal = normal.map_or(v.normal, |n| n.to_array()));
+        for triangle in indices.chunks_exact(3) {
+            let corners = [0, 1, 2].map(|i| triangle[i] as usize);
+            let normal = area_normal(&vertices, corners).try_normalize();
+            for corner in corners {
+                vertices[corner].normal = normal.map_or(vertices[corner].normal, |n| n.to_array());
+            }
         }
     }
     Arc::new(Mesh {
@@ -202,12 +250,26 @@ fn finished(rest: &Arc<Mesh>, pose: &Pose, mut vertices: Vec<Vertex>) -> Arc<Mes
         name: rest.name.clone(),
         bounds: Aabb::from_points(vertices.iter().map(|v| Vec3::from(v.position))),
         vertices,
-        indices: rest.indices.clone(),
+        indices,
         extras: rest.extras.clone(),
         deform: None,
         rest: Some(rest.clone()),
+        winding,
         hierarchy: OnceLock::new(),
     })
+}
+
+/// Lets the triangles that are to be turned wind the other way, and returns the key of which these are.
+fn turn(indices: &mut [u32], is_turned: impl Fn([usize; 3]) -> bool) -> u64 {
+    let (mut key, mut count) = (DefaultHasher::new(), 0);
+    for (number, triangle) in indices.chunks_exact_mut(3).enumerate() {
+        if is_turned([0, 1, 2].map(|i| triangle[i] as usize)) {
+            triangle.swap(1, 2);
+            number.hash(&mut key);
+            count += 1;
+        }
+    }
+    if count > 0 { key.finish() } else { 0 }
 }
 
 #[cfg(test)]
@@ -276,6 +338,34 @@ mod tests {
         assert!((Vec3::from(v.normal) - Vec3::NEG_Y).length() < 1e-6 && (v.position[2] - 1.0).abs() < 1e-6);
         let mirrored = posed(&mesh, &[], &[Affine3A::from_scale(Vec3::new(1.0, 1.0, -1.0))]).vertices[0];
         assert_eq!((mirrored.normal, mirrored.tangent[3]), ([0.0, 0.0, 1.0].map(|x: f32| -x), -1.0));
+    }
+
+    /// Whatever joints do, the outer side of a triangle is the one that its normals are on.
+    #[test]
+    fn triangles_wind_the_other_way_where_joints_mirror_them() {
+        let mirror = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+        let beside = Affine3A::from_scale_rotation_translation(
+            Vec3::new(1.0, -0.5, 2.0),
+            Quat::from_rotation_y(0.4),
+            Vec3::new(0.5, 3.0, 0.0),
+        );
+        let whole: &[(u16, f32)] = &[(0, 1.0)];
+        let halves: &[(u16, f32)] = &[(0, 0.6), (1, 0.4)];
+        let other: &[(u16, f32)] = &[(1, 1.0)];
+        let cases =
+            [([whole; 3], true), ([other; 3], false), ([whole, whole, other], true), ([other, whole, halves], true)];
+        for ((weights, has_mirrored), place) in cases.into_iter().flat_map(|case| [(case, mirror), (case, beside)]) {
+            for flat in [false, true] {
+                let mesh = triangle(Deform { skin: skin(&weights), flat, ..Default::default() });
+                let moved = posed(&mesh, &[], &[place, Affine3A::IDENTITY]);
+                let corners = [0, 1, 2].map(|i| moved.indices[i] as usize);
+                let outside: Vec3A = corners.map(|corner| Vec3A::from(moved.vertices[corner].normal)).iter().sum();
+                assert!(area_normal(&moved.vertices, corners).dot(outside) > 0.0, "{weights:?}, {place}");
+                assert!(has_mirrored || moved.winding == 0);
+                assert_eq!(moved.winding == 0, moved.indices == mesh.indices, "{weights:?}");
+                assert_eq!(moved.topology(), mesh.id);
+            }
+        }
     }
 
     #[test]

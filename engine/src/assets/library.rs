@@ -17,6 +17,8 @@ pub struct AssetLibrary {
     imported: HashMap<(PathBuf, String), Arc<Gltf>>,
     noted: BTreeSet<PathBuf>,
     remarks: BTreeSet<String>,
+    /// What loads before the present one looked for.
+    asked: BTreeSet<PathBuf>,
     meter: Arc<Meter>,
     is_strict: bool,
 }
@@ -29,6 +31,7 @@ impl AssetLibrary {
 
     /// Begins a load, which may take so much. A strict one refuses models of which something is broken.
     pub(crate) fn begin_load(&mut self, budget: &LoadBudget, is_strict: bool) {
+        self.asked.extend(self.meter.asked());
         self.meter = Arc::new(Meter::new(budget));
         self.is_strict = is_strict;
     }
@@ -129,7 +132,27 @@ impl AssetLibrary {
 
     /// Remembers a file that something was made from beside the assets, such as a prefab, for [`AssetLibrary::files`].
     pub fn note(&mut self, path: impl AsRef<Path>) {
+        self.ask(path.as_ref());
         self.noted.insert(identity(path.as_ref()));
+    }
+
+    /// Remembers a file that is looked for, for [`AssetLibrary::watched`].
+    pub(crate) fn ask(&self, path: &Path) {
+        self.meter.ask(path);
+    }
+
+    /// All files on which depends what is made: [`AssetLibrary::files`], and those that were looked for and are not
+    /// there, as a load that failed noted them. Links are in it beside the files that they lead to.
+    pub fn watched(&self) -> BTreeSet<PathBuf> {
+        let mut watched = self.files();
+        watched.extend(self.asked.iter().cloned());
+        watched.extend(self.meter.asked());
+        watched
+    }
+
+    /// Takes over what another library looked for, one whose load failed.
+    pub fn watch_also(&mut self, other: &Self) {
+        self.asked.extend(other.watched());
     }
 
     /// All files that something was made from: textures, models with their buffers and images, and what was noted.

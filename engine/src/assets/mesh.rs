@@ -59,6 +59,8 @@ pub struct Mesh {
     pub deform: Option<Arc<Deform>>,
     /// The mesh that this one is a pose of: the same triangles and the same vertices, elsewhere.
     pub rest: Option<Arc<Mesh>>,
+    /// Key of the triangles that wind the other way than in [`Self::rest`], since joints mirror them; 0: none.
+    pub winding: u64,
     pub(in crate::assets) hierarchy: OnceLock<MeshBvh>,
 }
 
@@ -75,6 +77,7 @@ impl Mesh {
             extras: None,
             deform: None,
             rest: None,
+            winding: 0,
             hierarchy: OnceLock::new(),
         }
     }
@@ -84,7 +87,7 @@ impl Mesh {
         self.hierarchy.get_or_init(|| MeshBvh::new(self))
     }
 
-    /// Identity of the triangles: all poses of a mesh share it.
+    /// Identity of the triangles, whichever way they wind: all poses of a mesh share it.
     pub fn topology(&self) -> AssetId {
         self.rest.as_ref().map_or(self.id, |rest| rest.id)
     }

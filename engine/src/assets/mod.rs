@@ -59,6 +59,7 @@ const MAX_FILE: u64 = 4 << 30;
 
 /// Reads a whole regular file of sensible size, if the budget allows.
 fn read_file(path: &Path, meter: &Meter) -> Result<Vec<u8>, AssetError> {
+    meter.ask(path);
     let meta = std::fs::metadata(path).map_err(|e| AssetError::io(path, e))?;
     if !meta.is_file() {
         return Err(AssetError::format(path, "file", "is a folder or device, not a regular file"));

@@ -5,7 +5,7 @@
 //! one with the lower index counts, unless rounding hides its box.
 
 use super::movers::Movers;
-use super::scene_part::{PartTriangles, ScenePart, Source};
+use super::scene_part::{PartTriangles, ScenePart, Source, winding};
 use super::scene_triangle::{SceneTriangle, place_corners};
 use super::{Bvh, Ray, intersect_triangle};
 use crate::scene::{Primitive, Scene};
@@ -72,6 +72,8 @@ struct Changes {
     any: Vec<usize>,
     /// In place or pose.
     moved: Vec<usize>,
+    /// In the way that triangles wind.
+    turned: Vec<usize>,
     /// Whether any is of another material, or lets rays do other things with it.
     has_surfaces: bool,
 }
@@ -165,6 +167,7 @@ impl SceneBvh {
                 id: primitive.id,
                 mesh: primitive.mesh.id,
                 topology: primitive.mesh.topology(),
+                winding: winding(primitive),
                 material: primitive.material.id,
                 is_moving: primitive.moving,
                 is_glass: primitive.material.is_glass(),
@@ -202,6 +205,10 @@ impl SceneBvh {
             }
             if !is_placed {
                 changes.moved.push(index);
+                let winding = winding(primitive);
+                if std::mem::replace(&mut source.winding, winding) != winding {
+                    changes.turned.push(index);
+                }
             }
             self.flags[index] = flags;
             source.material = primitive.material.id;
@@ -251,8 +258,14 @@ impl SceneBvh {
         self.movers.version = version;
         // Both lists are in the order of the scene.
         for object in &mut self.movers.objects {
-            if object.primitives.first().is_some_and(|index| changes.any.binary_search(index).is_ok()) {
+            let is_in =
+                |list: &[usize]| object.primitives.first().is_some_and(|index| list.binary_search(index).is_ok());
+            let (has_changed, is_turned) = (is_in(&changes.any), is_in(&changes.turned));
+            if has_changed {
                 object.version = version;
+            }
+            if is_turned {
+                object.built = version;
             }
         }
         if changes.moved.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::presplit::presplit;
 use super::scene::Updated;
-use super::scene_triangle::SceneTriangle;
+use super::scene_triangle::{SceneTriangle, is_mirrored};
 use super::{Bvh, Node};
 use crate::assets::AssetId;
 use crate::scene::{Aabb, Primitive, SceneId};
@@ -20,7 +20,7 @@ pub struct ScenePart {
     pub bvh: Bvh,
     /// Changes with the hierarchy, and with anything that rays meet in it.
     pub(crate) version: u64,
-    /// The version in which it was built last: since then its triangles have the same order.
+    /// The version in which it was built last: since then its triangles have the same order, and wind the same way.
     pub(crate) built: u64,
     /// Indices in [`Scene::primitives`].
     pub(super) primitives: Vec<usize>,
@@ -35,6 +35,8 @@ pub(super) struct Source {
     pub(super) id: SceneId,
     pub(super) mesh: AssetId,
     pub(super) topology: AssetId,
+    /// Which way its triangles wind: see [`Mesh::winding`](crate::assets::Mesh::winding), and whether the transform mirrors.
+    pub(super) winding: (u64, bool),
     pub(super) material: AssetId,
     pub(super) is_moving: bool,
     /// See [`Material::is_glass`](crate::assets::Material::is_glass).
@@ -42,6 +44,11 @@ pub(super) struct Source {
     pub(super) world_from_object: Affine3A,
     pub(super) first: usize,
     pub(super) count: usize,
+}
+
+/// Which way the triangles of a primitive wind, for [`Source::winding`].
+pub(super) fn winding(primitive: &Primitive) -> (u64, bool) {
+    (primitive.mesh.winding, is_mirrored(&primitive.world_from_object))
 }
 
 impl Source {

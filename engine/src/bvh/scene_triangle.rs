@@ -2,7 +2,7 @@
 
 use super::Ray;
 use crate::scene::Primitive;
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, Mat3, Vec3, Vec3A};
 
 /// A triangle of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +39,12 @@ pub(super) fn place_corners(primitive: &Primitive, triangles: &mut [SceneTriangl
     }
 }
 
-/// Whether a transform turns the inside out.
+/// Whether a transform turns the inside out: its determinant is negative. Axes are scaled first, since the products of
+/// very short or very long ones leave the range of floats.
 pub(crate) fn is_mirrored(transform: &Affine3A) -> bool {
-    transform.matrix3.determinant() < 0.0
+    let scaled = |axis: Vec3A| axis / axis.abs().max_element();
+    let m = transform.matrix3;
+    scaled(m.x_axis).dot(scaled(m.y_axis).cross(scaled(m.z_axis))) < 0.0
 }
 
 /// Indices of a triangle's vertices in its mesh, in the order of [`SceneTriangle::corners`].

@@ -35,11 +35,13 @@ impl Loader<'_> {
         at: &[Step],
     ) -> Result<Option<PathBuf>, FileError> {
         let models = self.options.models.as_ref().map(|models| models.join(written));
-        if let Some(path) = models.filter(|path| self.roots.allow(written, path) && path.is_file()) {
+        let models = models.filter(|path| self.roots.allow(written, path));
+        if let Some(path) = models.inspect(|path| self.library.ask(path)).filter(|path| path.is_file()) {
             return Ok(Some(path));
         }
         let beside = document.folder().join(written);
         self.roots.check(what, written, &beside, document, at)?;
+        self.library.ask(&beside);
         Ok(Some(beside).filter(|path| path.is_file()))
     }
 
@@ -118,6 +120,7 @@ fn imported_beside(
     path: &Path,
 ) -> Result<(Arc<Gltf>, LightUnits), FileError> {
     let beside = path.with_extension("import.ron");
+    library.ask(&beside);
     if !beside.is_file() {
         return Ok((whole.clone(), LightUnits::Auto));
     }

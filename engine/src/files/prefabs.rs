@@ -71,6 +71,7 @@ impl Loader<'_> {
     fn prefab(&mut self, written: &str, context: &Context, at: &[Step]) -> Result<(PathBuf, Rc<Prefab>), FileError> {
         let path = context.document.folder().join(written);
         self.roots.check("prefab", written, &path, &context.document, at)?;
+        self.library.ask(&path);
         let identity = canonical(&path);
         if let Some(start) = self.chain.iter().position(|p| *p == identity) {
             return Err(cycle_error(&self.chain[start..], &identity, context, at));

@@ -239,7 +239,10 @@ impl Game {
     pub fn reload(&mut self) -> Result<(), GameError> {
         let path = self.world.ecs.resource::<CurrentScene>().path.clone();
         // All that can be wrong is found before anything changes.
-        files::load_scene(&path, &mut self.library.clone(), &self.options)?;
+        let mut trial = self.library.clone();
+        let loaded = files::load_scene(&path, &mut trial, &self.options);
+        self.library.watch_also(&trial);
+        loaded?;
         let now = files::read_scene(&path, &self.options)?;
         let before = self.file.as_ref().unwrap_or(&now);
         let mut context = EditContext { library: &mut self.library, options: &self.options, path: &path };
@@ -260,7 +263,8 @@ impl Game {
         let path = self.world.ecs.resource::<CurrentScene>().path.clone();
         let library = std::mem::take(&mut self.library);
         if let Err(error) = self.take_scene(&path) {
-            self.library = library;
+            let failed = std::mem::replace(&mut self.library, library);
+            self.library.watch_also(&failed);
             return Err(error.into());
         }
         self.begin()
@@ -269,6 +273,12 @@ impl Game {
     /// The files that the game was made from so far, besides its scenes.
     pub fn files(&self) -> BTreeSet<PathBuf> {
         self.library.files()
+    }
+
+    /// The files on which the game depends, besides its scenes: those that it was made from, and those that were looked
+    /// for and are missing.
+    pub fn watched_files(&self) -> BTreeSet<PathBuf> {
+        self.library.watched()
     }
 
     /// The world, with what an editor needs to change it while the game runs.

@@ -15,6 +15,9 @@ use std::any::{TypeId, type_name};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// The last step that a game may be saved in: up to there times are exact.
+const MOST_STEPS: u64 = 1 << 53;
+
 /// How a resource is written and read.
 #[derive(Clone)]
 struct SavedType {
@@ -112,7 +115,22 @@ impl SavedGame {
     /// # Errors
     /// When there is none, or it is not of this form.
     pub fn read(path: &Path) -> Result<Self, GameError> {
-        Ok(Document::read::<Self>(path)?.1)
+        let (document, saved) = Document::read::<Self>(path)?;
+        saved.check(&document)?;
+        Ok(saved)
+    }
+
+    /// Checks the numbers that a restored game counts on from.
+    fn check(&self, document: &Document) -> Result<(), FileError> {
+        let wrong =
+            |key: &str, message: String| document.error(&[Step::Key(key.into())], FileErrorKind::BadValue, message);
+        if self.step > MOST_STEPS {
+            return Err(wrong("step", format!("step {} is beyond the last one, {MOST_STEPS}", self.step)));
+        }
+        if self.scene_since > self.step {
+            return Err(wrong("scene_since", format!("step {} comes after `step: {}`", self.scene_since, self.step)));
+        }
+        Ok(())
     }
 
     /// Reads one whose scene lies below some folders.
@@ -121,6 +139,7 @@ impl SavedGame {
     /// As [`SavedGame::read`], and when the scene lies elsewhere.
     pub(super) fn read_within(path: &Path, roots: &Roots) -> Result<Self, GameError> {
         let (document, saved) = Document::read::<Self>(path)?;
+        saved.check(&document)?;
         let written = saved.scene.display().to_string();
         roots.check("scene", &written, &saved.scene, &document, &[Step::Key("scene".into())])?;
         Ok(saved)
@@ -147,7 +166,14 @@ impl SavedGame {
             };
             (known.check)(value.text()).map_err(|what| wrong(name, what))?;
         }
-        files::enter_described(world, library, options, &self.scene, self.world, old)?;
+        // What the saved game holds is at fault, not the file of its scene.
+        let in_saved = |mut error: FileError| {
+            if error.file == self.scene {
+                error.file = path.to_owned();
+            }
+            error
+        };
+        files::enter_described(world, library, options, &self.scene, self.world, old).map_err(in_saved)?;
         for (name, value) in &self.resources {
             let Some(known) = types.0.get(name.as_str()) else { continue };
             (known.put)(value.text(), &mut world.ecs).map_err(|what| wrong(name, what))?;

@@ -179,8 +179,8 @@ impl ShaderLibrary {
     /// Empty files are passed over, because editors truncate before they write. A file that is gone keeps its last
     /// text, because editors also save by removing and renaming.
     pub fn poll(&self) -> Vec<ShaderEvent> {
-        let watcher = self.watcher.lock().unwrap_or_else(PoisonError::into_inner);
-        if !watcher.as_ref().is_some_and(Watcher::changed) {
+        let mut watcher = self.watcher.lock().unwrap_or_else(PoisonError::into_inner);
+        if !watcher.as_mut().is_some_and(Watcher::changed) {
             return Vec::new();
         }
         self.read().map_or_else(Vec::new, |found| self.state().take_sources(found))

@@ -278,6 +278,8 @@ fn tables_and_scripts_with_mistakes_say_where() {
     assert!(late.contains("step 1 comes after step 2") && late.contains("1:"), "{late}");
     let beyond = script("Script(steps: 5, events: [(6, Wheel(1))])");
     assert!(beyond.contains("behind the end"), "{beyond}");
+    let endless = script("Script(\n  steps: 18446744073709551615)");
+    assert!(endless.contains("x.script.ron:2:") && endless.contains("at most 10000000"), "{endless}");
 }
 
 #[test]

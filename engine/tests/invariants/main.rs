@@ -6,6 +6,7 @@ mod batches;
 mod cached_frames;
 mod host;
 mod keyed_fields;
+mod mirroring;
 mod mirrors;
 mod mlaa;
 mod moving;

@@ -1,6 +1,7 @@
 //! The command line of a game.
 
 use clap::Parser;
+use lightwell::game::InputScript;
 use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_frame_rate, parse_size};
 use std::path::PathBuf;
 
@@ -30,8 +31,8 @@ pub struct GameArgs {
     /// With --list-files: another file that the game loads, with what it names
     #[arg(long, value_name = "FILE", requires = "list_files")]
     pub also: Vec<PathBuf>,
-    /// Without a window: number of steps [default: the script's, or two seconds]
-    #[arg(long, value_name = "N")]
+    /// Without a window: number of steps, at most ten million [default: the script's, or two seconds]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=InputScript::MOST_STEPS))]
     pub steps: Option<u64>,
     /// Without a window: folder for the images [default: out/NAME]
     #[arg(short, long, value_name = "DIR")]

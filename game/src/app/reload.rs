@@ -31,7 +31,7 @@ impl Reloader {
         if game.world.ecs.resource::<CurrentScene>().path != self.scene {
             (self.watcher, self.scene) = watch(game, self.actions.as_deref());
         } else if self.followed.elapsed() > FOLLOW {
-            self.watcher.follow(&game.files());
+            self.watcher.follow(&game.watched_files());
             self.followed = Instant::now();
         }
         let changes = self.watcher.changes();
@@ -52,7 +52,11 @@ impl Reloader {
             Ok(())
         };
         let result = actions.and(scene.map_err(Into::into));
-        if result.is_ok() {
+        self.watcher.follow(&game.watched_files());
+        if result.is_err() {
+            // What it needed may come later.
+            self.watcher.failed();
+        } else {
             log::info!("the files of the game were read anew");
         }
         Some(result)
@@ -66,7 +70,7 @@ fn read_actions(game: &mut Game, path: &Path) -> Result<()> {
 
 fn watch(game: &Game, actions: Option<&Path>) -> (SceneWatcher, PathBuf) {
     let scene = game.world.ecs.resource::<CurrentScene>().path.clone();
-    let mut parts = game.files();
+    let mut parts = game.watched_files();
     parts.extend(actions.map(Path::to_owned));
     (SceneWatcher::new(&scene, &parts), scene)
 }

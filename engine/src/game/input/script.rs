@@ -25,6 +25,9 @@ pub struct InputScript {
 }
 
 impl InputScript {
+    /// Most steps of a script: a day and four hours at 100 a second.
+    pub const MOST_STEPS: u64 = 10_000_000;
+
     /// Reads a script from its file.
     ///
     /// # Errors
@@ -42,6 +45,11 @@ impl InputScript {
     }
 
     fn checked((document, script): (Document, Self)) -> Result<Self, FileError> {
+        if script.steps > Self::MOST_STEPS {
+            let message = format!("{} steps are too many: at most {} are played", script.steps, Self::MOST_STEPS);
+            let error = document.error(&[Step::Key("steps".into())], FileErrorKind::Budget, message);
+            return Err(error.with_help("a script lasts as long as its last event, and a little longer"));
+        }
         let mut last = 1;
         for (index, (step, _)) in script.events.iter().enumerate() {
             let wrong = match *step {

@@ -10,7 +10,7 @@ use crate::assets::{VertexExtra, parallel};
 use crate::bvh::{Bvh, SceneBvh, corner_indices, is_mirrored, normal_matrix, turned_normal};
 use crate::gpu::Gpu;
 use crate::scene::{Primitive, Scene};
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 /// Flags of a triangle, above the index of its material.
 const GLASS: u32 = 1 << 28;
@@ -174,7 +174,7 @@ fn encode_triangles(surfaces: Surfaces, order: &[u32], has_extras: bool) -> [Vec
         let known = last.take().filter(|(primitive, _)| *primitive == triangle.primitive);
         let make = || (triangle.primitive, Shared::new(&scene.primitives[triangle.primitive as usize], materials));
         let (_, shared) = &*last.insert(known.unwrap_or_else(make));
-        let (mesh, transform) = (&shared.primitive.mesh, &shared.primitive.world_from_object);
+        let mesh = &shared.primitive.mesh;
         let words = [shared.head, emitters.of(index), triangle.primitive];
         let indices = corner_indices(shared.primitive, triangle.triangle, shared.is_mirrored);
         for corner in 0..3 {
@@ -184,7 +184,7 @@ fn encode_triangles(surfaces: Surfaces, order: &[u32], has_extras: bool) -> [Vec
             let [u, v] = vertex.uv.map(f32::to_bits);
             let texel = corner * count + place;
             triangles[texel] = [x, y, z, words[corner]];
-            attributes[texel] = [normal, u, v, encode_tangent(transform, vertex.tangent)];
+            attributes[texel] = [normal, u, v, encode_tangent(shared, vertex.tangent)];
             if has_extras {
                 extras[texel] = encode_extra(&mesh.extra(indices[corner]));
             }
@@ -216,11 +216,11 @@ fn encode_direction(n: Vec3) -> u32 {
     x as u32 | (y as u32) << 16
 }
 
-/// As a direction, but the lowest bit says that the bitangent is turned around.
-fn encode_tangent(transform: &Affine3A, [x, y, z, handedness]: [f32; 4]) -> u32 {
-    let tangent = transform.transform_vector3(Vec3::new(x, y, z)).normalize_or_zero();
+/// As a direction, but the lowest bit says that the bitangent is turned around, as a transform that mirrors does.
+fn encode_tangent(shared: &Shared, [x, y, z, handedness]: [f32; 4]) -> u32 {
+    let tangent = shared.primitive.world_from_object.transform_vector3(Vec3::new(x, y, z)).normalize_or_zero();
     if tangent == Vec3::ZERO {
         return 0;
     }
-    encode_direction(tangent) & !1 | u32::from(handedness < 0.0)
+    encode_direction(tangent) & !1 | u32::from((handedness < 0.0) != shared.is_mirrored)
 }

@@ -2,6 +2,7 @@
 
 use super::material::alpha_cutoff;
 use crate::assets::{AlphaMode, Vertex, VertexExtra};
+use crate::bvh::is_mirrored;
 use crate::gpu::ShaderDef;
 use crate::scene::Primitive;
 
@@ -45,7 +46,7 @@ impl MaterialClass {
             masked: alpha_cutoff(&primitive.material) >= 0.0,
             blended: primitive.material.alpha_mode == AlphaMode::Blend || primitive.material.is_glass(),
             glass: primitive.material.is_glass(),
-            mirrored: primitive.world_from_object.matrix3.determinant() < 0.0,
+            mirrored: is_mirrored(&primitive.world_from_object),
             plain: primitive.mesh.extras.is_none() && primitive.material.is_plain(),
             layered: primitive.material.has_layers(),
             second_lobe: primitive.material.has_second_lobe(),

@@ -18,6 +18,8 @@ const PAGE_INDICES: u32 = 1 << 22;
 /// Where a mesh lies.
 pub(super) struct GpuMesh {
     topology: AssetId,
+    /// See [`Mesh::winding`].
+    winding: u64,
     page: usize,
     vertices: Range<u32>,
     /// Its indices, which count from its first vertex.
@@ -188,9 +190,13 @@ impl MeshStore {
         true
     }
 
-    fn enter_pose(&mut self, gpu: &Gpu, place: GpuMesh, mesh: &Mesh) {
+    fn enter_pose(&mut self, gpu: &Gpu, mut place: GpuMesh, mesh: &Mesh) {
         if let Some(page) = &self.pages[place.page] {
             write(gpu, &page.vertices, place.vertices.start, &mesh.vertices);
+            if place.winding != mesh.winding {
+                write(gpu, &page.indices, place.indices.start, &mesh.indices);
+                place.winding = mesh.winding;
+            }
         }
         self.meshes.insert(mesh.id, place);
     }
@@ -240,7 +246,15 @@ impl MeshStore {
             write(gpu, &page.vertices, vertices.start, &mesh.vertices);
             write(gpu, &page.indices, indices.start, &mesh.indices);
         }
-        let placed = GpuMesh { topology: mesh.topology(), page, vertices, indices, has_extras: false, uses: 0 };
+        let placed = GpuMesh {
+            topology: mesh.topology(),
+            winding: mesh.winding,
+            page,
+            vertices,
+            indices,
+            has_extras: false,
+            uses: 0,
+        };
         self.meshes.insert(mesh.id, placed);
     }
 

@@ -25,6 +25,7 @@ pub use blended::Side;
 pub use class::{MaterialClass, vertex_layout};
 
 use crate::assets::AssetId;
+use crate::bvh::is_mirrored;
 use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use crate::scene::{Aabb, Primitive};
@@ -50,14 +51,17 @@ pub(crate) use material::MaterialUniform;
 pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
     id: u32,
-    padding: [u32; 3],
+    /// −1 if the transform mirrors, else 1.
+    handedness: f32,
+    padding: [u32; 2],
 }
 
 impl Instance {
     fn new(primitive: &Primitive) -> Self {
         let m = primitive.world_from_object;
         let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]];
-        Self { rows: [row(0), row(1), row(2)], id: primitive.id.0 as u32, padding: [0; 3] }
+        let handedness = if is_mirrored(&m) { -1.0 } else { 1.0 };
+        Self { rows: [row(0), row(1), row(2)], id: primitive.id.0 as u32, handedness, padding: [0; 2] }
     }
 }
 

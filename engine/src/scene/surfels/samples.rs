@@ -56,10 +56,12 @@ impl Samples {
         let pose = |(surfel, origin): (&Surfel, &Origin)| {
             let member = group.members[origin.member as usize];
             let index = origin.triangle as usize;
-            let corners = triangle(&member.mesh, index).corners;
-            let area_at_rest = world_area(&rest, &triangle(group.mesh(member), index).corners);
+            let (at_rest, now) = (triangle(group.mesh(member), index), triangle(&member.mesh, index));
+            // Joints that mirror turn the corners of a triangle around, but points stay where they are on it.
+            let corners = at_rest.vertices.map(|vertex| member.mesh.vertices[vertex].position.into());
+            let area_at_rest = world_area(&rest, &at_rest.corners);
             let grown = if area_at_rest > 0.0 { world_area(&posed, &corners) / area_at_rest } else { 1.0 };
-            let normal = front(&corners) * if origin.is_back { -1.0 } else { 1.0 };
+            let normal = front(&now.corners) * if origin.is_back { -1.0 } else { 1.0 };
             Surfel {
                 position: weighted(corners, origin.weights).to_array(),
                 area: if grown.is_finite() { surfel.area * grown } else { surfel.area },

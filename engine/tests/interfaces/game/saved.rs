@@ -64,6 +64,8 @@ fn saved_games_that_do_not_fit_are_refused() {
         (text.replace("points:0", "points:\"x\"").replace("points: 0", "points: \"x\""), "the resource `Score`"),
         (text.replace("Runner", "Rnner"), "no component `Rnner`"),
         ("SavedGame(".into(), "slot.save.ron:1"),
+        (replaced_number(&text, "step"), "slot.save.ron:"),
+        (replaced_number(&text, "scene_since"), "comes after `step:"),
     ];
     for (changed, part) in cases {
         assert_ne!(changed, text);
@@ -72,6 +74,30 @@ fn saved_games_that_do_not_fit_are_refused() {
         assert!(error.contains(part), "no {part} in {error}");
         assert!(game.world.find("A").is_some(), "the present state stays");
     }
+}
+
+/// The text with the largest number in that field.
+fn replaced_number(text: &str, field: &str) -> String {
+    let start = text.find(&format!("{field}:")).unwrap() + field.len() + 1;
+    let end = start + text[start..].find(',').unwrap();
+    format!("{} 18446744073709551615{}", &text[..start], &text[end..])
+}
+
+/// What a saved game spawns counts against the budget of a load, and the error names the saved game.
+#[test]
+fn saved_games_spawn_within_the_budget() {
+    let folder = Folder::new();
+    let mut game = folder.game();
+    let file = folder.path("slot.save.ron");
+    game.save(&file).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let many =
+        r#"(name: "Many", prefab: "ball.prefab.ron", repeat: Line(count: 100000000, points: [(0, 0, 0), (9, 0, 0)])),"#;
+    let start = text.find("entities:").unwrap() + text[text.find("entities:").unwrap()..].find('[').unwrap() + 1;
+    std::fs::write(&file, format!("{}{many}{}", &text[..start], &text[start..])).unwrap();
+    let error = message(game.load(&file));
+    assert!(error.contains("slot.save.ron"), "{error}");
+    assert!(game.world.find("A").is_some(), "the present state stays");
 }
 
 /// A saved game from elsewhere names a scene that does not belong to the game.

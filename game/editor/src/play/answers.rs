@@ -92,7 +92,7 @@ impl Player {
                 if let Err(error) = moved {
                     self.editor.tell(format!("{error:#}"), true);
                 }
-                self.watcher = SceneWatcher::new(path, &self.session.files());
+                self.watcher = SceneWatcher::new(path, &self.session.watched_files());
                 self.editor.scene_history().mark_saved();
                 self.memory.played(path);
                 self.editor.recent.clone_from(&self.memory.recent);
@@ -107,12 +107,14 @@ impl Player {
         self.scene_error = match self.read_anew() {
             Ok(()) => {
                 self.clock.follow(&self.session.settings());
-                self.watcher.saved();
-                self.watcher.follow(&self.session.files());
+                self.watcher.follow(&self.session.watched_files());
                 self.editor.tell("the scene was loaded anew", false);
                 None
             }
             Err(error) => {
+                // What it needed may come later.
+                self.watcher.follow(&self.session.watched_files());
+                self.watcher.failed();
                 log::error!("{error:#}");
                 Some(format!("{error:#}"))
             }
@@ -137,7 +139,7 @@ impl Player {
         match self.session.open_other(path) {
             Ok(()) => {
                 lightwell::files::remove_leftovers(path);
-                self.watcher = SceneWatcher::new(path, &self.session.files());
+                self.watcher = SceneWatcher::new(path, &self.session.watched_files());
                 self.clock = PlayClock::new(&self.session.settings());
                 self.editor.loaded();
                 self.scene_error = None;

@@ -105,7 +105,7 @@ impl Player {
         lightwell::files::remove_leftovers(session.path());
         let render_thread = RenderThread::new(&session.gpu);
         let mut player = Self {
-            watcher: SceneWatcher::new(session.path(), &session.files()),
+            watcher: SceneWatcher::new(session.path(), &session.watched_files()),
             clock: PlayClock::new(&session.settings()),
             comparison: Comparison::default(),
             window,
@@ -169,7 +169,7 @@ impl Player {
         self.stale |= !self.session.gpu.shaders.poll().is_empty();
         // Edits may have brought models and prefabs.
         if std::mem::replace(&mut self.followed, self.editor.history.version) != self.editor.history.version {
-            self.watcher.follow(&self.session.files());
+            self.watcher.follow(&self.session.watched_files());
         }
         // A game plays on: what changed is taken up when it has ended.
         if let Some(change) = self.play.is_none().then(|| self.watcher.changed()).flatten() {

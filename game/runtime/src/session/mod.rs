@@ -154,7 +154,9 @@ impl Session {
         let (path, look) = (self.path.clone(), self.rendering.look.clone());
         // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
         let mut library = AssetLibrary::new();
-        load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look))?;
+        let loaded = load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look));
+        self.library.watch_also(&library);
+        loaded?;
         files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
         self.library = library;
         complete(&mut self.world, &self.path, &mut self.library, &mut self.rendering)
@@ -280,6 +282,12 @@ impl Session {
     /// All files that the scene was made from, besides its own.
     pub fn files(&self) -> BTreeSet<PathBuf> {
         self.library.files()
+    }
+
+    /// All files on which the scene depends, besides its own: those that it was made from, and those that the last load
+    /// looked for and that are missing.
+    pub fn watched_files(&self) -> BTreeSet<PathBuf> {
+        self.library.watched()
     }
 
     /// What the scene's models hold that is not kept as it is, each with its file.
