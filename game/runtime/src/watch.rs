@@ -8,7 +8,7 @@ use notify_debouncer_full::notify::event::{AccessKind, AccessMode};
 use notify_debouncer_full::notify::{EventKind, RecommendedWatcher, RecursiveMode};
 use notify_debouncer_full::{DebounceEventResult, Debouncer, RecommendedCache, new_debouncer};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, SystemTime};
 
@@ -176,8 +176,8 @@ impl SceneWatcher {
             };
             let paths = || events.iter().filter(|event| is_change(event.kind)).flat_map(|event| &event.paths);
             has_other_folders |= events.iter().any(|event| event.need_rescan());
-            has_other_folders |= paths().any(|path| self.folders.contains(path));
-            is_touched |= paths().any(|path| self.seen.contains_key(path));
+            has_other_folders |= paths().any(|path| has_name_of(path, self.folders.iter()));
+            is_touched |= paths().any(|path| has_name_of(path, self.seen.keys()));
         }
         if has_other_folders {
             self.watch_again();
@@ -189,8 +189,25 @@ impl SceneWatcher {
 /// A file as it is named, and where links lead from there: either may be replaced.
 fn names(file: &Path) -> [PathBuf; 2] {
     let named = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-    let real = file.canonicalize().unwrap_or_else(|_| named.clone());
-    [named, real]
+    let real = real_path(&named);
+    let leads_back = named.components().any(|part| part == Component::ParentDir);
+    [if leads_back { real.clone() } else { named }, real]
+}
+
+/// Where links lead, as far as the path is there.
+fn real_path(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| match (path.parent(), path.file_name()) {
+        (Some(folder), Some(name)) => real_path(folder).join(name),
+        // The path ends in `..`.
+        (Some(folder), None) => real_path(folder).parent().map_or_else(PathBuf::new, Path::to_owned),
+        (None, _) => path.to_owned(),
+    })
+}
+
+/// Whether one of the paths ends in the same name. The system tells of a folder by one of its names, and it may be watched
+/// under several.
+fn has_name_of<'a>(path: &Path, mut paths: impl Iterator<Item = &'a PathBuf>) -> bool {
+    paths.any(|known| known.file_name() == path.file_name())
 }
 
 /// Opening and reading is no change.
@@ -483,5 +500,41 @@ mod tests {
         assert_eq!(change(&mut watcher), Some(Change::Part(image.clone())), "a folder's link");
         std::fs::write(dir.join("two/a.png"), "longer").unwrap();
         assert_eq!(change(&mut watcher), Some(Change::Part(image)), "and what it leads to is watched");
+    }
+
+    /// Scenes name parts by paths that lead back, `../prefabs/b.prefab.ron`.
+    #[test]
+    fn paths_that_lead_back_are_watched() {
+        let there = ["project/scenes/x", "project/a.scene.ron", "project/scenes/../prefabs/b.prefab.ron"];
+        let mut watched = Watched::new(&there, &["project/scenes/../models/car/car.glb"]);
+        for (name, expected) in [
+            ("project/prefabs/b.prefab.ron", "project/prefabs/b.prefab.ron"),
+            ("project/models/car/car.glb", "project/models/car/car.glb"),
+            ("project/a.scene.ron", "project/a.scene.ron"),
+        ] {
+            watched.write(name, "two");
+            watched.expect(expected);
+        }
+    }
+
+    #[test]
+    fn what_a_failed_load_needed_is_watched() {
+        let dir = tempfile::tempdir().unwrap();
+        let dir = dir.path().canonicalize().unwrap();
+        let scene = dir.join("a.scene.ron");
+        let model = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"c.bin","byteLength":4}],"meshes":[]}"#;
+        std::fs::write(dir.join("c.gltf"), model).unwrap();
+        let cases = [
+            (r#"(name: "A", prefab: "parts/b.prefab.ron")"#, "parts/b.prefab.ron"),
+            (r#"(name: "A", model: "c.glb")"#, "c.glb"),
+            (r#"(name: "A", model: "c.gltf")"#, "c.bin"),
+            (r#"(name: "A", mesh: Box(), material: (color_texture: "d.png"))"#, "d.png"),
+        ];
+        for (entity, missing) in cases {
+            std::fs::write(&scene, format!("Scene(entities: [{entity}])")).unwrap();
+            let mut library = AssetLibrary::new();
+            let _ = load_scene(&scene, &mut library, &LoadOptions::default());
+            assert!(library.watched().contains(&dir.join(missing)), "{missing}: {:?}", library.watched());
+        }
     }
 }
