@@ -263,13 +263,19 @@ fn bounds_over_time(world: &mut GameWorld) -> Aabb {
     bounds
 }
 
+/// Radius of the smallest thing that is framed \[m\].
+const LEAST_RADIUS: f32 = 1e-7;
+
 /// A camera before the box, a little above and aside, that sees all of it.
 fn framing_camera(bounds: &Aabb) -> (TransformFile, Camera) {
     let camera = Camera { fov: 45.0, primary: true, ..Default::default() };
-    let radius = (0.5 * bounds.size().length()).max(1e-3);
+    let radius = match 0.5 * bounds.size().length() {
+        radius if radius > 0.0 && radius.is_finite() => radius.max(LEAST_RADIUS),
+        _ => 1.0,
+    };
     let distance = 1.05 * radius / (0.5 * camera.fov).to_radians().sin();
     let center = bounds.center();
     let translation = center + Vec3::new(0.45, 0.35, 1.0).normalize() * distance;
-    let camera = Camera { near: (1e-3 * distance).max(1e-6), ..camera };
+    let camera = Camera { near: 1e-3 * distance, ..camera };
     (TransformFile { translation, look_at: Some(center), ..Default::default() }, camera)
 }

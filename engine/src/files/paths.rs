@@ -174,6 +174,13 @@ fn plain(path: &Path) -> PathBuf {
     plain
 }
 
+/// The way from a folder to a file, whatever links lead to either; one that is a link itself keeps its name. None between
+/// drives.
+pub(super) fn way_to(file: &Path, folder: &Path) -> Option<String> {
+    let file = std::path::absolute(file).ok()?;
+    relative(&real(file.parent()?).join(file.file_name()?), &real(folder))
+}
+
 /// The way from a folder to a file, with `/` on every system; none between drives.
 fn relative(file: &Path, folder: &Path) -> Option<String> {
     let (file, folder): (Vec<_>, Vec<_>) = (file.components().collect(), folder.components().collect());

@@ -1,10 +1,11 @@
 //! From a world to a scene file.
 
 use super::custom_components::ComponentTypes;
-use super::document::{check_replaced, read_text};
+use super::document::{check_replaced, folder_of, read_text};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::*;
 use super::overridden::Overridden;
+use super::paths::way_to;
 use super::rewrite::rewritten;
 use super::source::{Origin, SceneInfo, Source};
 use super::tree::Step;
@@ -277,17 +278,16 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// A glTF file that was opened as a scene is named by its whole path: relative where the scene lies above it, so
-    /// that both can be moved together.
+    /// A glTF file that was opened as a scene is named by its whole path: in a scene by the way to it, so that both can be moved
+    /// together.
     fn model(&self, mut model: ModelFile) -> ModelFile {
         if self.info.file.is_some() {
             return model;
         }
         let (ModelFile::Path(path) | ModelFile::Detailed(ModelDetails { path, .. })) = &mut model;
-        let folder = self.path.parent().and_then(|folder| std::path::absolute(folder).ok());
-        let below = folder.and_then(|folder| Some(Path::new(path.as_str()).strip_prefix(folder).ok()?.to_owned()));
-        if let Some(below) = below {
-            *path = below.to_string_lossy().into_owned();
+        if let Some(way) = way_to(Path::new(path.as_str()), folder_of(self.path)).filter(|_| Path::new(path).has_root())
+        {
+            *path = way;
         }
         model
     }

@@ -4,7 +4,7 @@ use super::LoadOptions;
 use super::document::{check_replaced, folder_of};
 use super::error::FileError;
 use super::format::{MaterialRef, ModelDetails, ModelFile, OverrideFile, SceneFile};
-use super::paths::{NoWay, Rebase};
+use super::paths::{NoWay, Rebase, way_to};
 use super::save::{saved_file, text_of};
 use super::source::{Origin, SceneInfo, Source};
 use super::write::write_atomically;
@@ -117,9 +117,10 @@ fn cameras(world: &mut GameWorld, rebase: &Rebase) -> Result<(), NoWay> {
 
 /// A model that was opened as a scene is named by its whole path; from its own scene on by the way to it.
 fn below(model: &mut ModelDetails, from: &Path) {
-    let folder = std::path::absolute(folder_of(from)).unwrap_or_default();
-    if let Ok(inside) = Path::new(&model.path).strip_prefix(folder) {
-        model.path = inside.to_string_lossy().into_owned();
+    if Path::new(&model.path).has_root()
+        && let Some(way) = way_to(Path::new(&model.path), folder_of(from))
+    {
+        model.path = way;
     }
 }
 

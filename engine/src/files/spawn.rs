@@ -6,7 +6,7 @@ use super::surfaces::renderer;
 use crate::assets::{Gltf, GltfNode, LightConversion, Material, Mesh};
 use crate::world::{ClipTarget, Clips, GameWorld, MeshRenderer, MorphWeights, Posed};
 use bevy_ecs::prelude::Entity;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// The parts that are taken from a model.
@@ -163,18 +163,26 @@ pub(super) fn model_source() -> Source {
 
 /// Makes names unique among siblings, and free of `/`.
 #[derive(Default)]
-pub(super) struct Names(HashSet<(Entity, String)>);
+pub(super) struct Names {
+    taken: HashSet<(Entity, String)>,
+    /// The number that the next one of a name gets, so that many of one name take no longer than others.
+    next: HashMap<(Entity, String), u64>,
+}
 
 impl Names {
     pub(super) fn unique(&mut self, parent: Entity, name: &str) -> String {
         let base = name.replace('/', "_");
-        let mut name = base.clone();
-        let mut count = 2;
-        while !self.0.insert((parent, name.clone())) {
-            name = format!("{base} {count}");
-            count += 1;
+        if self.taken.insert((parent, base.clone())) {
+            return base;
         }
-        name
+        let next = self.next.entry((parent, base.clone())).or_insert(2);
+        loop {
+            let name = format!("{base} {next}");
+            *next += 1;
+            if self.taken.insert((parent, name.clone())) {
+                return name;
+            }
+        }
     }
 }
 

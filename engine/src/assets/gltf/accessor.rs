@@ -4,7 +4,7 @@ use crate::assets::AssetError;
 use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::buffer::View;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Most elements of an accessor that is not backed by a buffer view (all of its values are zero but the sparse ones).
@@ -18,6 +18,8 @@ pub(super) struct Buffers<'a> {
     pub decoded: HashMap<usize, Vec<u8>>,
     /// Decoded contents of accessors of compressed primitives, tightly packed, by index.
     pub replaced: HashMap<usize, Vec<u8>>,
+    /// Accessors whose compressed contents are broken, and that have no others.
+    pub lost: HashSet<usize>,
 }
 
 /// A checked range of elements.
@@ -39,6 +41,13 @@ pub(super) fn place(accessor: &Accessor) -> String {
     match accessor.name() {
         Some(name) => format!("accessor {} \"{name}\"", accessor.index()),
         None => format!("accessor {}", accessor.index()),
+    }
+}
+
+impl<'a> Buffers<'a> {
+    /// Buffers of which nothing is compressed.
+    pub fn new(path: &'a Path, data: Vec<Cow<'a, [u8]>>) -> Self {
+        Self { path, data, decoded: HashMap::new(), replaced: HashMap::new(), lost: HashSet::new() }
     }
 }
 
@@ -98,6 +107,9 @@ impl Buffers<'_> {
         }
         if self.replaced.contains_key(&accessor.index()) {
             return Ok(());
+        }
+        if self.lost.contains(&accessor.index()) {
+            return self.fail(&place, "its compressed contents are broken");
         }
         match accessor.view() {
             Some(view) => {

@@ -8,7 +8,7 @@ use gltf::accessor::{Accessor, DataType};
 use gltf::json::Value;
 use gltf::mesh::{Mode, Primitive, Semantic};
 use gltf::{Document, json};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Its name.
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
@@ -33,15 +33,24 @@ const UNPACKED: &str = "its uncompressed form is read, if there is one";
 /// The content of accessors, tightly packed, by their index.
 type Contents = HashMap<usize, Vec<u8>>;
 
-/// Decodes all compressed primitives: what their accessors hold.
-pub(super) fn decode(document: &Document, buffers: &Buffers, remarks: &mut Remarks) -> Result<Contents, AssetError> {
-    let mut packed = Vec::new();
+/// Decodes all compressed primitives: what their accessors hold, and the accessors that hold nothing since their primitive is
+/// broken.
+pub(super) fn decode(
+    document: &Document,
+    buffers: &Buffers,
+    remarks: &mut Remarks,
+) -> Result<(Contents, HashSet<usize>), AssetError> {
+    let (mut packed, mut lost) = (Vec::new(), HashSet::new());
     for (mesh, source) in document.meshes().zip(&document.as_json().meshes) {
         for (primitive, source) in mesh.primitives().zip(&source.primitives) {
             if let Some(found) = source.extensions.as_ref().and_then(|e| e.others.get(NAME)) {
                 let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
+                let document_primitive = primitive.clone();
                 let result = read(primitive, found, place, document, buffers);
-                packed.extend(remarks.part(result, UNPACKED)?);
+                match remarks.part(result, UNPACKED)? {
+                    Some(one) => packed.push(one),
+                    None => lost.extend(uncompressed(&document_primitive)),
+                }
             }
         }
     }
@@ -53,10 +62,21 @@ pub(super) fn decode(document: &Document, buffers: &Buffers, remarks: &mut Remar
     }
     let decoded = parallel::map(&packed, |one| one.decode().map_err(|problem| fail(one, problem)));
     let mut contents = Contents::new();
-    for one in decoded {
-        contents.extend(remarks.part(one, UNPACKED)?.unwrap_or_default());
+    for (Packed { primitive, .. }, one) in packed.iter().zip(decoded) {
+        match remarks.part(one, UNPACKED)? {
+            Some(found) => contents.extend(found),
+            None => lost.extend(uncompressed(primitive)),
+        }
     }
-    Ok(contents)
+    lost.retain(|index| !contents.contains_key(index));
+    Ok((contents, lost))
+}
+
+/// The accessors of a primitive that have no uncompressed contents.
+fn uncompressed(primitive: &Primitive) -> Vec<usize> {
+    let attributes = primitive.attributes().map(|(_, accessor)| accessor);
+    let all = attributes.chain(primitive.indices());
+    all.filter(|accessor| accessor.view().is_none() && accessor.sparse().is_none()).map(|a| a.index()).collect()
 }
 
 fn read<'a>(
@@ -215,7 +235,12 @@ mod tests {
         glb.extend(json.as_bytes());
         glb.extend(words(&[bin.len(), 0x004E_4942]));
         glb.extend(bin);
-        Gltf::from_bytes(Path::new("m.glb"), &glb).map_err(|e| e.to_string())
+        // What is left of a model that is broken has no triangle.
+        let model = Gltf::from_bytes(Path::new("m.glb"), &glb).map_err(|e| e.to_string())?;
+        match model.faults.is_empty() {
+            true => Ok(model),
+            false => Err(format!("{} triangles: {:?}", model.triangle_count(), model.faults)),
+        }
     }
 
     #[test]
@@ -246,6 +271,7 @@ mod tests {
         ] {
             let message = load(&square(), points, attributes).unwrap_err();
             assert!(message.contains(said) && message.contains("mesh 0, primitive 0"), "{message}");
+            assert!(message.starts_with("0 triangles"), "{message}");
         }
     }
 
@@ -260,7 +286,7 @@ mod tests {
                 broken[at] = value;
                 refused += u32::from(load(&broken, 4, r#"{"POSITION":0}"#).is_err());
             }
-            assert!(load(&data[..at], 4, r#"{"POSITION":0}"#).is_err(), "cut after {at} bytes");
+            assert!(at == 0 || load(&data[..at], 4, r#"{"POSITION":0}"#).is_err(), "cut after {at} bytes");
         }
         assert!(refused > 50, "{refused} of {} refused", 4 * data.len());
     }

@@ -195,10 +195,10 @@ impl Gltf {
         let container = source::split(path, bytes, &mut remarks)?;
         let (document, quantized) = document::parse(path, container.json, &mut remarks)?;
         let data = document::load_buffers(path, &document, container.bin, &mut beside, &mut remarks)?;
-        let mut reader =
-            Reader { buffers: Buffers { path, data, decoded: HashMap::new(), replaced: HashMap::new() }, quantized };
+        let mut reader = Reader { buffers: Buffers::new(path, data), quantized };
         reader.buffers.decoded = meshopt::decode(&document, &reader.buffers, &mut remarks)?;
-        reader.buffers.replaced = draco::decode(&document, &reader.buffers, &mut remarks)?;
+        let (replaced, lost) = draco::decode(&document, &reader.buffers, &mut remarks)?;
+        (reader.buffers.replaced, reader.buffers.lost) = (replaced, lost);
         let (mut nodes, roots) = nodes::read(path, &document, &mut remarks);
         let image_bytes = |view: &gltf::buffer::View| reader.buffers.view(view).map(<[u8]>::to_vec);
         let materials = material::load(path, &document, &image_bytes, &mut beside, &mut remarks)?;

@@ -357,3 +357,107 @@ fn cameras_lights_and_objects_move_in_every_shipped_scene() {
         }
     }
 }
+
+/// A model that is saved as a scene is named by the way to it: both can be moved together.
+#[test]
+fn a_saved_model_moves_with_its_folder() {
+    for scene in ["art/room.scene.ron", "art/scenes/room.scene.ron", "art/models/room.scene.ron"] {
+        let folder = Folder::new(&[]);
+        folder.write("art/models/m.glb", &plain());
+        std::fs::create_dir_all(folder.path("art/scenes")).unwrap();
+        let options = LoadOptions { trusted: vec![folder.path("")], ..Default::default() };
+        let (model, scene) = (folder.path("art/models/m.glb"), folder.path(scene));
+        let mut library = AssetLibrary::new();
+        let mut world = load_scene(&model, &mut library, &options).unwrap_or_else(|e| panic!("{e}"));
+        crate::files::save_scene_as(&mut world, &library, &options, &model, &scene).unwrap_or_else(|e| panic!("{e}"));
+        // And once more to another place.
+        let again = folder.path("art/again.scene.ron");
+        crate::files::save_scene_as(&mut world, &library, &options, &scene, &again).unwrap_or_else(|e| panic!("{e}"));
+        std::fs::rename(folder.path("art"), folder.path("moved")).unwrap();
+        for file in [scene, again] {
+            let moved = folder.path("moved").join(file.strip_prefix(folder.path("art")).unwrap());
+            let text = std::fs::read_to_string(&moved).unwrap();
+            assert!(!text.contains(&*folder.path("").to_string_lossy()), "{text}");
+            let world = load_scene(&moved, &mut AssetLibrary::new(), &options).unwrap_or_else(|e| panic!("{e}"));
+            assert!(at(&world, "m/Root/Leaf").is_some() && world.ecs.resource::<SceneSettings>().auto_exposure);
+        }
+    }
+}
+
+/// What shines lights a model: no other light is added to it.
+#[test]
+fn emissive_surfaces_count_as_light() {
+    for (material, is_lit) in [
+        (r#"{"emissiveFactor":[1,0.5,0]}"#, true),
+        (r#"{"emissiveFactor":[0,0,0]}"#, false),
+        (r#"{"extensions":{"KHR_materials_unlit":{}}}"#, false),
+    ] {
+        let folder = Folder::new(&[]);
+        let extra = format!(r#","materials":[{material}]"#);
+        let mut whole = glb("", "0", &extra);
+        replace(&mut whole, r#""attributes":{"POSITION":0}}"#, r#""material":0,"attributes":{"POSITION":0}}"#);
+        folder.write("m.glb", &whole);
+        let mut world = folder.load("m.glb").unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(all::<Light>(&mut world).is_empty(), is_lit, "{material}");
+        assert_eq!(world.ecs.resource::<SceneSettings>().sky == Vec3::ZERO, is_lit, "{material}");
+    }
+}
+
+/// Replaces text in the JSON of a binary file.
+fn replace(glb: &mut Vec<u8>, from: &str, to: &str) {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut json = String::from_utf8(glb[20..20 + length].to_vec()).unwrap().replace(from, to);
+    while json.len() % 4 != 0 {
+        json.push(' ');
+    }
+    glb.splice(20..20 + length, json.bytes());
+    let (all, json) = (glb.len() as u32, json.len() as u32);
+    glb[8..12].copy_from_slice(&all.to_le_bytes());
+    glb[12..16].copy_from_slice(&json.to_le_bytes());
+}
+
+/// Very small and very large models are seen as one of a metre is.
+#[test]
+fn models_of_any_size_are_framed() {
+    for size in [1e-5f32, 1e-3, 1.0, 1e3, 1e5] {
+        let folder = Folder::new(&[]);
+        let mut bytes = plain();
+        replace(&mut bytes, r#""translation":[0,1,0]"#, &format!(r#""scale":[{size},{size},{size}]"#));
+        folder.write("m.glb", &bytes);
+        let mut world = folder.load("m.glb").unwrap_or_else(|e| panic!("{e}"));
+        let camera = at(&world, "framing camera").unwrap();
+        let settings = world.ecs.get::<Camera>(camera).unwrap().clone();
+        let place = world.ecs.get::<GlobalTransform>(camera).unwrap().0;
+        // The model spans 3 by 1 of its sizes.
+        let center = size * Vec3::new(1.5, 0.5, 0.0);
+        let distance = Vec3::from(place.translation).distance(center) / size;
+        assert!((3.0..6.0).contains(&distance), "{size} m: seen from {distance} times as far");
+        assert!(settings.near < 0.1 * distance * size && settings.near > 1e-5 * distance * size, "{size} m");
+        let mut scene = crate::scene::Scene::default();
+        crate::scene::Extractor::new().extract(&mut world, &mut scene);
+        assert!(scene.warnings.is_empty(), "{size} m: {:?}", scene.warnings);
+    }
+}
+
+/// Many nodes load in linear time, however they hang together and are called.
+#[test]
+fn many_nodes_load_in_linear_time() {
+    const COUNT: usize = 100_000;
+    let chained = |i: usize| if i + 1 < COUNT { format!("{{\"children\":[{}]}}", i + 1) } else { "{}".into() };
+    let named = |_: usize| "{\"name\":\"n\"}".to_owned();
+    let all = (0..COUNT).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+    for (node, roots) in [(&chained as &dyn Fn(usize) -> String, "0".to_owned()), (&named, all)] {
+        let nodes = (0..COUNT).map(node).collect::<Vec<_>>().join(",");
+        let folder = Folder::new(&[]);
+        let json = format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{roots}]}}],"nodes":[{nodes}]}}"#);
+        folder.write("m.gltf", json.as_bytes());
+        let start = std::time::Instant::now();
+        let mut world = folder.load("m.gltf").unwrap_or_else(|e| panic!("{e}"));
+        let loaded = start.elapsed();
+        // And once more in place of itself, which despawns the first.
+        let (mut library, options) = (AssetLibrary::new(), LoadOptions::default());
+        crate::files::reenter_scene(&mut world, &mut library, &options, &folder.path("m.gltf")).unwrap();
+        eprintln!("{COUNT} nodes: {loaded:?}, and again in {:?}", start.elapsed() - loaded);
+        assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+    }
+}

@@ -274,9 +274,9 @@ impl Mender<'_> {
 
 fn number(value: &Value) -> Result<f64, String> {
     match value.as_f64() {
-        // What is beyond the range of floats becomes infinite.
-        Some(number) if (number as f32).is_finite() => Ok(number),
-        _ => Err(format!(": {} is no finite number", shown(value))),
+        // Those beyond the range of floats are looked at where they are used.
+        Some(number) => Ok(number),
+        None => Err(format!(": {} is no number", shown(value))),
     }
 }
 
