@@ -64,8 +64,9 @@ fn check(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
     let mut faults = Vec::new();
     root.validate(root, gltf::json::Path::new, &mut |place, kind| faults.push((place(), kind)));
     let is_needed = |(place, kind): &&(gltf::json::Path, Kind)| {
-        let dispensable = ["min", "max", "bufferView", "POSITION", "\"POSITION\"]"];
-        !(*kind == Kind::Missing && dispensable.iter().any(|field| place.as_str().ends_with(field)))
+        let ends = |fields: &[&str]| fields.iter().any(|field| place.as_str().ends_with(field));
+        let is_dispensable = *kind == Kind::Missing && ends(&["bufferView", "POSITION", "\"POSITION\"]"]);
+        !is_dispensable && !ends(&[".min", ".max"])
     };
     let Some((place, kind)) = faults.iter().find(is_needed) else { return Ok(()) };
     let problem = match kind {
