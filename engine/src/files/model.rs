@@ -194,12 +194,16 @@ pub(super) fn enter_gltf(
         world.ecs.entity_mut(model).insert(Animation { tracks: vec![track], ..Animation::default() });
     }
     world.ecs.insert_resource(settings);
-    world.ecs.insert_resource(SceneInfo { description: format!("{}", path.display()), ..SceneInfo::default() });
+    world.ecs.insert_resource(SceneInfo { description: file_name(path), ..SceneInfo::default() });
     world.set_tick(0);
     world.update();
     complete(world, path);
     world.update();
     Ok(())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 /// Adds what a scene needs and the model lacks.

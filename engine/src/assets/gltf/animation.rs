@@ -83,6 +83,9 @@ fn curve(
         Interpolation::Linear => Between::Linear,
         Interpolation::CubicSpline => Between::Cubic,
     };
+    if between == Between::Cubic && times.len() < 2 {
+        remarks.fault(format!("{at}, {}: a spline needs two keys; its value stands still", place(&input)));
+    }
     let of_each = width * if between == Between::Cubic { 3 } else { 1 };
     if values.len() != times.len() * of_each {
         let (found, wanted) = (values.len(), times.len() * of_each);

@@ -57,15 +57,16 @@ pub(super) fn parse(path: &Path, json: &[u8], remarks: &mut Remarks) -> Result<(
     Ok((Document::from_json_without_validation(root), quantized))
 }
 
-/// What the parser relies on is checked once more by the parser itself. It asks for bounds of positions and a buffer view for
-/// every accessor, which nothing here needs.
+/// What the parser relies on is checked once more by the parser itself. It asks for positions, their bounds, and a buffer view
+/// for every accessor, without which the reader gets along.
 fn check(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
     use gltf::json::validation::{Error as Kind, Validate};
     let mut faults = Vec::new();
     root.validate(root, gltf::json::Path::new, &mut |place, kind| faults.push((place(), kind)));
     let is_needed = |(place, kind): &&(gltf::json::Path, Kind)| {
-        let dispensable = ["min", "max", "bufferView"];
-        !(*kind == Kind::Missing && dispensable.iter().any(|field| place.as_str().ends_with(field)))
+        let ends = |fields: &[&str]| fields.iter().any(|field| place.as_str().ends_with(field));
+        let is_dispensable = *kind == Kind::Missing && ends(&["bufferView", "POSITION", "\"POSITION\"]"]);
+        !is_dispensable && !ends(&[".min", ".max"])
     };
     let Some((place, kind)) = faults.iter().find(is_needed) else { return Ok(()) };
     let problem = match kind {

@@ -255,12 +255,7 @@ fn weights(
     remarks: &mut Remarks,
 ) -> Vec<f32> {
     let counts = node.primitives.iter().map(|(mesh, _)| mesh.deform.as_ref().map_or(0, |d| d.targets.len()));
-    let (most, least) = (counts.clone().max().unwrap_or(0), counts.min().unwrap_or(0));
-    if most != least {
-        let problem =
-            format!("its mesh has primitives with {least} and with {most} morph targets; all should have as many");
-        remarks.fault(format!("node \"{}\": {problem}", node.name));
-    }
+    let most = counts.max().unwrap_or(0);
     let given = json.weights.as_ref().or(mesh.and_then(|m| m.weights.as_ref()));
     if let Some(given) = given.filter(|given| given.len() != most && !node.primitives.is_empty()) {
         remarks.fault(format!("node \"{}\": {} weights for {most} morph targets", node.name, given.len()));
@@ -280,6 +275,13 @@ fn load_meshes(
     let (mut jobs, mut known, mut uses, mut corners) = (Vec::new(), HashMap::new(), Vec::new(), 0usize);
     for mesh in document.meshes() {
         let name = mesh.name().map_or(format!("mesh {}", mesh.index()), str::to_string);
+        let targets = || mesh.primitives().map(|primitive| primitive.morph_targets().len());
+        if let (Some(least), Some(most)) = (targets().min(), targets().max())
+            && least != most
+        {
+            let problem = format!("has primitives with {least} and with {most} morph targets; all should have as many");
+            remarks.fault(format!("mesh {} \"{name}\": {problem}", mesh.index()));
+        }
         for primitive in mesh.primitives() {
             let (surface, uv) = materials.get(primitive.material().index());
             let attributes: Vec<_> = primitive.attributes().map(|(s, a)| (format!("{s:?}"), a.index())).collect();

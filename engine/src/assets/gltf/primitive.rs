@@ -51,6 +51,7 @@ impl Reader<'_> {
         };
         let mut attributes = self.attributes(job, &positions, &mut warnings)?;
         let corners = self.corners(job, attributes.positions.len())?;
+        self.note_restarts(job, &corners, &mut warnings);
         let (corners, each) = match mode {
             Mode::Lines => (corners, 2),
             mode if thin::is_thin(mode) => (corners, 1),
@@ -236,6 +237,20 @@ impl Reader<'_> {
         match job.primitive.indices() {
             Some(accessor) => self.buffers.indices(&accessor),
             None => Ok((0..count as u32).collect()),
+        }
+    }
+
+    /// The largest index of a type begins a new strip elsewhere, and not in glTF.
+    fn note_restarts(&self, job: &Job, corners: &[u32], remarks: &mut Remarks) {
+        let Some(accessor) = job.primitive.indices() else { return };
+        let largest = match accessor.data_type() {
+            DataType::U8 => u32::from(u8::MAX),
+            DataType::U16 => u32::from(u16::MAX),
+            _ => u32::MAX,
+        };
+        if corners.contains(&largest) {
+            let problem = format!("index {largest} is the largest of its type, which glTF does not allow");
+            remarks.broken(&self.fail(job, &accessor, problem), "taken for a vertex");
         }
     }
 

@@ -36,6 +36,11 @@ pub(super) fn read(
             if broken > 0 {
                 remarks.fault(format!("{at}: {broken} inverse bind matrices are not finite; taken for none"));
             }
+            let projects = |m: &&Mat4| m.is_finite() && !m.row(3).abs_diff_eq(glam::Vec4::W, 1e-4);
+            let projecting = matrices.iter().filter(projects).count();
+            if projecting > 0 {
+                remarks.fault(format!("{at}: {projecting} inverse bind matrices project; only what is affine is kept"));
+            }
             for (to, from) in inverse_bind.iter_mut().zip(&matrices).filter(|(_, from)| from.is_finite()) {
                 *to = Affine3A::from_mat4(*from);
             }
