@@ -4,7 +4,7 @@ use super::fixture::{self, Fixture};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
-use super::{error, flicker, growth, host, machine, report, rooms, timing};
+use super::{cliffs, error, flicker, growth, host, machine, report, rooms, timing};
 use crate::cli::BenchArgs;
 use anyhow::{Context, Result, bail};
 use lightwell::gpu::Gpu;
@@ -28,6 +28,9 @@ const THROUGHPUT: ([u32; 2], u32, u32) = ([128, 128], 32, 5);
 pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     if let Some(count) = args.rooms {
         return rooms::run(args, count, common);
+    }
+    if args.cliffs {
+        return cliffs::run(args, common);
     }
     let plan = Plan::of(args)?;
     if args.host {
