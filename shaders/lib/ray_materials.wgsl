@@ -15,25 +15,27 @@ fn srgb_decode(c: vec3f) -> vec3f {
     return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
 }
 
-fn wrapped(texel: i32, size: i32, wrap: u32) -> i32 {
-    switch wrap {
-        case 0u: { return ((texel % size) + size) % size; }
-        case 1u: {
-            let period = 2 * size;
-            let t = ((texel % period) + period) % period;
-            return select(period - 1 - t, t, t < size);
-        }
-        default: { return clamp(texel, 0, size - 1); }
-    }
+// `t` modulo `n`, never negative. Processors have no vector instruction that divides integers: of a rounded quotient the
+// remainder is off by one `n` at most.
+fn remainder(t: i32, n: i32) -> i32 {
+    let r = t - i32(floor(f32(t) / f32(n))) * n;
+    return r + select(0, n, r < 0) - select(0, n, r >= n);
+}
+
+// Texels that lie beside each other along an axis, wrapped into the texture.
+fn wrapped(texels: vec2i, size: i32, wrap: u32) -> vec2i {
+    let is_mirrored = wrap == 1u;
+    let period = select(size, 2 * size, is_mirrored);
+    let first = remainder(texels.x, period);
+    let second = select(0, first + 1, first + 1 < period);
+    let repeated = vec2i(first, select(first, second, texels.y != texels.x));
+    let mirrored = select(repeated, period - 1 - repeated, repeated >= vec2i(size));
+    return select(mirrored, clamp(texels, vec2i(0), vec2i(size - 1)), vec2<bool>(wrap > 1u));
 }
 
 fn texel_at(slot: vec4u, at: vec2i) -> vec4f {
-    let size = vec2i(vec2u(slot.y & 0xffffu, slot.y >> 16u));
-    let flags = slot.z >> 16u;
-    let x = wrapped(at.x, size.x, (flags >> 2u) & 3u) + i32(slot.x & 0xffffu);
-    let y = wrapped(at.y, size.y, (flags >> 4u) & 3u) + i32(slot.x >> 16u);
-    let texel = textureLoad(atlas, vec2i(x, y), i32(slot.z & 0xffffu), 0);
-    return select(texel, vec4f(srgb_decode(texel.rgb), texel.a), (flags & 1u) != 0u);
+    let texel = textureLoad(atlas, at, i32(slot.z & 0xffffu), 0);
+    return select(texel, vec4f(srgb_decode(texel.rgb), texel.a), ((slot.z >> 16u) & 1u) != 0u);
 }
 
 // The texture at full resolution, with its own filter and wrapping.
@@ -47,14 +49,17 @@ fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
     // Beyond 10⁴ repeats a float cannot tell the texels apart.
     let bounded = select(vec2f(0.0), clamp(uv, vec2f(-1e4), vec2f(1e4)), abs(uv) < vec2f(1e30));
     let at = bounded * vec2f(vec2u(slot.y & 0xffffu, slot.y >> 16u));
-    if ((slot.z >> 17u) & 1u) != 0u {
-        return texel_at(slot, vec2i(floor(at)));
-    }
-    let corner = floor(at - 0.5);
-    let f = at - 0.5 - corner;
+    let is_nearest = ((slot.z >> 17u) & 1u) != 0u;
+    let corner = select(floor(at - 0.5), floor(at), is_nearest);
+    let f = select(at - 0.5 - corner, vec2f(0.0), is_nearest);
+    // The nearest texel alone is four times the same.
     let low = vec2i(corner);
-    let top = mix(texel_at(slot, low), texel_at(slot, low + vec2i(1, 0)), f.x);
-    let bottom = mix(texel_at(slot, low + vec2i(0, 1)), texel_at(slot, low + vec2i(1, 1)), f.x);
+    let high = select(low + 1, low, is_nearest);
+    let size = vec2i(vec2u(slot.y & 0xffffu, slot.y >> 16u));
+    let x = wrapped(vec2i(low.x, high.x), size.x, (slot.z >> 18u) & 3u) + i32(slot.x & 0xffffu);
+    let y = wrapped(vec2i(low.y, high.y), size.y, (slot.z >> 20u) & 3u) + i32(slot.x >> 16u);
+    let top = mix(texel_at(slot, vec2i(x.x, y.x)), texel_at(slot, vec2i(x.y, y.x)), f.x);
+    let bottom = mix(texel_at(slot, vec2i(x.x, y.y)), texel_at(slot, vec2i(x.y, y.y)), f.x);
     return mix(top, bottom, f.y);
 #endif
 }

@@ -12,6 +12,8 @@
 //   GLASS       (the other way around) light passes a surface: see lib/glass.wgsl
 //   DISPERSION  (the other way around) a solid body of glass parts colours
 //   MOVERS      (the other way around) something moves
+//   CLASSES     (the other way around) lists hold geometry that is not opaque apart from what is: in front in those of static
+//               objects, with SPLIT, and among dynamic objects, with OTHER_MOVERS
 //   LAYERED     (the other way around) a surface has more than the metallic-roughness base: see lib/layers.wgsl; and with it
 //               COATS, SHEEN, FILMS and ANISOTROPY, as far as there are any
 //   PLAIN       one set of texture coordinates as it is, no vertex colours, no textures but those of the base

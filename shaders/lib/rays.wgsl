@@ -81,8 +81,9 @@ fn is_transparent(triangle: u32, material: u32, barycentric: vec2f, ray: Ray) ->
     return alpha < cutoff;
 }
 
-// Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle.
-fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32) -> Hit {
+// Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle. Of one that is known to
+// be opaque neither alpha nor glass is looked at; callers give a constant.
+fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32, is_opaque: bool) -> Hit {
     let triangle = load_triangle(index);
     let edge_b = triangle.corner_b - triangle.corner_a;
     let edge_c = triangle.corner_c - triangle.corner_a;
@@ -98,7 +99,7 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32) -> Hit {
     let is_shown = determinant > 0.0 || (triangle.flags & DOUBLE_SIDED) != 0u;
     var counts = select((triangle.flags & CASTS_SHADOW) != 0u, is_shown, kind == CAMERA);
 #ifdef GLASS
-    let is_glass = (triangle.flags & OF_GLASS) != 0u;
+    let is_glass = !is_opaque && (triangle.flags & OF_GLASS) != 0u;
     counts = (counts || (kind == SEEN && is_glass)) && (kind != THROUGH || is_glass);
     counts = select(counts, is_shown && is_glass, kind == PANE);
 #endif
@@ -109,12 +110,12 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32) -> Hit {
     var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
         && (t < hit.t || is_tie_won);
 #ifndef OPAQUE
-    if met && (triangle.flags & ALPHA_TESTED) != 0u {
+    if !is_opaque && met && (triangle.flags & ALPHA_TESTED) != 0u {
         met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
     }
 #endif
 #ifdef GLASS
-    if met && is_glass && kind != CAMERA && kind != SEEN && kind != PANE {
+    if !is_opaque && met && is_glass && kind != CAMERA && kind != SEEN && kind != PANE {
         let cosine = abs(determinant) / max(length(cross(edge_b, edge_c)) * length(ray.direction), 1e-30);
         let glass = glass_at(index, triangle.material, vec2f(u, v));
 #ifdef GLASS_REFLECTS

@@ -9,7 +9,7 @@
 #import lightwell::ray_scene::{NONE, load_node}
 #import lightwell::rays::{Hit, Ray, SHADOW, inverse_direction, meet_triangle, no_hit, octant}
 #ifdef GLASS
-#import lightwell::rays::THROUGH
+#import lightwell::rays::{PANE, THROUGH}
 #endif
 #ifdef WIDE
 #import lightwell::wide_nodes::{OFFSET_BITS, child_in, met_children, word_of}
@@ -77,7 +77,7 @@ fn go_on(walk: ptr<function, Walk>) {
         let word = word_of(met.words, firstTrailingBit(leaves) ^ signs);
         let triangle = met.first_triangle + (word & ((1u << OFFSET_BITS) - 1u)) + done;
         let is_last = done == (word >> OFFSET_BITS);
-        (*walk).hit = meet_triangle(triangle, (*walk).ray, (*walk).hit, (*walk).kind);
+        (*walk).hit = meet_triangle(triangle, (*walk).ray, (*walk).hit, (*walk).kind, false);
         done = select(done + 1u, 0u, is_last);
         leaves = select(leaves, leaves & (leaves - 1u), is_last);
     }
@@ -232,8 +232,8 @@ fn is_over(walk: Walk) -> bool {
 
 // Looks at boxes until there are two leaves or more, or nothing is left, and then into the leaves: adapters that run
 // lanes in lockstep let no lane look into one while others search (Aila and Laine 2009, "Understanding the efficiency
-// of ray traversal on GPUs"). The walk must not be over.
-fn go_on(walk: ptr<function, Walk>) {
+// of ray traversal on GPUs"). The walk must not be over. `is_opaque`: what it comes by is, a constant.
+fn go_along(walk: ptr<function, Walk>, is_opaque: bool) {
     // Leaves whose boxes are met: one of earlier boxes, and those of the last two boxes.
     var leaf = 0u;
     var box_leaf = 0u;
@@ -265,7 +265,7 @@ fn go_on(walk: ptr<function, Walk>) {
             after_leaf = select(0u, after_leaf, box_leaf != 0u);
             box_leaf = 0u;
         }
-        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind);
+        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind, is_opaque);
         // The leaf without this triangle.
         leaf = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
     }
@@ -280,12 +280,82 @@ fn go_on(walk: ptr<function, Walk>) {
 }
 #endif
 
-fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
-    var walk = begin_walk(load_frame(boxes), ray, t_max, kind);
+#ifndef WIDE
+fn go_on(walk: ptr<function, Walk>) {
+    go_along(walk, false);
+}
+#endif
+
+#ifdef CLASSES
+// The first box of what is opaque in a list that has two parts: that behind all that is not, whose root is the second box.
+fn first_opaque(first: u32) -> u32 {
+    let link = load_box(first + 1u).link;
+    return select(link, first + 2u, link >= LEAF);
+}
+
+// The way along all that is opaque. Rays that ask for glass alone have none.
+fn begin_opaque(frame: Frame, ray: Ray, reach: f32, kind: u32) -> Walk {
+    var walk = begin_walk(frame, ray, reach, kind);
+#ifdef SPLIT
+    walk.next = select(walk.end, first_opaque(walk.next), reach > 0.0);
+#endif
+#ifdef GLASS
+    walk.next = select(walk.next, walk.end, kind == THROUGH || kind == PANE);
+#endif
+#ifdef OTHER_MOVERS
+    walk.movers = 0u;
+#endif
+    return walk;
+}
+
+// The way along the rest, as far as the ray still reaches.
+fn begin_rest(frame: Frame, before: Walk) -> Walk {
+    let is_blocked = before.kind == SHADOW && before.hit.triangle != NONE;
+    let reach = select(before.hit.t, 0.0, is_blocked);
+    var walk = begin_walk(frame, before.ray, reach, before.kind);
+    walk.hit = before.hit;
+#ifdef SPLIT
+    let first = min(walk.next + 1u, walk.end);
+    walk.end = select(walk.end, first_opaque(walk.next), first < walk.end);
+    walk.next = first;
+#else
+    walk.next = walk.end;
+#endif
+#ifdef OTHER_MOVERS
+#ifndef SPLIT
+    if reach > 0.0 && walk.movers != 0u {
+        go_on_with_movers(&walk);
+    }
+#endif
+#else
+#ifdef MOVERS
+    walk.movers = 0u;
+#endif
+#endif
+    return walk;
+}
+#endif
+
+// What the ray meets, in a frame that was loaded before. With CLASSES it goes along all that is opaque first, in a loop that
+// knows nothing of alpha and glass: adapters that run lanes in lockstep would look at both at every step.
+fn trace_in(frame: Frame, ray: Ray, t_max: f32, kind: u32) -> Hit {
+#ifdef CLASSES
+    var opaque = begin_opaque(frame, ray, t_max, kind);
+    while !is_over(opaque) {
+        go_along(&opaque, true);
+    }
+    var walk = begin_rest(frame, opaque);
+#else
+    var walk = begin_walk(frame, ray, t_max, kind);
+#endif
     while !is_over(walk) {
         go_on(&walk);
     }
     return walk.hit;
+}
+
+fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {
+    return trace_in(load_frame(boxes), ray, t_max, kind);
 }
 
 // What glass leaves of light that comes along a SHADOW ray which nothing blocks.

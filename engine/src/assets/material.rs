@@ -294,6 +294,11 @@ impl Material {
         rows
     }
 
+    /// Whether every point of the surface stops every ray: it is neither of glass nor has an alpha that counts.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha_mode == AlphaMode::Opaque && !self.is_glass()
+    }
+
     /// Whether light passes the surface without being scattered by it.
     pub fn is_glass(&self) -> bool {
         self.transmission > 0.0 && self.metallic < 1.0 && self.emissive == Vec3::ZERO

@@ -58,7 +58,7 @@ fn split(part: &mut [Entry], bounds: &Aabb, leaf_size: usize, depth: u32) -> Opt
         return None;
     }
     let centers = Aabb::from_points(part.iter().map(|entry| entry.center));
-    let best = if depth < MAX_DEPTH { best_plane(part, &centers) } else { None };
+    let best = if depth + 1 < MAX_DEPTH { best_plane(part, &centers) } else { None };
     let Some(plane) = best else {
         return (part.len() > leaf_size).then(|| halve(part, &centers));
     };

@@ -30,7 +30,7 @@ use crate::scene::Aabb;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Most nodes between a root and a leaf. Below it the builder halves by count, which ends after log₂ n levels more;
+/// Most nodes between a root and a leaf, of which one may join two hierarchies. Below it the builder halves by count, which ends after log₂ n levels more;
 /// traversal stacks are sized by it.
 pub const MAX_DEPTH: u32 = 48;
 
@@ -78,6 +78,22 @@ impl Bvh {
     /// that are empty or not finite are left out. Equal input gives equal nodes.
     pub fn new(boxes: &[Aabb], leaf_size: usize) -> Self {
         build::build(boxes, leaf_size.max(1))
+    }
+
+    /// A hierarchy whose root has two others as its children; neither may be empty.
+    pub(crate) fn joined(left: Self, right: Self) -> Self {
+        let (nodes_of_left, entries_of_left) = (left.nodes.len() as u32, left.order.len() as u32);
+        let moved = |node: &Node, [nodes, entries]: [u32; 2]| Node {
+            first: node.first + if node.count > 0 { entries } else { nodes },
+            ..*node
+        };
+        let [of_left, of_right] = [[2, 0], [nodes_of_left + 1, entries_of_left]];
+        let mut root = Node { first: 1, count: 0, ..Node::default() };
+        root.set_bounds(&left.nodes[0].bounds().union(&right.nodes[0].bounds()));
+        let mut nodes = vec![root, moved(&left.nodes[0], of_left), moved(&right.nodes[0], of_right)];
+        nodes.extend(left.nodes[1..].iter().map(|node| moved(node, of_left)));
+        nodes.extend(right.nodes[1..].iter().map(|node| moved(node, of_right)));
+        Self { nodes, order: [left.order, right.order].concat() }
     }
 
     /// Fits the boxes of all nodes to moved contents without changing the tree. `boxes` must be as many as at the

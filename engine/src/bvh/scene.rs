@@ -171,6 +171,7 @@ impl SceneBvh {
                 material: primitive.material.id,
                 is_moving: primitive.moving,
                 is_glass: primitive.material.is_glass(),
+                is_opaque: primitive.material.is_opaque(),
                 world_from_object: primitive.world_from_object,
                 first: self.triangles.len(),
                 count,

@@ -26,6 +26,8 @@ pub struct ScenePart {
     pub(super) primitives: Vec<usize>,
     /// Number of triangles in the hierarchy: those with a box.
     placed: usize,
+    /// Whether the first child of the root holds all triangles that are not opaque, and the second all that are.
+    pub(crate) is_split: bool,
     built_cost: f32,
 }
 
@@ -41,6 +43,8 @@ pub(super) struct Source {
     pub(super) is_moving: bool,
     /// See [`Material::is_glass`](crate::assets::Material::is_glass).
     pub(super) is_glass: bool,
+    /// See [`Material::is_opaque`](crate::assets::Material::is_opaque).
+    pub(super) is_opaque: bool,
     pub(super) world_from_object: Affine3A,
     pub(super) first: usize,
     pub(super) count: usize,
@@ -58,6 +62,7 @@ impl Source {
             && self.topology == primitive.mesh.topology()
             && self.is_moving == primitive.moving
             && self.is_glass == primitive.material.is_glass()
+            && self.is_opaque == primitive.material.is_opaque()
             && self.count == primitive.mesh.triangle_count()
     }
 }
@@ -76,8 +81,8 @@ impl PartTriangles<'_> {
         &self.triangles[index - self.first]
     }
 
-    fn is_glass(&self, index: usize) -> bool {
-        self.sources[self.triangle(index).primitive as usize].is_glass
+    fn source(&self, index: usize) -> &Source {
+        &self.sources[self.triangle(index).primitive as usize]
     }
 
     fn bounds(&self, index: usize) -> Aabb {
@@ -110,10 +115,11 @@ impl ScenePart {
         let boxes: Vec<Aabb> = indices.iter().map(|&index| triangles.bounds(index)).collect();
         self.placed = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
         if is_static {
-            let split = |&index: &usize| (triangles.triangle(index).corners, !triangles.is_glass(index));
+            let split = |&index: &usize| (triangles.triangle(index).corners, !triangles.source(index).is_glass);
             let (corners, may_split): (Vec<[Vec3; 3]>, Vec<bool>) = indices.iter().map(split).unzip();
             let (pieces, triangle_of) = presplit(&corners, &boxes, &may_split);
-            self.bvh = Bvh::new(&pieces, LEAF_SIZE);
+            let is_opaque = |piece: usize| triangles.source(indices[triangle_of[piece] as usize]).is_opaque;
+            (self.bvh, self.is_split) = split_by_class(&pieces, is_opaque);
             self.bvh.order.iter_mut().for_each(|entry| *entry = triangle_of[*entry as usize]);
         } else {
             self.bvh = Bvh::new(&boxes, LEAF_SIZE);
@@ -131,5 +137,60 @@ impl ScenePart {
         }
         self.bvh.refit_by(|index| triangles.bounds(index as usize));
         if self.bvh.cost() > WORN_OUT * self.built_cost { self.build(triangles, is_static) } else { Updated::Refitted }
+    }
+}
+
+/// A hierarchy over boxes of both classes of geometry, opaque and not, and whether there are both: then the first child of
+/// the root holds what is not opaque, and the second one what is. Rays that meet no box of the first need to know nothing of
+/// alpha and glass.
+fn split_by_class(boxes: &[Aabb], is_opaque: impl Fn(usize) -> bool) -> (Bvh, bool) {
+    let (opaque, others): (Vec<u32>, Vec<u32>) = (0..boxes.len() as u32).partition(|&index| is_opaque(index as usize));
+    let tree = |class: &[u32]| {
+        let of_class: Vec<Aabb> = class.iter().map(|&index| boxes[index as usize]).collect();
+        let mut tree = Bvh::new(&of_class, LEAF_SIZE);
+        tree.order.iter_mut().for_each(|entry| *entry = class[*entry as usize]);
+        tree
+    };
+    let (opaque, others) = (tree(&opaque), tree(&others));
+    match (opaque.nodes.is_empty(), others.nodes.is_empty()) {
+        (_, true) => (opaque, false),
+        (true, false) => (others, false),
+        (false, false) => (Bvh::joined(others, opaque), true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_of_geometry_are_children_of_the_root() {
+        let boxes: Vec<Aabb> = (0..40_u8).map(|i| Aabb::from_points([Vec3::splat(f32::from(i)), Vec3::ONE])).collect();
+        for step in [1, 3, 100] {
+            let is_opaque = |index: usize| index % step != 0;
+            let (bvh, is_split) = split_by_class(&boxes, is_opaque);
+            assert_eq!(is_split, step == 3 || step == 100);
+            let mut order = bvh.order.clone();
+            order.sort_unstable();
+            assert_eq!(order, (0..40).collect::<Vec<u32>>());
+            for node in bvh.nodes.iter().filter(|node| node.count > 0) {
+                let entries = &bvh.order[node.first as usize..][..node.count as usize];
+                let bounds = entries.iter().fold(Aabb::EMPTY, |sum, &entry| sum.union(&boxes[entry as usize]));
+                assert_eq!(bounds, node.bounds());
+            }
+            if is_split {
+                let others = boxes.iter().enumerate().filter(|(index, _)| !is_opaque(*index)).count();
+                assert!(bvh.order[..others].iter().all(|&index| !is_opaque(index as usize)));
+                assert!(bvh.order[others..].iter().all(|&index| is_opaque(index as usize)));
+                let mut open = vec![1];
+                while let Some(index) = open.pop() {
+                    let node: &Node = &bvh.nodes[index];
+                    match node.count {
+                        0 => open.extend([node.first as usize, node.first as usize + 1]),
+                        _ => assert!((node.first as usize) < others),
+                    }
+                }
+            }
+        }
     }
 }

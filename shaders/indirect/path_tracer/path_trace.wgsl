@@ -28,7 +28,7 @@
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at, leave_surface}
 #import lightwell::rays::{Ray, Hit, CAMERA, LIGHT, SHADOW, hit_of}
-#import lightwell::walk::{Frame, Walk, load_frame, begin_walk, is_over, go_on, passed, trace}
+#import lightwell::walk::{Frame, Walk, load_frame, begin_walk, is_over, go_on, passed, trace, trace_in}
 #ifdef GLASS
 #import lightwell::glass::{glass_at, pass_share}
 #import lightwell::ray_scene::load_triangle
@@ -302,17 +302,56 @@ fn add_scattered(path: ptr<function, Path>, random: ptr<function, Sampler>) {
 }
 #endif
 
+// A ray with its reach and what it is for.
+struct Cast {
+    ray: Ray,
+    reach: f32,
+    kind: u32,
+}
+
 // The ray to the light, or the one that goes on.
-fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
+fn cast_of(path: Path, in_shadow: bool) -> Cast {
     if in_shadow {
-        return begin_walk(frame, path.shadow.ray, path.shadow.reach, SHADOW);
+        return Cast(path.shadow.ray, path.shadow.reach, SHADOW);
     }
 #ifdef GLASS
     let is_first = path.vertices == 0u && path.crossings == 0u;
-    return begin_walk(frame, path.ray, path.reach, select(select(LIGHT, SEEN, path.is_seen), CAMERA, is_first));
+    return Cast(path.ray, path.reach, select(select(LIGHT, SEEN, path.is_seen), CAMERA, is_first));
 #else
-    return begin_walk(frame, path.ray, path.reach, select(LIGHT, CAMERA, path.vertices == 0u));
+    return Cast(path.ray, path.reach, select(LIGHT, CAMERA, path.vertices == 0u));
 #endif
+}
+
+// Adds the light that waited for the ray to it, unless that has met something.
+fn add_waiting(path: ptr<function, Path>, ray: Ray, hit: Hit) {
+    let light = (*path).shadow.light * passed(ray, hit);
+    if hit.triangle == NONE && (*path).shadow.is_direct {
+        (*path).direct += light;
+    }
+    if hit.triangle == NONE && !(*path).shadow.is_direct {
+        (*path).indirect += light;
+    }
+}
+
+#ifdef CLASSES
+// Traces the path's rays and adds the light that waited for it. One ray after the other: each has loops of its own for what is
+// opaque and what is not.
+fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
+    var hit: Hit;
+    for (var turn = select(1u, 0u, (*path).shadow.reach > 0.0); turn < 2u; turn++) {
+        let cast = cast_of(*path, turn == 0u);
+        hit = trace_in(frame, cast.ray, cast.reach, cast.kind);
+        if turn == 0u {
+            add_waiting(path, cast.ray, hit);
+        }
+    }
+    (*path).shadow.reach = 0.0;
+    return hit;
+}
+#else
+fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
+    let cast = cast_of(path, in_shadow);
+    return begin_walk(frame, cast.ray, cast.reach, cast.kind);
 }
 
 // Traces the path's rays and adds the light that waited for it. One ray follows the other in the same loop: adapters
@@ -322,19 +361,14 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
     while !is_over(walk) {
         go_on(&walk);
         if walk.kind == SHADOW && is_over(walk) {
-            let light = (*path).shadow.light * passed(walk.ray, walk.hit);
-            if walk.hit.triangle == NONE && (*path).shadow.is_direct {
-                (*path).direct += light;
-            }
-            if walk.hit.triangle == NONE && !(*path).shadow.is_direct {
-                (*path).indirect += light;
-            }
+            add_waiting(path, walk.ray, walk.hit);
             walk = walk_of(frame, *path, false);
         }
     }
     (*path).shadow.reach = 0.0;
     return walk.hit;
 }
+#endif
 
 #ifdef GLASS
 // Most surfaces of glass that a path crosses.

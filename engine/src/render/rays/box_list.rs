@@ -29,6 +29,12 @@ impl<'a> Order<'a> {
         Self { bvh, sizes, left_first }
     }
 
+    /// The same with the first child of the root in front, in every octant.
+    fn with_first_child_in_front(mut self) -> Self {
+        self.left_first.first_mut().into_iter().for_each(|root| *root = u8::MAX);
+        self
+    }
+
     /// Indices of all nodes, each with the place in the list of the next node that does not lie below it. Bit i of the
     /// octant: the direction is negative on axis i.
     pub(super) fn nodes(&self, octant: u32) -> impl Iterator<Item = (usize, u32)> + '_ {
@@ -80,6 +86,11 @@ impl<'a> BoxList<'a> {
         let mut boxes = Vec::with_capacity(2 * bvh.nodes.len());
         bvh.nodes.iter().for_each(|node| encoding.push(&mut boxes, &node.bounds(), 0));
         Self { bvh, order: Order::new(bvh), boxes }
+    }
+
+    /// The same with the first child of the root in front, in every list.
+    pub(super) fn with_first_child_in_front(self) -> Self {
+        Self { order: self.order.with_first_child_in_front(), ..self }
     }
 
     /// Adds the list of an octant.

@@ -86,8 +86,9 @@ impl Encoding<'_> {
 }
 
 impl BoxLists {
-    /// The lists of a hierarchy; rays go on at a box of dynamic objects, or at none if that is 0.
-    pub(super) fn new(bvh: &Bvh, exact: bool, movers: u32) -> Self {
+    /// The lists of a hierarchy; rays go on at a box of dynamic objects, or at none if that is 0. The lists of one that
+    /// [is split](crate::bvh::ScenePart) have the first child of the root in front, and behind it the second.
+    pub(super) fn new(bvh: &Bvh, exact: bool, movers: u32, is_split: bool) -> Self {
         let boxes = bvh.nodes.len();
         let frame = bvh.nodes.first().map(|root| Frame::new(&root.bounds(), 0.0));
         let mut texels = Vec::with_capacity(texel_count(boxes, exact));
@@ -96,6 +97,7 @@ impl BoxLists {
         if let Some(frame) = &frame {
             let encoding = if exact { Encoding::Exact } else { Encoding::InFrame(frame) };
             let lists = BoxList::new(bvh, encoding);
+            let lists = if is_split { lists.with_first_child_in_front() } else { lists };
             let mut first = (HEADER / texels_of_box(exact)) as u32;
             for octant in 0..8 {
                 let end = first + boxes as u32;
@@ -228,7 +230,7 @@ mod tests {
         #[test]
         fn every_list_has_every_leaf_once(boxes in boxes(60, 20.0), octant in 0..8_u32) {
             let bvh = Bvh::new(&boxes, 2);
-            let lists = BoxLists::new(&bvh, false, 0);
+            let lists = BoxLists::new(&bvh, false, 0, false);
             let mut leaves = walk(&lists, octant, |_| true);
             leaves.sort_unstable();
             if bvh.nodes.len() == 1 {
@@ -267,7 +269,7 @@ mod tests {
         let bvh = Bvh::new(&things.collect::<Vec<_>>(), 1);
         assert!(bvh.nodes.len() <= most_boxes(64));
         for exact in [false, true] {
-            let lists = BoxLists::new(&bvh, exact, 4096);
+            let lists = BoxLists::new(&bvh, exact, 4096, false);
             assert_eq!(lists.texels.len(), texel_count(bvh.nodes.len(), exact));
             assert_eq!((lists.texels[0][3], lists.texels[1][3]), (bvh.nodes.len() as u32, 4096));
             let end = (lists.texels.len() / texels_of_box(exact)) as u32;
@@ -276,7 +278,24 @@ mod tests {
                 assert!(if link >= LEAF { triangle < 64 } else { link < end }, "{link:x}");
             }
             assert_eq!(BoxLists::passage(exact, 4096).texels.len(), texel_count(1, exact));
-            assert_eq!(BoxLists::new(&Bvh::default(), exact, 0).texels.len(), texel_count(0, exact));
+            assert_eq!(BoxLists::new(&Bvh::default(), exact, 0, false).texels.len(), texel_count(0, exact));
+        }
+    }
+
+    #[test]
+    fn lists_of_a_split_hierarchy_have_its_first_child_in_front() {
+        let row = |from: f32| (0..9).map(move |i| Aabb::from_points([Vec3::splat(from), Vec3::splat(from + i as f32)]));
+        let bvh = Bvh::joined(Bvh::new(&row(0.0).collect::<Vec<_>>(), 2), Bvh::new(&row(-20.0).collect::<Vec<_>>(), 2));
+        let lists = BoxLists::new(&bvh, false, 0, true);
+        let first_child = &lists.texels[HEADER + 1];
+        for octant in 0..8 {
+            let first = HEADER + octant * bvh.nodes.len();
+            let child = &lists.texels[first + 1];
+            assert_eq!(child[..3], first_child[..3], "octant {octant}");
+            // Behind it comes the other child, whose leaves are entries of the second hierarchy.
+            let behind = &lists.texels[child[3] as usize..first + bvh.nodes.len()];
+            let leaves = behind.iter().filter(|texel| texel[3] >= LEAF).map(|texel| texel[3] & ((1 << COUNT_BITS) - 1));
+            assert!(leaves.clone().count() > 4 && leaves.min() == Some(9), "octant {octant}");
         }
     }
 
@@ -290,6 +309,6 @@ mod tests {
         let wide: Vec<Aabb> = things.clone().chain([plain]).collect();
         assert!(are_exact([&Bvh::new(&wide, 2)].into_iter()));
         assert!(!are_exact([&Bvh::new(&things.collect::<Vec<_>>(), 2)].into_iter()));
-        assert_eq!(BoxLists::new(&Bvh::default(), false, 0).box_count, 0);
+        assert_eq!(BoxLists::new(&Bvh::default(), false, 0, false).box_count, 0);
     }
 }

@@ -118,6 +118,26 @@ impl GlassBoxUniform {
     }
 }
 
+/// Where lists of boxes hold geometry that is not opaque: rays go along it after all that is, see `lib/walk.wgsl`.
+#[derive(Clone, Copy, Default)]
+struct Classes {
+    /// Whether rays can go along what is opaque without meeting anything else.
+    are_apart: bool,
+    /// Whether static objects are of both classes.
+    is_split: bool,
+    /// Whether a dynamic object is not opaque.
+    has_other_movers: bool,
+}
+
+impl Classes {
+    fn of(scene: &Scene, bvh: &SceneBvh) -> Self {
+        let others = |moving: bool| scene.primitives.iter().any(|p| p.moving == moving && !p.material.is_opaque());
+        let (is_split, has_other_movers) = (bvh.statics.is_split, others(true));
+        // Where nothing static is opaque there is nothing to go along first.
+        Self { are_apart: is_split || (has_other_movers && !others(false)), is_split, has_other_movers }
+    }
+}
+
 /// A scene on the device, ready for rays.
 pub struct RayScene {
     /// The same hierarchies on the CPU.
@@ -136,6 +156,7 @@ pub struct RayScene {
     has_area_lights: bool,
     /// Around all that is of glass.
     glass: Aabb,
+    classes: Classes,
     media: Option<GpuMedia>,
     /// Of the scene whose media they are.
     media_revision: [u64; 2],
@@ -157,6 +178,7 @@ impl RayScene {
             emitter_count: 0,
             has_area_lights: false,
             glass: Aabb::EMPTY,
+            classes: Classes::default(),
             media: None,
             media_revision: [0; 2],
         }
@@ -202,6 +224,7 @@ impl RayScene {
         let glass = scene.primitives.iter().filter(|primitive| primitive.material.is_glass());
         self.glass = glass.fold(Aabb::EMPTY, |sum, primitive| sum.union(&primitive.bounds));
         self.bvh.update(scene);
+        self.classes = Classes::of(scene, &self.bvh);
         let bvh = &self.bvh;
         let versions = [bvh.statics.version, bvh.movers.version, bvh.surfaces_version];
         let then = then.filter(|then| then.revisions[0] == now.revisions[0]);
@@ -269,6 +292,9 @@ impl RayScene {
         let flags = [
             ("EXACT_BOXES", nodes.are_exact()),
             ("WIDE", nodes.are_wide()),
+            ("CLASSES", self.classes.are_apart && !nodes.are_wide()),
+            ("SPLIT", self.classes.is_split && !nodes.are_wide()),
+            ("OTHER_MOVERS", self.classes.has_other_movers && !nodes.are_wide()),
             ("UNTEXTURED", !self.atlas.holds_textures()),
             ("OPAQUE", !self.materials.any_masked()),
             ("DIFFUSE", !self.materials.any_specular()),

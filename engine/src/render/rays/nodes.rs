@@ -116,7 +116,11 @@ impl Lists {
         let first = [static_texels / boxes::texels_of_box(exact), statics.order.len()].map(|first| first as u32);
         self.movers = MovingBoxes::new(&counts, exact, first);
         let next = if moving > 0 { first[0] } else { 0 };
-        let lists = if is_passage { BoxLists::passage(exact, next) } else { BoxLists::new(statics, exact, next) };
+        let lists = if is_passage {
+            BoxLists::passage(exact, next)
+        } else {
+            BoxLists::new(statics, exact, next, bvh.statics.is_split)
+        };
         self.words.write(gpu, 0, &lists.texels);
         (self.count, self.are_exact) = (lists.box_count, exact);
         Ok(())

@@ -7,6 +7,7 @@
 //! With `--rooms` the scenes are random rooms, and errors over many of them are what counts: see `rooms`.
 //! Every measurement has a key of all that it depends on. One that `results.json` holds already is not taken again.
 
+mod cliffs;
 mod error;
 mod fixture;
 mod flicker;

@@ -18,6 +18,7 @@ Examples:
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench courtyard -o out/host --host             what a frame costs the host alone
   lightwell bench --thesis -o out/thesis --models ~/models tables and figures of the thesis, side by side
+  lightwell bench --cliffs -o out/cliffs                   what one small thing of each kind adds to a room's cost
   lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
@@ -93,6 +94,10 @@ pub struct BenchArgs {
     /// 256]
     #[arg(long, conflicts_with_all = ["host", "growth", "sweep", "method", "variant", "rooms", "quick", "bless", "times"])]
     pub thesis: bool,
+    /// Measure what one small thing of each kind (a blended card, glass, an emissive card, fog, ...) adds to the cost of each
+    /// pass in a plain room; nothing else is measured. Writes cliffs.json and cliffs.md [size: 64x64]
+    #[arg(long, conflicts_with_all = ["scenes", "growth", "sweep", "method", "variant", "host", "rooms"])]
+    pub cliffs: bool,
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
     pub label: String,

@@ -40,7 +40,7 @@
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface, surface_at}
 #import lightwell::rays::{Hit, Ray, LIGHT, SHADOW}
-#import lightwell::walk::{Frame, Walk, begin_walk, go_on, is_over, left_by_glass, load_frame, passed, trace}
+#import lightwell::walk::{Frame, Walk, begin_walk, go_on, is_over, left_by_glass, load_frame, passed, trace, trace_in}
 #import lightwell::sampling::{INVERSE_PI, Sampler, hash_pair, is_chosen, next_pair}
 #import lightwell::visible_surface::{VisibleSurface, by_lobe, number_of, ray_from, seen_surface}
 #import lightwell::view::View
@@ -375,6 +375,27 @@ struct Met {
     hit: Hit,
 }
 
+#ifdef CLASSES
+// One ray after the other: each has loops of its own for what is opaque and what is not.
+fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met {
+    var is_lit = false;
+    var left = vec3f(1.0);
+    var hit: Hit;
+    for (var turn = select(1u, 0u, waiting.reach > 0.0); turn < 2u; turn++) {
+        let is_shadow = turn == 0u;
+        var ray = next;
+        if is_shadow {
+            ray = waiting.ray;
+        }
+        hit = trace_in(frame, ray, select(reach, waiting.reach, is_shadow), select(LIGHT, SHADOW, is_shadow));
+        if is_shadow {
+            is_lit = hit.triangle == NONE;
+            left = passed(ray, hit);
+        }
+    }
+    return Met(is_lit, left, hit);
+}
+#else
 // One ray follows the other in the same loop: adapters that run lanes in lockstep let no lane wait between the two for the
 // others.
 fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met {
@@ -394,6 +415,7 @@ fn trace_both(frame: Frame, waiting: LightSample, next: Ray, reach: f32) -> Met 
     }
     return Met(is_lit, left, walk.hit);
 }
+#endif
 
 fn gathered(pixel: vec2u, seen: Vertex) -> Sums {
     let frame = load_frame(gather.root);

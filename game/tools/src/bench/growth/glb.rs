@@ -61,7 +61,7 @@ fn add_box(bytes: &mut Vec<u8>, size: [f32; 3]) {
 }
 
 /// Header, the document padded with spaces, the buffer (glTF 2.0, section 4.4).
-fn container(document: &Value, buffer: Vec<u8>) -> Vec<u8> {
+pub fn container(document: &Value, buffer: Vec<u8>) -> Vec<u8> {
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + text.len() + 8 + buffer.len();

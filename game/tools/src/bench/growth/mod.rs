@@ -14,6 +14,7 @@ mod scene;
 
 pub use axis::{Axis, Series};
 pub use figures::{Growth, GrowthPoint, Pair};
+pub(super) use glb::container;
 pub use measure::Course;
 
 use super::results::Store;
