@@ -339,10 +339,10 @@ fn add_waiting(path: ptr<function, Path>, ray: Ray, hit: Hit) {
 fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
     var hit: Hit;
     for (var turn = select(1u, 0u, (*path).shadow.reach > 0.0); turn < 2u; turn++) {
-        let cast = cast_of(*path, turn == 0u);
-        hit = trace_in(frame, cast.ray, cast.reach, cast.kind);
+        let sent = cast_of(*path, turn == 0u);
+        hit = trace_in(frame, sent.ray, sent.reach, sent.kind);
         if turn == 0u {
-            add_waiting(path, cast.ray, hit);
+            add_waiting(path, sent.ray, hit);
         }
     }
     (*path).shadow.reach = 0.0;
@@ -350,8 +350,8 @@ fn advance(frame: Frame, path: ptr<function, Path>) -> Hit {
 }
 #else
 fn walk_of(frame: Frame, path: Path, in_shadow: bool) -> Walk {
-    let cast = cast_of(path, in_shadow);
-    return begin_walk(frame, cast.ray, cast.reach, cast.kind);
+    let sent = cast_of(path, in_shadow);
+    return begin_walk(frame, sent.ray, sent.reach, sent.kind);
 }
 
 // Traces the path's rays and adds the light that waited for it. One ray follows the other in the same loop: adapters
