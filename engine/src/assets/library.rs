@@ -100,6 +100,11 @@ impl AssetLibrary {
             .flat_map(|model| model.warnings.iter().map(|warning| format!("{}: {warning}", model.path.display())))
     }
 
+    /// Whether anything of the models is broken, and was mended or left out.
+    pub fn has_faults(&self) -> bool {
+        self.models.values().any(|model| !model.faults.is_empty())
+    }
+
     /// What was decided in loading models, each with its file.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         self.remarks.iter().map(String::as_str)

@@ -181,7 +181,7 @@ fn scales_may_go_through_zero_while_a_renderer_looks() {
     let gpu = gpu();
     let material = Arc::new(material(false));
     let mut kept = Renderer::new(&gpu);
-    let settings = RenderSettings { gi: GiMethod::CLPV, only: Layer::Total, display: false, ..Default::default() };
+    let settings = |only| RenderSettings { gi: GiMethod::CLPV, only, display: false, ..Default::default() };
     for joints in [false, true] {
         let mut mesh = model();
         let mut skin = Influences::default();
@@ -218,10 +218,13 @@ fn scales_may_go_through_zero_while_a_renderer_looks() {
             stage.scene.primitives.extend(scene.primitives.iter().map(placed));
             stage.scene.revisions.geometry = revision + 100 * u64::from(joints);
             stage.scene.revisions.statics = 1 + u64::from(joints);
-            let known = stage.render_with(&gpu, &mut kept, &settings).0;
-            let fresh = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings).0;
-            let (nrmse, _) = error(&known, &image(&fresh));
-            assert!(nrmse < 1e-3, "joints {joints}, scale {x}: nrmse {nrmse}");
+            // Samples of a posed surface stay where they were taken on it, so that its indirect light has other noise.
+            for (only, most) in [(Layer::Direct, 1e-3), (Layer::Total, if joints { 0.06 } else { 1e-3 })] {
+                let known = stage.render_with(&gpu, &mut kept, &settings(only)).0;
+                let fresh = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings(only)).0;
+                let (nrmse, _) = error(&known, &image(&fresh));
+                assert!(nrmse < most, "joints {joints}, scale {x}, {only:?}: nrmse {nrmse}");
+            }
         }
     }
 }

@@ -154,10 +154,13 @@ impl Session {
         let (path, look) = (self.path.clone(), self.rendering.look.clone());
         // A fresh library, since models and images may have changed too; and all that can be wrong is found first.
         let mut library = AssetLibrary::new();
-        let loaded = load(&path, &mut library, &self.options, &mut RenderState::new(self.gpu.clone(), look));
+        // What was whole and is broken now may be half written: the last good state stays.
+        let strict = self.options.strict || !self.library.has_faults();
+        let options = LoadOptions { strict, ..self.options.clone() };
+        let loaded = load(&path, &mut library, &options, &mut RenderState::new(self.gpu.clone(), look));
         self.library.watch_also(&library);
         loaded?;
-        files::reenter_scene(&mut self.world, &mut library, &self.options, &path)?;
+        files::reenter_scene(&mut self.world, &mut library, &options, &path)?;
         self.library = library;
         complete(&mut self.world, &self.path, &mut self.library, &mut self.rendering)
     }
