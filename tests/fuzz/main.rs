@@ -75,15 +75,18 @@ fn number(variable: &str) -> Option<u64> {
     std::env::var(variable).ok().and_then(|number| number.parse().ok())
 }
 
+/// The input under way, and since when.
+type Present = Option<(Instant, Vec<u8>)>;
+
 /// Ends the process when an input hangs, and keeps the input.
 struct Watchdog {
-    present: Arc<Mutex<Option<(Instant, Vec<u8>)>>>,
+    present: Arc<Mutex<Present>>,
 }
 
 impl Watchdog {
     fn new(name: &str) -> Self {
         let (present, name) = (Arc::new(Mutex::new(None)), name.to_owned());
-        let watched: Weak<Mutex<Option<(Instant, Vec<u8>)>>> = Arc::downgrade(&present);
+        let watched: Weak<Mutex<Present>> = Arc::downgrade(&present);
         std::thread::spawn(move || {
             while let Some(present) = watched.upgrade() {
                 let hangs = |(begin, _): &(Instant, Vec<u8>)| begin.elapsed() > LONGEST;

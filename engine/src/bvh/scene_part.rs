@@ -167,7 +167,7 @@ mod tests {
     fn classes_of_geometry_are_children_of_the_root() {
         let boxes: Vec<Aabb> = (0..40_u8).map(|i| Aabb::from_points([Vec3::splat(f32::from(i)), Vec3::ONE])).collect();
         for step in [1, 3, 100] {
-            let is_opaque = |index: usize| index % step != 0;
+            let is_opaque = |index: usize| !index.is_multiple_of(step);
             let (bvh, is_split) = split_by_class(&boxes, is_opaque);
             assert_eq!(is_split, step == 3 || step == 100);
             let mut order = bvh.order.clone();

@@ -47,7 +47,9 @@ fn model() -> Mesh {
 /// Smooth bumps that lean to one side, so that a tangent frame of the other hand shows.
 fn material(double_sided: bool) -> Material {
     let mut material = Material::diffuse("bumps", Vec3::new(0.8, 0.6, 0.4));
-    let texel = |i: u32| [if i % 2 == 0 { 210 } else { 120 }, if i / 2 % 2 == 0 { 60 } else { 180 }, 230, 255];
+    let texel = |i: u32| {
+        [if i.is_multiple_of(2) { 210 } else { 120 }, if (i / 2).is_multiple_of(2) { 60 } else { 180 }, 230, 255]
+    };
     material.normal_texture = Some(Arc::new(Texture {
         id: AssetId::fresh(),
         name: "bumps".into(),

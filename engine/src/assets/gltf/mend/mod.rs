@@ -178,7 +178,7 @@ impl Mender<'_> {
                 items.iter_mut().try_for_each(|item| self.reference(item, collection, at))
             }
             Is::Set(is) => self.set(value, is, at),
-            Is::List { item, stub } => self.list(value, item, *stub, at),
+            Is::List { item, stub } => self.list(value, item, stub, at),
             Is::Attributes => self.attributes(value, at),
             Is::Part(fields) => self.fields(value, fields, at),
         }
