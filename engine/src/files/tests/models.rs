@@ -407,7 +407,7 @@ fn emissive_surfaces_count_as_light() {
 fn replace(glb: &mut Vec<u8>, from: &str, to: &str) {
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let mut json = String::from_utf8(glb[20..20 + length].to_vec()).unwrap().replace(from, to);
-    while json.len() % 4 != 0 {
+    while !json.len().is_multiple_of(4) {
         json.push(' ');
     }
     glb.splice(20..20 + length, json.bytes());
