@@ -154,7 +154,6 @@ fn merged(graph: &mut Graph, views: Vec<Handle<Buffer>>, level: usize, grid: Gri
         let groups = linear_groups(grid.volume.corner_count());
         for &view in &views {
             let fixed = cx.buffer(view).clone();
-            cx.counts().cells += u64::from(grid.volume.corner_count());
             cx.dispatch(
                 &grid.shader("merge"),
                 &[
