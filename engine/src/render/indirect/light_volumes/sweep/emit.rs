@@ -72,9 +72,9 @@ pub(super) fn totals(graph: &mut Graph<'_>, bounces: u32) -> Handle<Buffer> {
 /// add less than fifty times as much.
 ///
 /// A power of two leaves all bits of the flux in place: light of 2ᵏ times the intensity gives the same sums.
-pub(super) fn scale(frame: &Frame, rsms: &[Rsm], coarsest: Option<&Volume>) -> f32 {
+pub(super) fn scale(frame: &Frame, rsms: &[Rsm], levels: &[Level]) -> f32 {
     let of_light = |rsm: &Rsm| f64::from(rsm.light.intensity.max_element()) * f64::from(rsm.extent());
-    let sky = coarsest.map_or(Vec3::ZERO, |volume| sky_flux(frame, volume));
+    let sky = levels.last().map_or(Vec3::ZERO, |level| sky_flux(frame, &level.volume));
     let surfaces = f64::from((frame.surfels.emitted() + sky).max_element());
     let total = rsms.iter().map(of_light).sum::<f64>() + surfaces;
     ((38.0 - total.clamp(1e-22, 1e36).log2().ceil()).exp2()) as f32

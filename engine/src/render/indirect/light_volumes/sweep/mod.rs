@@ -136,7 +136,11 @@ pub(super) fn declare<'a>(
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);
     }
-    let directions = directions_of(frame, settings, quality);
+    let directions = [Directions::of(quality), Directions::of_further_bounces(quality)];
+    let directions = match frame.number().filter(|_| varies(settings)) {
+        Some(number) => directions.map(|set| set.varied(number)),
+        None => directions,
+    };
     let surfels = surfels::declare(graph, frame);
     let is_gathered = gather::is_possible(graph, frame, settings);
     let names: Vec<String> = (0..volumes.len()).map(|index| format!("cascade {index}")).collect();
@@ -146,16 +150,6 @@ pub(super) fn declare<'a>(
     let cells_of_lamps =
         cells_of_lamps.map(|(volume, light)| HazeCells { volume: *volume, light, are_lamps_alone: true });
     let radiosity = radiosity::declare(graph, frame, settings, surfels, cells_of_lamps);
-    let scale = emit::scale(frame, &rsms, volumes.last());
-    let ends_in_patches = is_gathered && !gather::are_paths(settings) && radiosity.is_some();
-    let swept_quality = swept_quality(frame, quality, ends_in_patches);
-    let (volumes, directions) = match swept_quality == quality {
-        true => (volumes, directions),
-        false => (
-            self::volumes(clpv, swept_quality, &frame.bounds, frame.view)?,
-            directions_of(frame, settings, swept_quality),
-        ),
-    };
     let bounces = bounces(settings, cloud.mean_albedo(), is_gathered);
     let is_swept_at_once = radiosity.is_some() || bounces.swept == 1;
     let coarser = grid::of_further_bounces(clpv, quality, &frame.bounds, &volumes).filter(|_| !is_swept_at_once);
@@ -165,6 +159,7 @@ pub(super) fn declare<'a>(
         let level = level(graph, frame, surfels, name, volume, settings.precision, kept);
         levels.push(Level { lamp_light, ..level });
     }
+    let scale = emit::scale(frame, &rsms, &levels);
     let source = emit::Sources { rsms: &rsms, surfels, count: cloud.count(), scale };
     let work = Work { frame, source };
     let [straight, further] = &directions;
@@ -192,6 +187,7 @@ pub(super) fn declare<'a>(
         let light = level.light().axes;
         level.lamp_light.map(|lamps| haze_cells::declare(graph, frame, &level.volume, lamps, light))
     });
+    let ends_in_patches = is_gathered && !gather::are_paths(settings);
     let patches = radiosity.map(|light| light.patches).filter(|_| ends_in_patches);
     let scattered = Scattered { patches, haze };
     let mut mirrored = None;
@@ -245,22 +241,6 @@ fn declare_mirrors<'a>(
             graph.skip("mirror", "no surface is smooth enough, or the settings leave mirrors to the gather");
             None
         }
-    }
-}
-
-/// The quality that light is swept with. Where rays end in patches, what is swept lights blended surfaces, glass and what
-/// probes and media ask for; without those two the coarsest grid is enough, for a tenth of the work.
-fn swept_quality(frame: &Frame, quality: Quality, ends_in_patches: bool) -> Quality {
-    let is_for_blended_alone = ends_in_patches && frame.probes.is_empty() && frame.scene.media.is_empty();
-    if is_for_blended_alone { Quality::Low } else { quality }
-}
-
-/// Directions of the first bounce and of further ones.
-fn directions_of(frame: &Frame, settings: &Clpv, quality: Quality) -> [Directions; 2] {
-    let directions = [Directions::of(quality), Directions::of_further_bounces(quality)];
-    match frame.number().filter(|_| varies(settings)) {
-        Some(number) => directions.map(|set| set.varied(number)),
-        None => directions,
     }
 }
 
