@@ -10,8 +10,8 @@
 #import lightwell::shadow_rays::left_on_way
 #endif
 #endif
-#import lightwell::shadow_lookup::{Shadow, NO_SHADOW, shadow_coordinate}
-#import lightwell::view::{View, toward_eye}
+#import lightwell::shadow_lookup::{Shadow, NO_SHADOW, distance_along_view, shadow_coordinate}
+#import lightwell::view::{View, pixel_width, toward_eye}
 
 struct Region {
     origin: vec2u,         // first pixel
@@ -43,6 +43,10 @@ fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
         return 1.0;
     }
 #ifdef SHADOW_RAYS
+    // Things that are smaller than a texel may be missing in the map.
+    if shadow.texel * distance_along_view(shadow, position) > COARSE * pixel_width(view, position) {
+        return UNKNOWN;
+    }
     // Filtered lookups around the point see all texels up to two from it. Where they agree it is lit, or not.
     let step = 1.0 / shadow.size;
     var sum = 0.0;
@@ -58,6 +62,8 @@ fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
 
 #ifdef SHADOW_RAYS
 const UNKNOWN: f32 = -1.0;
+// Texels that are wider than so many pixels do not tell what the pixels need to know.
+const COARSE: f32 = 4.0;
 #endif
 
 @compute @workgroup_size(8, 8)

@@ -20,6 +20,7 @@
 #endif
 #ifdef PATCHES
 #import lightwell::patches::{NO_PATCH, patch_at}
+#import lightwell::visible_patches::{NO_PRIMITIVE, primitive_with}
 #endif
 #import lightwell::view::View
 
@@ -52,8 +53,6 @@ struct Average {
 #ifdef PATCHES
 // See `light_volumes/radiosity/change.wgsl`.
 @group(0) @binding(11) var<storage, read> patch_change: array<vec4f>;
-// Of the scene's primitives, in their order.
-@group(0) @binding(12) var<storage, read> primitive_ids: array<u32>;
 #endif
 
 // Least reflectance that light is divided by.
@@ -217,20 +216,11 @@ fn updated(past: Past, all: vec3f, count: f32, most: f32) -> Past {
 
 fn patch_of(id: u32, position: vec3f, n: vec3f) -> u32 {
 #ifdef PATCHES
-    var low = 0u;
-    var high = arrayLength(&primitive_ids);
-    while low < high {
-        let middle = (low + high) / 2u;
-        if primitive_ids[middle] < id {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
+    let primitive = primitive_with(id);
+    if primitive == NO_PRIMITIVE {
+        return NO_PATCH;
     }
-    if low < arrayLength(&primitive_ids) && primitive_ids[low] == id {
-        return patch_at(low, position, n);
-    }
-    return NO_PATCH;
+    return patch_at(primitive, position, n);
 #else
     return 0xfffffu;
 #endif

@@ -22,11 +22,17 @@ struct PatchCell {
     is_used: u32,
 }
 
-// Places of a hash table with open addressing, then nodes, then places of another table for objects that bend.
+// Places of a hash table with open addressing, then nodes, then places of another table for objects that bend. Index of the
+// object by that of the primitive; all bits set: it has no surfels. FORWARD: in a raster pass, whose first groups are taken.
+#ifdef FORWARD
+@group(3) @binding(30) var<storage, read> patch_table: array<PatchCell>;
+@group(3) @binding(31) var<storage, read> place_of_primitive: array<u32>;
+@group(3) @binding(32) var<storage, read> patch_grids: array<PatchGrid>;
+#else
 @group(0) @binding(20) var<storage, read> patch_table: array<PatchCell>;
-// Index of the object by that of the primitive; all bits set: it has no surfels.
 @group(0) @binding(21) var<storage, read> place_of_primitive: array<u32>;
 @group(0) @binding(22) var<storage, read> patch_grids: array<PatchGrid>;
+#endif
 
 const NO_PATCH: u32 = 0xfffffu;
 // How far before its surface a point is taken when its cell is chosen [cells].

@@ -89,11 +89,14 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     var surface: Surface;
     surface.position = w * triangle.corner_a + hit.barycentric.x * triangle.corner_b + hit.barycentric.y * triangle.corner_c;
     let largest = max(abs(triangle.corner_a), max(abs(triangle.corner_b), abs(triangle.corner_c)));
-    surface.error = max(largest.x, max(largest.y, largest.z)) * 0x1p-20f;
     let outward = normalize_or_zero(cross(triangle.corner_b - triangle.corner_a, triangle.corner_c - triangle.corner_a));
     let back = dot(outward, direction) > 0.0;
     let turn = select(1.0, -1.0, back);
     surface.geometric_normal = turn * outward;
+    // What rounding of its corners moves the point off its plane by (Pharr et al. 2023, "Physically Based Rendering", section
+    // 6.8), which is nothing on a floor that follows the axes, however large; and that of the point itself.
+    let p = abs(surface.position);
+    surface.error = max(dot(abs(outward), largest), max(p.x, max(p.y, p.z))) * 0x1p-20f;
     surface.emitter = triangle.emitter;
 
     let at = triangle_texel(hit.triangle);

@@ -42,17 +42,21 @@ fn cube_face(d: vec3f) -> i32 {
     return select(5, 4, d.z > 0.0);
 }
 
+// Distance along the axis of the view that sees a point, as widths of texels grow with it; 1 for directional lights.
+fn distance_along_view(shadow: Shadow, position: vec3f) -> f32 {
+    let offset = position - shadow.eye;
+    if shadow.kind == SPOT_SHADOW {
+        return max(dot(offset, shadow.axis), 0.0);
+    }
+    let largest = max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
+    return select(1.0, largest, shadow.kind == POINT_SHADOW);
+}
+
 // The receiver is moved off its surface before it is compared: along the normal by as much as the plane's depth
 // changes over the filter's radius of √2 texels (slope bias, grows with sin θ) and by a fraction of a texel (static bias).
 fn shadow_coordinate(shadow: Shadow, position: vec3f, n: vec3f, to_light: vec3f) -> ShadowCoordinate {
     var out: ShadowCoordinate;
-    let offset = position - shadow.eye;
-    var along_axis = 1.0;
-    if shadow.kind == SPOT_SHADOW {
-        along_axis = max(dot(offset, shadow.axis), 0.0);
-    } else if shadow.kind == POINT_SHADOW {
-        along_axis = max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
-    }
+    let along_axis = distance_along_view(shadow, position);
     let cosine = saturate(dot(n, to_light));
     let sine = sqrt(1.0 - cosine * cosine);
     let receiver = position + n * (shadow.texel * along_axis * (1.45 * sine + 0.2));

@@ -10,6 +10,7 @@ struct View {
     axis: vec4f,           // the plane from which distances along the view's axis are measured [m]
     size: vec2u,           // [pixels]
     pixel: f32,            // width of a pixel at a depth of 1 m, or where lines of sight are parallel at any [m]
+    reach: f32,            // distance from the eye to the farthest corner of the scene's bounds, at most twice that [m]
 }
 
 // From a point towards the eye; not of unit length. In a perspective it reaches as far as the eye.
@@ -44,11 +45,12 @@ fn pixel_width(view: View, position: vec3f) -> f32 {
 // What a visible point may be off its surface [m]: what rounding of its coordinates and of depth moves it by, and what its
 // triangle's corners were moved by. Rasterizers put those on a grid of 1/256 of a pixel (Vulkan 1.3, subPixelPrecisionBits),
 // and depths follow them: the point is then off by at most 1/512 of a pixel in x and in y. Software drivers interpolate
-// depth between the corners as they were. Rays start four times as far off.
+// depth between the corners as they were. A triangle that is clipped is moved by the rounding of its farthest corners, which is
+// what counts in worlds of kilometres. Rays start four times as far off.
 fn position_error(view: View, position: vec3f) -> f32 {
     let p = abs(position);
     let largest = max(max(p.x, p.y), max(p.z, depth_error(view, position)));
-    return largest * 0x1p-17f + pixel_width(view, position) * 0x1p-10f;
+    return max(largest * 0x1p-17f + pixel_width(view, position) * 0x1p-10f, view.reach * 0x1p-24f);
 }
 
 // Whether a stored depth is behind another one by more than a part of the distance, or where lines of sight are parallel

@@ -1,6 +1,6 @@
 // Blended surfaces over what lies behind them: α·L + (1 − α)·B, from the farthest to the nearest. The target holds
 // Σ α·L and 1 − Π(1 − α), which compose puts over the opaque image.
-//   SWEPT, PROPAGATED, AMBIENT   where the indirect light is looked up; none of them: there is none
+//   PATCHED, SWEPT, PROPAGATED, AMBIENT   where the indirect light is looked up; none of them: there is none
 //   GLASS                        the surface is of glass: what passes it and what it reflects is that of glass.wgsl
 //   SEEN_THROUGH                 there are rays for it; without, what lies straight behind shows through
 //   FORWARD                      set by the pass, for the bindings of the libraries
@@ -14,6 +14,10 @@
 #import lightwell::view::toward_eye
 #ifdef HAZE
 #import lightwell::haze_lookup::veil
+#endif
+#ifdef PATCHED
+#import lightwell::environment::lobe_reflectance
+#import lightwell::visible_patches::irradiance_of_patches
 #endif
 #ifdef SWEPT
 #import lightwell::environment::{lobe_reflectance, lobe_direction}
@@ -33,7 +37,7 @@ struct Blend {
     light_count: u32,
     is_first: u32,         // of the draws of a surface: the one that covers what lies behind
     has_emission: u32,
-    padding: u32,
+    patch_size: f32,       // edge of a patch [m]
 }
 
 @group(2) @binding(0) var<uniform> blend: Blend;
@@ -106,8 +110,18 @@ fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
     return sum;
 }
 
-fn indirect_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
+fn indirect_light(s: Sampled, in: Varying, to_eye: vec3f) -> vec3f {
+    let position = in.position;
     let albedo = s.base.rgb * ((1.0 - s.metallic) * (1.0 - s.transmission));
+#ifdef PATCHED
+    let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, max(dot(s.normal, to_eye), 1e-4));
+    let kept = 1.0 - max(share.r, max(share.g, share.b));
+    // What glass reflects comes by rays. Other surfaces reflect as if light were even around them.
+    let reflectance = kept * albedo + select(share, vec3f(0.0), s.transmission > 0.0);
+    let n = normalize(in.normal);
+    let facing = select(-n, n, dot(n, to_eye) >= 0.0);
+    return reflectance * irradiance_of_patches(in.id, position, facing, blend.patch_size) / 3.14159265;
+#endif
 #ifdef SWEPT
     let n_dot_v = max(dot(s.normal, to_eye), 1e-4);
     let share = lobe_reflectance(s.normal_reflectance, s.grazing_reflectance, s.roughness, n_dot_v);
@@ -173,7 +187,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> Targets {
     let to_eye = normalize(toward_eye(view, in.position));
     var radiance = direct_light(s, in.position, to_eye);
     if blend.is_first != 0u {
-        radiance += indirect_light(s, in.position, to_eye) + over.seen_through;
+        radiance += indirect_light(s, in, to_eye) + over.seen_through;
     }
     if blend.has_emission != 0u {
         radiance += s.emissive;

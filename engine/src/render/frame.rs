@@ -21,6 +21,7 @@ pub(crate) struct ViewUniform {
     axis: Vec4,
     size: UVec2,
     pixel: f32,
+    reach: f32,
 }
 
 /// A result of a method that the next frame may go on with.
@@ -123,7 +124,17 @@ impl Frame<'_> {
             axis: self.view.axis(),
             size: self.view.size.into(),
             pixel: self.view.pixel_width(),
+            reach: self.reach(),
         }
+    }
+
+    /// Distance from the eye to the farthest corner of the scene's bounds, rounded up to a power of two so that it rarely
+    /// changes \[m\].
+    fn reach(&self) -> f32 {
+        let eye = self.view.eye();
+        let farthest = self.bounds.corners().iter().map(|corner| corner.distance(eye)).fold(0.0, f32::max);
+        let reach = farthest.log2().ceil().exp2();
+        if reach.is_finite() { reach } else { 0.0 }
     }
 }
 

@@ -77,7 +77,8 @@ pub(super) fn declare<'a>(
     let haze = haze::declare(graph, frame, &gbuffer, lamps, field.clone().or_else(|| sky_field.clone()));
     let mut lights = Lights { direct, indirect, mirrored, second_lobe, sky: sky_radiance, blended: None, haze };
     if has_blended {
-        let source = source_of_blended(graph, &gbuffer, [field, sky_field], &lights);
+        let source = scattered.patches.map(Source::Patches);
+        let source = source.or_else(|| source_of_blended(graph, &gbuffer, [field, sky_field], &lights));
         let direct_lights = if shows_direct { direct_lights } else { Vec::new() };
         let seen_through = declare_glass(graph, frame, &gbuffer, lights, scattered);
         let behind = Behind { source, haze, seen_through };

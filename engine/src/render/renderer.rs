@@ -18,6 +18,7 @@ use super::rays::RayScene;
 use super::scene_gpu::GpuScene;
 use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::{Layer, RenderSettings};
+use super::shadows::shadow_map;
 use super::sky::sky_light;
 use super::surfaces::Surfaces;
 use super::transparency::blend;
@@ -210,10 +211,10 @@ impl Renderer {
         let view = shifted.as_ref().unwrap_or(view);
         let bounds = self.update(gpu, scene, steady, settings)?;
         let method = self.methods.get(settings.gi)?;
-        let casts_rays = self.ray_use(scene, settings)? != RayUse::None;
+        let casts_rays = self.ray_use(scene, &bounds, settings)? != RayUse::None;
         let refused_rays = self.refused_rays.as_ref().map(|(_, why)| why.as_str()).filter(|_| casts_rays);
         let rays = self.rays.as_ref().filter(|_| casts_rays && refused_rays.is_none());
-        let has_shadow_rays = method.rays(scene) != RayUse::None || self.needs_rays(scene);
+        let has_shadow_rays = method.rays(scene) != RayUse::None || self.needs_rays(scene, &bounds);
         let beside = settings.beside.filter(|_| settings.display && settings.only.is_light());
         let tracer = match &beside {
             Some(beside) => {
@@ -278,7 +279,7 @@ impl Renderer {
         if settings.only.is_light() {
             self.methods.get_mut(settings.gi)?.update(gpu, scene)?;
         }
-        let rays = self.ray_use(scene, settings)?;
+        let rays = self.ray_use(scene, &bounds, settings)?;
         match rays {
             RayUse::Required => self.rays.get_or_insert_with(|| RayScene::new(gpu)).update(gpu, scene)?,
             RayUse::Optional => self.update_optional_rays(gpu, scene),
@@ -305,21 +306,26 @@ impl Renderer {
     }
 
     /// How the frame casts rays: for its method, soft shadows and the borders of others, or to show their hierarchy.
-    fn ray_use(&self, scene: &Scene, settings: &RenderSettings) -> Result<RayUse, RenderError> {
+    fn ray_use(&self, scene: &Scene, bounds: &Aabb, settings: &RenderSettings) -> Result<RayUse, RenderError> {
         if settings.display && settings.debug.shows(DebugView::Bvh) {
             return Ok(RayUse::Required);
         }
         let method = self.methods.get(settings.gi)?;
         Ok(match method.rays(scene) {
             _ if !settings.only.is_light() => RayUse::None,
-            RayUse::None if self.needs_rays(scene) => RayUse::Optional,
+            RayUse::None if self.needs_rays(scene, bounds) => RayUse::Optional,
             of_method => of_method,
         })
     }
 
-    /// Whether a frame casts rays whatever its method is.
-    fn needs_rays(&self, scene: &Scene) -> bool {
-        casts_soft_shadows(scene) || self.gpu_scene.has_glass() || self.gpu_scene.has_second_lobes()
+    /// Whether a frame casts rays whatever its method is: for soft shadows, through glass, and for shadows of small things in
+    /// large worlds.
+    fn needs_rays(&self, scene: &Scene, bounds: &Aabb) -> bool {
+        let are_maps_coarse = || shadow_map::are_coarse(&scene.lights, bounds);
+        casts_soft_shadows(scene)
+            || self.gpu_scene.has_glass()
+            || self.gpu_scene.has_second_lobes()
+            || are_maps_coarse()
     }
 
     /// Brings the scene for rays up to date where a method can do without. What does not fit the device is not tried again

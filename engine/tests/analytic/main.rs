@@ -12,6 +12,7 @@ mod gather;
 mod glass;
 mod half_precision;
 mod instant_radiosity;
+mod large_worlds;
 mod layers;
 mod lens;
 mod light_culling;

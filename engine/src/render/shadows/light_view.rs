@@ -1,5 +1,5 @@
-//! The views that a light sees the scene by: one for spot and directional lights, six for point lights. Lights with a surface
-//! see from their middle.
+//! The views that a light sees the scene by: one for spot and directional lights, six for point lights and for spots whose cone
+//! nears a half space. Lights with a surface see from their middle.
 //!
 //! Shadow maps and reflective shadow maps are drawn through the same views.
 
@@ -44,6 +44,19 @@ const CUBE_FACES: [(Vec3, Vec3); 6] = [
     (Vec3::NEG_Z, Vec3::Y),
 ];
 
+/// Half angle \[rad\] above which a spot sees by the faces of a cube: a single image spreads its texels by the square of the
+/// tangent, which is 4.6 there and has no bound towards a half space.
+const WIDE: f32 = 65.0 * std::f32::consts::PI / 180.0;
+
+/// Whether the light sees by the faces of a cube.
+pub(super) fn sees_by_cube(shape: &LightShape) -> bool {
+    match shape {
+        LightShape::Directional | LightShape::Sun { .. } => false,
+        LightShape::Spot { outer, .. } => *outer > WIDE,
+        _ => true,
+    }
+}
+
 /// Distances of a view's clip planes along its axis [m].
 #[derive(Clone, Copy)]
 struct Depth {
@@ -60,11 +73,13 @@ pub fn light_views(light: &SceneLight, bounds: &Aabb) -> Vec<LightView> {
         LightShape::Directional | LightShape::Sun { .. } => {
             directional_view(light.direction, bounds).into_iter().collect()
         }
-        LightShape::Point
-        | LightShape::Sphere { .. }
-        | LightShape::Disc { .. }
-        | LightShape::Rectangle { .. }
-        | LightShape::Tube { .. } => {
+        LightShape::Spot { outer, .. } if !sees_by_cube(&light.shape) => {
+            let Some(depth) = depth_range(light, bounds) else { return Vec::new() };
+            let up = any_perpendicular(light.direction);
+            let view_from_world = view_matrix(light.position, light.direction, up);
+            vec![perspective_view(light.position, light.direction, view_from_world, outer.tan(), depth, 0)]
+        }
+        _ => {
             let Some(depth) = depth_range(light, bounds) else { return Vec::new() };
             let mut faces = Vec::with_capacity(6);
             for (&(direction, up), face) in CUBE_FACES.iter().zip(0..) {
@@ -73,14 +88,6 @@ pub fn light_views(light: &SceneLight, bounds: &Aabb) -> Vec<LightView> {
                 faces.push(perspective_view(light.position, direction, mirrored, 1.0, depth, face));
             }
             faces
-        }
-        LightShape::Spot { outer, .. } => {
-            let Some(depth) = depth_range(light, bounds) else { return Vec::new() };
-            // A cone of 180° has no perspective image; beyond 89.5° from the axis hardly any light is left.
-            let half_extent = outer.min(89.5_f32.to_radians()).tan();
-            let up = any_perpendicular(light.direction);
-            let view_from_world = view_matrix(light.position, light.direction, up);
-            vec![perspective_view(light.position, light.direction, view_from_world, half_extent, depth, 0)]
         }
     }
 }
@@ -215,6 +222,16 @@ mod tests {
                 assert!(inside.count() >= 1, "{shape:?}: corner {corner} is in no view");
             }
         }
+    }
+
+    #[test]
+    fn wide_spots_see_as_points_do() {
+        for degrees in [66.0_f32, 80.0, 90.0] {
+            let spot = light(LightShape::Spot { inner: 0.0, outer: degrees.to_radians() });
+            assert_eq!(light_views(&spot, &BOUNDS), light_views(&light(LightShape::Point), &BOUNDS), "{degrees}°");
+        }
+        let narrow = light(LightShape::Spot { inner: 0.0, outer: 1.0 });
+        assert_eq!(light_views(&narrow, &BOUNDS).len(), 1);
     }
 
     #[test]

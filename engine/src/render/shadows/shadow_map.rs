@@ -1,13 +1,13 @@
 //! Shadow maps: one layer a view, six for point lights (Williams 1978; for points Gerasimov, GPU Gems 2004).
 
-use super::light_view::{LightView, light_views};
+use super::light_view::{LightView, light_views, sees_by_cube};
 use crate::gpu::{Gpu, RasterKey};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
 use crate::render::geometry::static_layers;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
-use crate::scene::{Frustum, LightShape, SceneLight};
+use crate::scene::{Aabb, Frustum, LightShape, SceneLight};
 use encase::ShaderType;
 use glam::{Mat4, Vec3};
 
@@ -119,6 +119,20 @@ pub(in crate::render) fn declared(graph: &Graph, frame: &Frame, light: &SceneLig
     Some(ShadowMap { map, views: light_views(light, &frame.bounds), kind: kind_of(light), size })
 }
 
+/// Width of a texel \[m\] above which small things lose their shadows, so that rays are asked for.
+const COARSE: f32 = 0.02;
+
+/// Whether the shadow map of any light is too coarse for small things: its light comes from far, or its scene is large.
+pub(in crate::render) fn are_coarse(lights: &[SceneLight], bounds: &Aabb) -> bool {
+    let width = |light: &SceneLight| match light.shape.is_distant() {
+        true => light_views(light, bounds).first().map_or(0.0, |view| 2.0 * view.half_extent),
+        false => 2.0 * bounds.distance(light.position),
+    };
+    let casters = lights.iter().filter(|light| light.casts_shadow && light.intensity != Vec3::ZERO);
+    !bounds.is_empty()
+        && casters.into_iter().any(|light| width(light) > COARSE * light.shadow_size.clamp(1, 8192) as f32)
+}
+
 fn pass_name(light: &SceneLight) -> String {
     format!("shadow {}", light.pass_name())
 }
@@ -126,7 +140,7 @@ fn pass_name(light: &SceneLight) -> String {
 fn kind_of(light: &SceneLight) -> u32 {
     match light.shape {
         LightShape::Directional | LightShape::Sun { .. } => 1,
-        LightShape::Spot { .. } => 2,
+        LightShape::Spot { .. } if !sees_by_cube(&light.shape) => 2,
         _ => 3,
     }
 }

@@ -1,7 +1,7 @@
 //! Blended surfaces: drawn forward, over what the deferred passes made, from the farthest to the nearest.
 //!
-//! Their direct light is that of the deferred pass, shadow maps included. Indirect light is looked up in the light
-//! volumes at the surface's own place; methods that light pixels alone (virtual point lights, stochastic light culling)
+//! Their direct light is that of the deferred pass, shadow maps included. Indirect light is that of the surface's own patches,
+//! or where there are none it is looked up in the light volumes at the surface's place; methods that light pixels alone (virtual point lights, stochastic light culling)
 //! lend one irradiance to all of them, the mean of what the visible surfaces receive. In the lights' own views a
 //! blended surface is there where it is more than half opaque. Where alpha reaches 1 it is drawn with the opaque ones.
 
@@ -34,12 +34,14 @@ pub(crate) struct BlendUniform {
     light_count: u32,
     is_first: u32,
     has_emission: u32,
-    padding: u32,
+    patch_size: f32,
 }
 
 /// Where the indirect light of blended surfaces comes from.
 #[derive(Clone)]
 pub(in crate::render) enum Source {
+    /// Irradiance of the patches of surfels \[W/m²\].
+    Patches(Handle<Buffer>),
     /// Volumes.
     Field(Box<Field>),
     /// One irradiance for all.
@@ -94,7 +96,7 @@ pub(in crate::render) fn declare<'a>(
     }
     match &source {
         Some(Source::Field(field)) => field.buffers().iter().for_each(|&buffer| pass.read(buffer)),
-        Some(Source::Ambient(ambient)) => pass.read(*ambient),
+        Some(Source::Patches(light) | Source::Ambient(light)) => pass.read(*light),
         None => {}
     }
     haze.iter().for_each(|haze| pass.read(haze.buffer()));
@@ -106,7 +108,7 @@ pub(in crate::render) fn declare<'a>(
     let only = frame.settings.only;
     pass.key(&(frame.geometry_key(), frame.view_key(), lights, clpv, frame.settings.gi, only));
     pass.key(&haze.map(|haze| (haze.key(), frame.media_key())));
-    pass.key(&seen_through.is_some());
+    pass.key(&(seen_through.is_some(), frame.surfels.revision()));
     let work = Work { frame: frame.clone(), direct_lights, source, haze, seen_through, depth, color, object };
     pass.execute(move |cx| work.run(cx));
     color
@@ -176,6 +178,10 @@ impl Work<'_> {
                 let mut bindings: Vec<_> = indirect.iter().map(|(name, b)| (*name, Binding::Buffer(b))).collect();
                 let seen = seen_through.iter().filter(|_| pipeline.declares(3, "seen_through"));
                 bindings.extend(seen.map(|seen| ("seen_through", Binding::Texture(seen))));
+                if let Some(Source::Patches(_)) = &self.source {
+                    bindings.extend(self.frame.surfels.patches().bindings());
+                    bindings.push(("primitive_ids", self.frame.surfels.primitive_ids()));
+                }
                 if !bindings.is_empty() {
                     pass.set_bind_group(3, &pipeline.bind(gpu, 3, &bindings)?, &[]);
                 }
@@ -187,6 +193,7 @@ impl Work<'_> {
     /// Group 3: what indirect light is looked up in, and haze.
     fn indirect_bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
         let mut bindings = match &self.source {
+            Some(Source::Patches(light)) => vec![("patch_light", cx.buffer(*light).clone())],
             Some(Source::Field(field)) => field.bindings(cx),
             Some(Source::Ambient(ambient)) => vec![("ambient", cx.buffer(*ambient).clone())],
             None => Vec::new(),
@@ -221,7 +228,7 @@ impl Work<'_> {
                 light_count: count as u32,
                 is_first: u32::from(first == 0),
                 has_emission: u32::from(has_emission && first == 0),
-                padding: 0,
+                patch_size: self.frame.surfels.patch_size(),
             };
             let uniform = gpu.uniform("blend", &uniform);
             let map = |i: usize| Binding::Texture(maps.get(first + i).and_then(Option::as_ref).unwrap_or(&none));
@@ -247,6 +254,7 @@ impl Work<'_> {
         let mut defs = class.defs_of_view();
         defs.push(("FORWARD", ShaderDef::Flag(true)));
         match &self.source {
+            Some(Source::Patches(_)) => defs.push(("PATCHED", ShaderDef::Flag(true))),
             Some(Source::Field(field)) => defs.push((field.define(), ShaderDef::Flag(true))),
             Some(Source::Ambient(_)) => defs.push(("AMBIENT", ShaderDef::Flag(true))),
             None => {}
