@@ -43,7 +43,8 @@
 //!
 //! # From the thesis to the code
 //!
-//! Light propagation volumes follow M. Šefčík's thesis (2016), whose classes became:
+//! The diffusion of light propagation volumes follows the thesis of Petr Šefčík, "Computing global illumination in
+//! real-time using Cascaded Light Propagation Volumes" (2016), whose classes became:
 //!
 //! | thesis | here |
 //! | --- | --- |

@@ -1,5 +1,5 @@
-//! Counts of the thesis for its six scenes (Šefčík 2016, tables 7.1 and 7.3), and what a frame of ours does in its
-//! settings. The counts depend on no machine. Faces of a light that see nothing, or reach no volume, are left out by
+//! Counts of the thesis for its six scenes (Šefčík 2016, table 7.1 and section 7.3.4), and what a frame of ours does in
+//! its settings. The counts depend on no machine. Faces of a light that see nothing, or reach no volume, are left out by
 //! us and not by the thesis: what that saves is added, and printed.
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,5 @@
-//! A Merkle-cached render graph (thesis 4.2.3 and 6.6.2: render graph and render-target cache).
+//! A Merkle-cached render graph, in place of the thesis's fixed order of passes (4.2.3) and its cache of render targets
+//! (6.6.2).
 //!
 //! A frame is declared, compiled and executed:
 //!

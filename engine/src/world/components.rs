@@ -322,7 +322,8 @@ pub enum GlossMarch {
 
 /// Cascaded light propagation volumes: indirect light for the scene that holds this component.
 ///
-/// Design and formulas: Šefčík 2016, chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
+/// Design and formulas: Petr Šefčík, "Computing global illumination in real-time using Cascaded Light Propagation
+/// Volumes" (2016), chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Clpv {

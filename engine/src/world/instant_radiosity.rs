@@ -98,7 +98,8 @@ impl<'de> Deserialize<'de> for ParticleCasts {
     }
 }
 
-/// Instant radiosity: indirect light from many virtual point lights (Keller 1997; Franchi and Ferrante).
+/// Instant radiosity: indirect light from many virtual point lights (Keller 1997, "Instant Radiosity"). What is called
+/// the report is Emanuele Franchi and Lorenzo Ferrante, "Virtual Point Lights".
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InstantRadiosity {

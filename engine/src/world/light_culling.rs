@@ -80,11 +80,11 @@ pub enum LightShow {
 /// Stochastic light culling: one bounce of indirect light from the texels of reflective shadow maps as virtual point
 /// lights, of which each pixel takes those that matter, and the others by chance.
 ///
-/// Tokuyoshi and Harada, "Stochastic Light Culling" (2016) and "Stochastic Light Culling for VPLs on GGX Microsurfaces"
-/// (2017). Used by `--gi slc`; a scene without it gets the default. All its counts are limited by memory alone: what
-/// does not fit is an error that says how much it would take. With shadow rays the sky lights what sees it (its mean
-/// radiance, reflected diffusely). Not covered: emissive surfaces, and light that was reflected more than once on its
-/// way.
+/// Yusuke Tokuyoshi and Takahiro Harada, "Stochastic Light Culling" (2016) and "Stochastic Light Culling for VPLs on
+/// GGX Microsurfaces" (2017). Used by `--gi slc`; a scene without it gets the default. All its counts are limited by
+/// memory alone: what does not fit is an error that says how much it would take. With shadow rays the sky lights what
+/// sees it (its radiance by direction, reflected diffusely). Not covered: emissive surfaces, and light that was reflected more
+/// than once on its way.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StochasticLightCulling {

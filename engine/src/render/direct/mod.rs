@@ -1,5 +1,5 @@
 //! Direct light: a compute pass for each light that casts shadows, over the pixels that it can reach (the thesis's
-//! stencil volumes, 5.5), and one for all others together ([`direct_tiled`]). Where the scene is there for rays, a shadow ray
+//! stencil volumes, 5.3.2), and one for all others together ([`direct_tiled`]). Where the scene is there for rays, a shadow ray
 //! decides at the borders of shadows, where a map's texels are too coarse to. Lights with a surface have passes of their own
 //! ([`area`]).
 

@@ -1,6 +1,7 @@
 //! Figures that others published, for the report to show beside ours.
 
-/// A scene of the thesis (M. Šefčík 2016), with its figures as far as they are known to us.
+/// A scene of the thesis (Petr Šefčík 2016, "Computing global illumination in real-time using Cascaded Light
+/// Propagation Volumes"), with its figures as far as they are known to us.
 pub struct PublishedScene {
     /// Our scene.
     pub scene: &'static str,
@@ -14,11 +15,11 @@ pub struct PublishedScene {
     pub volumes: &'static str,
     /// Time of a frame at 512×512 on a GeForce GTX 980 [ms] (table 7.3).
     pub frame_ms: f64,
-    /// Elementary injections of light and blockers (table 7.4; Cornell is printed as 32786).
+    /// Elementary injections of light and blockers (table 7.1; Cornell is printed as 32786).
     pub injections: u64,
-    /// Cells times propagation steps (table 7.4; Cornell is printed as 7167).
+    /// Cells times propagation steps (table 7.1; Cornell is printed as 7167).
     pub cell_steps: u64,
-    /// Merges of blocker volumes (table 7.4).
+    /// Merges of blocker volumes (section 7.3.4).
     pub merges: Option<u64>,
 }
 

@@ -1,4 +1,5 @@
-//! Instant radiosity: virtual point lights where particles from the lights hit (Keller 1997, "Instant radiosity").
+//! Instant radiosity: virtual point lights where particles from the lights hit (Keller 1997, "Instant Radiosity"). The
+//! report is Emanuele Franchi and Lorenzo Ferrante, "Virtual Point Lights".
 //!
 //! ```text
 //! particles (shot on the CPU, kept while lights and surfaces stay) ─ choice ─ reach (per view) ─ shade ─ near ─ compose

@@ -1,5 +1,6 @@
 //! Stochastic light culling: one bounce of indirect light from many virtual lights, each with a random range (Tokuyoshi
-//! and Harada 2016; with bounding ellipsoids of GGX lobes, 2017).
+//! and Harada 2016, "Stochastic Light Culling"; with bounding ellipsoids of GGX lobes 2017, "Stochastic Light Culling
+//! for VPLs on GGX Microsurfaces").
 //!
 //! ```text
 //! rsm (a light) ─ virtual lights ─ error bound ─ ranges ─┐

@@ -189,7 +189,7 @@ fn stage_table(timings: &[&Timing], mode: Mode, at: [u32; 2]) -> String {
     table(&head, &rows)
 }
 
-/// Counts that do not depend on the machine: table 7.4.
+/// Counts that do not depend on the machine: table 7.1 and section 7.3.4.
 pub fn counts(results: &Results) -> Option<String> {
     let mut rows = Vec::new();
     let mut seen = BTreeSet::new();
@@ -229,7 +229,7 @@ pub fn counts(results: &Results) -> Option<String> {
     ];
     (!rows.is_empty()).then(|| {
         format!(
-            "## Counts that do not depend on the machine (thesis table 7.4)\n\n{}\nOf the first measured frame, everything \
+            "## Counts that do not depend on the machine (thesis table 7.1)\n\n{}\nOf the first measured frame, everything \
              computed. Injections: texels of light and of blockers, cascades counted one by one. The thesis prints 32786 \
              and 7167 for Cornell.\n",
             table(&head, &rows)

@@ -1,5 +1,5 @@
-//! `bench --thesis`: tables 7.1, 7.3 and 7.4 and figures 7.2 to 7.10 of the thesis that the diffusion follows (P. Šefčík
-//! 2016), with our figures beside the printed ones.
+//! `bench --thesis`: tables 7.1, 7.3 and 7.4 and figures 7.2 to 7.10 of the thesis that the diffusion follows (Petr
+//! Šefčík 2016), with our figures beside the printed ones.
 //!
 //! ```text
 //! published (the printed figures) ─┐

@@ -1,4 +1,5 @@
-//! What the thesis prints in tables 7.1, 7.3 and 7.4 (P. Šefčík 2016, "Cascaded light propagation volumes").
+//! What the thesis prints in tables 7.1, 7.3 and 7.4 (Petr Šefčík 2016, "Computing global illumination in real-time
+//! using Cascaded Light Propagation Volumes").
 
 /// Columns of tables 7.3 and 7.4, in their order; `TOTAL` is their sum.
 pub const STAGES: [&str; 6] = ["IGB", "GRSM", "IL", "IB", "PRP", "REL"];

@@ -8,7 +8,7 @@ use super::{Results, SceneResults, Times};
 pub(super) fn of(results: &Results) -> String {
     let header = &results.header;
     let mut text = format!(
-        "# The thesis, side by side\n\nTables and figures of P. Šefčík's thesis (2016) with ours beside them. Ours: {}, \
+        "# The thesis, side by side\n\nTables and figures of Petr Šefčík's thesis (2016) with ours beside them. Ours: {}, \
          {} ({}); {}; commit {}, {}.\n\n```sh\n{}\n```\n\n{}.\n\n",
         header.adapter,
         header.driver,

@@ -1,5 +1,6 @@
-//! The thesis's transport: light is injected from reflective shadow maps and propagated from cell to cell (Šefčík 2016,
-//! chapters 3.10 and 5; Kaplanyan and Dachsbacher 2010). In come the lights' maps, out go four SH coefficients a cell and
+//! The thesis's transport: light is injected from reflective shadow maps and propagated from cell to cell (Petr
+//! Šefčík 2016, "Computing global illumination in real-time using Cascaded Light Propagation Volumes", chapters 3.10
+//! and 5; Kaplanyan and Dachsbacher 2010). In come the lights' maps, out go four SH coefficients a cell and
 //! colour channel, and what the visible surfaces reflect of them.
 //!
 //! ```text
