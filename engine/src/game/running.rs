@@ -218,6 +218,8 @@ impl Game {
             }
             None => Some(files::enter_scene(world, library, options, path, &old)?),
         };
+        // Meshes and textures of the scene before, unless this one has them too.
+        self.library.drop_unused();
         let since = self.world.ecs.resource::<Time>().step;
         self.world.ecs.insert_resource(CurrentScene { path: path.to_owned(), since });
         Ok(())

@@ -8,6 +8,7 @@ use lightwell::files::SceneData;
 use lightwell::game::*;
 use lightwell::world::{Camera, GlobalTransform, Light, MeshRenderer, Transform};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 mod bad_use;
 mod reload;
@@ -193,6 +194,18 @@ fn scenes_change_and_what_persists_stays() {
     assert!(game.world.ecs.get_entity(wall).is_err(), "the scene before is gone");
     assert!((x_of(&game, "A") - 0.5).abs() < 1e-4, "what persists goes on");
     assert!(game.world.find("B").is_some() && game.world.roots().len() == 2);
+}
+
+#[test]
+fn meshes_of_a_scene_are_released_when_it_is_left() {
+    let folder = Folder::new();
+    let mut game = folder.game();
+    let mut walls = game.world.ecs.query::<&MeshRenderer>();
+    let wall = Arc::downgrade(&walls.single(&game.world.ecs).unwrap().mesh);
+    game.enter(&folder.path("a.scene.ron")).unwrap();
+    assert!(wall.upgrade().is_some(), "a scene that is entered again has the same mesh");
+    game.enter(&folder.path("b.scene.ron")).unwrap();
+    assert!(wall.upgrade().is_none(), "nothing needs the mesh");
 }
 
 #[test]

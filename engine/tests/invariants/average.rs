@@ -80,6 +80,37 @@ fn a_view_that_rests_loses_its_noise_and_comes_to_rest() {
     assert!(ran.is_empty(), "at rest there run {ran:?}");
 }
 
+/// Median over the image of how far a pixel is from the mean of its four neighbours, over that mean.
+fn grain(image: &ImageF32) -> f32 {
+    let at = |x: u32, y: u32| image.rgba[(x + y * image.width) as usize][1];
+    let mut grain = Vec::new();
+    for y in 1..image.height - 1 {
+        for x in 1..image.width - 1 {
+            let around = 0.25 * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1));
+            grain.push((at(x, y) - around).abs() / around.max(1e-6));
+        }
+    }
+    grain.sort_by(f32::total_cmp);
+    grain[grain.len() / 2]
+}
+
+/// The filter narrows with the rays that the mean holds, and not so fast that the image gets noisier.
+#[test]
+fn a_view_that_rests_gets_smoother_with_every_doubling_of_frames() {
+    let gpu = gpu();
+    let stage = room(Clpv::default(), LAMP);
+    let mut renderer = Renderer::new(&gpu);
+    let mut grains = Vec::new();
+    let mut count = 0;
+    for wanted in [2, 4, 8, 16, 32, 64] {
+        let (image, _) = frames(&gpu, &mut renderer, &stage, wanted - count);
+        count = wanted;
+        grains.push(grain(&image));
+    }
+    let falls = grains.windows(2).all(|pair| pair[1] < 1.1 * pair[0]);
+    assert!(falls && grains[5] < 0.7 * grains[0], "grain after 2 to 64 frames: {grains:?}");
+}
+
 #[test]
 fn light_that_moves_is_followed_within_eight_frames() {
     let gpu = gpu();

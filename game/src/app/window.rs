@@ -82,7 +82,7 @@ impl Handler<'_> {
         session::keep_pipelines(&gpu);
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
-        let look = self.args.look().in_window(&gpu);
+        let look = self.args.look().in_window();
         let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
         drawn.rendering.renderer.set_timing(Timing::Late);
         Ok(Open {

@@ -98,7 +98,7 @@ impl Player {
         let context = egui::Context::default();
         set_fonts(&context);
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
-        let look = args.look.in_window(&gpu);
+        let look = args.look.in_window();
         let mut session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
         let options = session.parts().files.options.clone();
         let new_game = own.new_game.clone().unwrap_or_else(|| Rc::new(move || Ok(plain(&options))));

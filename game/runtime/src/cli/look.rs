@@ -2,7 +2,6 @@
 
 use super::parse_assignment;
 use clap::{Args, ValueEnum};
-use lightwell::gpu::Gpu;
 use lightwell::render::debug::DebugView;
 use serde::Deserialize;
 
@@ -85,7 +84,7 @@ pub struct LookArgs {
     pub mlaa_edges: Edges,
     /// Average light with that of the frames before: each casts few rays, light that goes is gone within three frames, edges
     /// are smoothed over frames, and a view that rests comes to rest after 64. An image then depends on those before it
-    /// [default: on in windows, unless the driver is a software one; off elsewhere]
+    /// [default: on in windows, off elsewhere]
     #[arg(long, value_enum)]
     pub average: Option<Switch>,
     /// Settings of `--gi reference`.
@@ -130,11 +129,9 @@ pub struct DebugArgs {
 }
 
 impl LookArgs {
-    /// As windows take them: frames are averaged unless that is not wanted. With a software driver a view that rests would keep
-    /// the processor busy until it has all its frames.
-    pub fn in_window(&self, gpu: &Gpu) -> Self {
-        let is_fast = gpu.info.device_type != wgpu::DeviceType::Cpu;
-        Self { average: self.average.or(Some(if is_fast { Switch::On } else { Switch::Off })), ..self.clone() }
+    /// As windows take them: light is averaged over frames unless that is not wanted.
+    pub fn in_window(&self) -> Self {
+        Self { average: self.average.or(Some(Switch::On)), ..self.clone() }
     }
 }
 

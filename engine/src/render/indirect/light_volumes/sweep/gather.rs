@@ -106,7 +106,14 @@ pub(super) fn declare<'a>(
         interleave,
     };
     pass.execute(move |cx| work.run(cx));
-    gather_filter::declare(graph, frame, gbuffer, gathered, interleave, filter_radius(settings, frame.images()))
+    gather_filter::declare(
+        graph,
+        frame,
+        gbuffer,
+        gathered,
+        interleave,
+        filter_radius(settings, gathered_images(frame, settings, interleave)),
+    )
 }
 
 struct Work<'a> {
@@ -223,12 +230,19 @@ impl Work<'_> {
     }
 }
 
+/// How many whole images the rays in the mean amount to that a frame is for. Sparse frames cast a part of the rays.
+fn gathered_images(frame: &Frame, settings: &Clpv, interleave: Interleave) -> f32 {
+    let images = frame.images().max(1) as f32;
+    let share = rays(frame, settings, interleave) as f32 / wanted_rays(settings).max(1) as f32;
+    1.0 + (images - 1.0) * share * interleave.share()
+}
+
 /// Radius of the filter \[pixels\] where so many images are averaged. Most of what a filter gets wrong lies at edges of the
 /// light, where the squared error grows with its radius r; that of the noise of n images falls with 1/(n·r²). Their sum is
 /// least for r ∝ n^(−1/3).
-fn filter_radius(settings: &Clpv, images: u32) -> u32 {
+fn filter_radius(settings: &Clpv, images: f32) -> u32 {
     let radius = settings.gather_filter.min(MAX_FILTER) as f32;
-    (radius / (images.max(1) as f32).cbrt()).round() as u32
+    (radius / images.max(1.0).cbrt()).round() as u32
 }
 
 /// Whether the light is gathered; else the reason is in the report.

@@ -52,6 +52,11 @@ impl Interleave {
         self.stride > 1
     }
 
+    /// Share of the pixels that are gathered at.
+    pub fn share(&self) -> f32 {
+        1.0 / (self.stride * self.stride) as f32
+    }
+
     /// Size of the image that holds a texel for each gathered pixel.
     pub fn texels(&self) -> [u32; 2] {
         self.size.map(|edge| edge.div_ceil(self.stride))
