@@ -65,16 +65,6 @@ pub enum LightChances {
     Independent,
 }
 
-/// The space in which tiles are tested against the bounds of GGX lobes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum CullingFrame {
-    /// Turned along the tile's own line of sight, anew for each tile and light.
-    #[default]
-    PerTile,
-    /// Turned so that planes of equal depth stay perpendicular to an axis, stored once for each light (2017, section 5.2).
-    PerLight,
-}
-
 /// Visibility between a virtual light and a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightVisibility {
@@ -119,8 +109,6 @@ pub struct StochasticLightCulling {
     pub bounds: LightBounds,
     /// How the lights of a pixel are found.
     pub culling: LightCulling,
-    /// The space of the tests of tiles. It changes the cost and no pixel.
-    pub frame: CullingFrame,
     /// The lobes of the lights that shine; to measure one of them alone.
     pub lobes: LightLobes,
     /// Interleaved sampling: of n × n pixels each takes another n²-th part of the lights. 1, 2, 4, 8 or 16.
@@ -145,7 +133,6 @@ impl Default for StochasticLightCulling {
             delta: Delta::Relative(3e-4),
             bounds: LightBounds::Ellipsoid,
             culling: LightCulling::Tiled,
-            frame: CullingFrame::PerTile,
             lobes: LightLobes::Both,
             interleave: 8,
             filter_radius: 8,

@@ -8,7 +8,7 @@ use lightwell::measure::{Image, compare};
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{LightShape, ViewProjection};
-use lightwell::world::{Clpv, CullingFrame, LightCulling, LightVisibility, Quality, StochasticLightCulling, Transport};
+use lightwell::world::{Clpv, LightCulling, LightVisibility, Quality, StochasticLightCulling, Transport};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -165,26 +165,23 @@ fn indirect_light_is_that_of_the_path_tracer() {
 #[test]
 fn every_way_of_culling_gives_the_same_bits() {
     let gpu = gpu();
-    let of = |culling, frame, far| {
+    let of = |culling, far| {
         let mut stage = parallel(room(), 2.6, 0.0, far);
         stage.view.size = [64, 40];
         for primitive in &mut stage.scene.primitives {
             let glossy = Material { specular: 1.0, metallic: 0.5, roughness: 0.3, ..(*primitive.material).clone() };
             primitive.material = Arc::new(glossy);
         }
-        let settings = StochasticLightCulling { culling, frame, rsm_size: 64, interleave: 2, ..Default::default() };
+        let settings = StochasticLightCulling { culling, rsm_size: 64, interleave: 2, ..Default::default() };
         stage.scene.slc = Some(settings);
         drawn(&gpu, &stage, GiMethod::SLC, Layer::Indirect)
     };
     for far in [None, Some(8.0)] {
-        let all = of(LightCulling::None, CullingFrame::PerTile, far);
+        let all = of(LightCulling::None, far);
         assert!(all.mean() > 1e-3);
         // Without culling the lights' terms are not random: only what chance takes away differs.
-        let [tiled, clustered] =
-            [LightCulling::Tiled, LightCulling::Clustered].map(|culling| of(culling, CullingFrame::PerTile, far));
+        let [tiled, clustered] = [LightCulling::Tiled, LightCulling::Clustered].map(|culling| of(culling, far));
         assert!(tiled.pixels() == clustered.pixels(), "tiles and clusters differ, far plane {far:?}");
-        let stored = of(LightCulling::Tiled, CullingFrame::PerLight, far);
-        assert!(tiled.pixels() == stored.pixels(), "frames of lights cull others, far plane {far:?}");
         assert!((tiled.mean() / all.mean() - 1.0).abs() < 0.05, "{} and {}", tiled.mean(), all.mean());
     }
 }

@@ -5,13 +5,12 @@
 //
 // A slice is the part of the tile's pyramid between two depths. It is tested by its box in the space in which the
 // light's spheroid is a sphere (Tokuyoshi and Harada 2017, eqs. 16 and 17): squeezed along the spheroid's axis, then
-// turned so that the box lies along the tile's own axis, where it is tight.
+// turned so that planes of equal depth lie across an axis of the box, where it is tight.
 //   SLICES   of depth; without it two
-//   FRAMES   the box lies as the paper has it, in a frame that is stored for each light
 
 #import lightwell::gbuffer::world_position
-#import lightwell::slc::{LightRange, Culling, SLICES, TestFrame, mask_stride, squeezed, test_frame, view_frame}
-#import lightwell::view::{toward_eye, view_depth}
+#import lightwell::slc::{LightRange, Culling, SLICES, TestFrame, mask_stride, view_frame}
+#import lightwell::view::view_depth
 
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var depth: texture_depth_2d;
@@ -20,7 +19,7 @@
 @group(0) @binding(4) var<storage, read_write> masks: array<u32>;
 // The slice of every pixel.
 @group(0) @binding(5) var<storage, read_write> slices: array<u32>;
-// Of the lights' GGX lobes.
+// Of the lights' GGX lobes, as `frames.wgsl` has stored them.
 @group(0) @binding(6) var<storage, read> frames: array<TestFrame>;
 
 const GROUP_WORDS: u32 = 8u; // of the lights that a workgroup tests at once
@@ -56,40 +55,6 @@ fn corner(tile: vec2u, subset: vec2u, which: u32, z: f32) -> vec3f {
     let step = vec2u(which & 1u, which >> 1u) * 15u;
     let pixel = min((16u * tile + step) * n + subset, culling.view.size - 1u);
     return world_position(pixel, culling.view.size, z, culling.view.world_from_clip);
-}
-
-// Axes of the box: the tile's own, in squeezed space.
-fn box_frame(axis: vec3f, squeeze: f32) -> TestFrame {
-    let middle = 0.25 * (far_corners[0] + far_corners[1] + far_corners[2] + far_corners[3]);
-    let forward = normalize(squeezed(-toward_eye(culling.view, middle), axis, squeeze));
-    // A tile at the image's border may be one pixel wide: then any perpendicular does.
-    let wide = squeezed(far_corners[1] + far_corners[3] - far_corners[0] - far_corners[2], axis, squeeze);
-    let tall = squeezed(far_corners[2] + far_corners[3] - far_corners[0] - far_corners[1], axis, squeeze);
-    let guess = select(tall, wide, dot(wide, wide) >= dot(tall, tall));
-    var across = guess - forward * dot(guess, forward);
-    if !(dot(across, across) > 1e-8 * dot(guess, guess)) || !(dot(guess, guess) > 0.0) {
-        across = select(cross(forward, vec3f(1.0, 0.0, 0.0)), cross(forward, vec3f(0.0, 1.0, 0.0)), abs(forward.y) < 0.9);
-    }
-    let right = normalize(across);
-    return test_frame(right, cross(forward, right), forward, axis, squeeze);
-}
-
-// The frame in which spheres are tested.
-fn sphere_frame() -> TestFrame {
-#ifdef FRAMES
-    return view_frame(culling.view);
-#else
-    return box_frame(vec3f(0.0, 1.0, 0.0), 1.0);
-#endif
-}
-
-// The frame in which the GGX lobe of a light is tested.
-fn lobe_frame(light: u32, range: LightRange) -> TestFrame {
-#ifdef FRAMES
-    return frames[light];
-#else
-    return box_frame(range.axis, range.squeeze);
-#endif
 }
 
 // Bits of the slices that a spheroid may touch.
@@ -209,11 +174,10 @@ fn main(
             let light = subset_index * culling.lights + index;
             let range = ranges[light];
             if range.diffuse_radius > 0.0 {
-                mark(touched(range.diffuse_center, range.diffuse_radius, sphere_frame(), near, far), 0u, thread);
+                mark(touched(range.diffuse_center, range.diffuse_radius, view_frame(culling.view), near, far), 0u, thread);
             }
             if range.specular_radius > 0.0 {
-                let frame = lobe_frame(light, range);
-                mark(touched(range.specular_center, range.specular_radius, frame, near, far), 1u, thread);
+                mark(touched(range.specular_center, range.specular_radius, frames[light], near, far), 1u, thread);
             }
         }
         workgroupBarrier();

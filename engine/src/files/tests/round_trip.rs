@@ -6,8 +6,8 @@ use super::super::write::to_text;
 use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
-    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, CullingFrame, Delta, DepthOfField, Exposure, Fog,
-    FogShape, GatherRays, Lens, Light, LightBounds, LightChances, LightCulling, LightKind, LightLobes, LightVisibility,
+    Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, Fog, FogShape,
+    GatherRays, Lens, Light, LightBounds, LightChances, LightCulling, LightKind, LightLobes, LightVisibility,
     Precision, Projection, Quality, SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
@@ -281,18 +281,16 @@ fn slc() -> impl Strategy<Value = StochasticLightCulling> {
         Just(LightCulling::Splatting),
         Just(LightCulling::None)
     ];
-    let frame = prop_oneof![Just(CullingFrame::PerTile), Just(CullingFrame::PerLight)];
     let lobes = prop_oneof![Just(LightLobes::Both), Just(LightLobes::Diffuse), Just(LightLobes::Specular)];
     let chances = prop_oneof![Just(LightChances::Even), Just(LightChances::Independent)];
     let visibility = prop_oneof![Just(LightVisibility::None), Just(LightVisibility::ShadowRays)];
-    let ways = (bounds, culling, frame, lobes, chances);
+    let ways = (bounds, culling, lobes, chances);
     (delta, ways, visibility, 8u32..=4096, 0u32..5, 0u32..=64).prop_map(
-        |(delta, (bounds, culling, frame, lobes, chances), visibility, rsm_size, power, filter_radius)| {
+        |(delta, (bounds, culling, lobes, chances), visibility, rsm_size, power, filter_radius)| {
             StochasticLightCulling {
                 delta,
                 bounds,
                 culling,
-                frame,
                 lobes,
                 chances,
                 visibility,

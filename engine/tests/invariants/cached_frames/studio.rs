@@ -124,8 +124,7 @@ pub const METHODS: [fn(&mut Studio); 13] = [
     |studio| studio.slc(|slc| *slc = Studio::few_lights()),
     |studio| {
         studio.slc(|slc| {
-            let (culling, frame) = (LightCulling::Clustered, CullingFrame::PerLight);
-            *slc = StochasticLightCulling { culling, frame, ..Studio::few_lights() };
+            *slc = StochasticLightCulling { culling: LightCulling::Clustered, ..Studio::few_lights() };
         })
     },
     |studio| {

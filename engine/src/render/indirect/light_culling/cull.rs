@@ -2,11 +2,10 @@
 
 use super::lights::groups_of;
 use super::{Method, Sources};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::world::CullingFrame;
 use wgpu::BufferUsages;
 
 /// Bytes of `TestFrame` of `lib/slc.wgsl`.
@@ -35,37 +34,34 @@ pub(super) fn declare<'a>(
     };
     let masks = buffer(graph, "slc masks", method.mask_words());
     let slices = buffer(graph, "slc slices", u64::from(width) * u64::from(height));
-    let frames =
-        (method.settings.frame == CullingFrame::PerLight).then(|| declare_frames(graph, frame, method, sources));
+    let frames = declare_frames(graph, frame, method, sources);
     let mut pass = graph.pass("slc cull");
     pass.read(gbuffer.depth);
     pass.read(sources.ranges);
-    frames.into_iter().for_each(|handle| pass.read(handle));
+    pass.read(frames);
     let (masks, slices) = (pass.write(masks), pass.write(slices));
     pass.key(&method.key(frame));
     let (frame, method, depth) = (frame.clone(), method.clone(), gbuffer.depth);
     pass.execute(move |cx| {
         let gpu = cx.gpu;
         let depth = cx.view(depth);
-        let [ranges, masks, slices] = [sources.ranges, masks, slices].map(|handle| cx.buffer(handle).clone());
-        let frames = frames.map(|handle| cx.buffer(handle).clone());
+        let buffers = [sources.ranges, frames, masks, slices];
+        let [ranges, frames, masks, slices] = buffers.map(|handle| cx.buffer(handle).clone());
         let [x, y] = method.tiles;
         let counts = cx.counts();
         counts.cells += u64::from(x) * u64::from(y) * u64::from(method.subsets()) * u64::from(method.slices());
-        let culling = method.uniform(gpu, &frame, 0);
-        let mut key = method.sliced(ComputeKey::new("indirect/light_culling/cull.wgsl", "main"));
-        let mut group = vec![
-            ("culling", Binding::Buffer(&culling)),
-            ("depth", Binding::Texture(&depth)),
-            ("ranges", Binding::Buffer(&ranges)),
-            ("masks", Binding::Buffer(&masks)),
-            ("slices", Binding::Buffer(&slices)),
-        ];
-        if let Some(frames) = &frames {
-            key = key.def("FRAMES", ShaderDef::Flag(true));
-            group.push(("frames", Binding::Buffer(frames)));
-        }
-        cx.dispatch(&key, &group, [x, y, method.subsets()])
+        cx.dispatch(
+            &method.sliced(ComputeKey::new("indirect/light_culling/cull.wgsl", "main")),
+            &[
+                ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
+                ("depth", Binding::Texture(&depth)),
+                ("ranges", Binding::Buffer(&ranges)),
+                ("frames", Binding::Buffer(&frames)),
+                ("masks", Binding::Buffer(&masks)),
+                ("slices", Binding::Buffer(&slices)),
+            ],
+            [x, y, method.subsets()],
+        )
     });
     Culled { masks, slices }
 }

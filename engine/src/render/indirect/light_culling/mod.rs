@@ -30,7 +30,7 @@ use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::world::{CullingFrame, LightCulling, LightLobes, LightVisibility, StochasticLightCulling};
+use crate::world::{LightCulling, LightLobes, LightVisibility, StochasticLightCulling};
 use glam::Vec3;
 
 pub(in crate::render) use method::LightCullingMethod;
@@ -180,10 +180,10 @@ fn declare<'a>(
 fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), RenderError> {
     let limit = gpu.limits.max_storage_buffer_binding_size;
     let count = u64::from(method.lights) * u64::from(method.subsets());
-    let (culling, frame) = (method.settings.culling, method.settings.frame);
+    let culling = method.settings.culling;
     let is_masked = matches!(culling, LightCulling::Tiled | LightCulling::Clustered);
     let masks = if is_masked { 4 * method.mask_words() } else { 0 };
-    let frames = if is_masked && frame == CullingFrame::PerLight { cull::FRAME_BYTES * count } else { 0 };
+    let frames = if is_masked { cull::FRAME_BYTES * count } else { 0 };
     let pixels = 4 * u64::from(size[0]) * u64::from(size[1]);
     let of_masks = match culling {
         LightCulling::Clustered => "a smaller `slc.rsm_size`, or `Tiled` culling, whose masks are a 16th of that",
