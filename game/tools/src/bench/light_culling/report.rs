@@ -157,7 +157,12 @@ fn figure(results: &Results, series: bool) -> String {
     }
     let (number, what) = if series { (10, "roughness") } else { (9, "scenes") };
     let head = ["bound", "frame [ms]", "glossy lights a pixel", "in vain", "share", "fewer in vain than (a)"];
-    format!("## Figure {number}: glossy lights, {what}\n\n{}\n", table(&head, &rows))
+    format!(
+        "## Figure {number}: glossy lights, {what}\n\n{}\nThe paper says of its ellipsoids that lights in vain fall by over 90 % \
+         (section 7). A tile of 16 × 16 pixels of a subset covers 128 × 128 of the image: in images of few tiles no bound culls \
+         much.\n\n",
+        table(&head, &rows)
+    )
 }
 
 /// Lights, those in vain, and their share (the false discovery rate).
