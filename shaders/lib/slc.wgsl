@@ -66,8 +66,12 @@ struct Culling {
     sky_turn: f32,         // of the sky's map [rad]
 }
 
-// Slices of depth in a tile; `SLICES` of engine/src/render/indirect/light_culling/mod.rs.
+// Slices of depth in a tile, as engine/src/render/indirect/light_culling/mod.rs has them.
+#ifdef SLICES
+const SLICES: u32 = #{SLICES}u;
+#else
 const SLICES: u32 = 2u;
+#endif
 
 // Words of a mask with its summaries: for every 32 words another, whose bits tell which of them are not zero.
 fn mask_stride(words: u32) -> u32 {
@@ -76,6 +80,7 @@ fn mask_stride(words: u32) -> u32 {
 
 const ELLIPSOID: u32 = 0u;
 const CENTRED_SPHERE: u32 = 1u;
+const ENCLOSING_SPHERE: u32 = 2u;
 
 const DIFFUSE_LOBE: u32 = 0u;
 const SPECULAR_LOBE: u32 = 1u;
@@ -192,6 +197,9 @@ fn light_range(light: VirtualLight, delta: f32, xi: f32, bounds: u32) -> LightRa
     if bounds == CENTRED_SPHERE {
         range.specular_center = light.position;
         range.specular_radius = with_margin(r / light.alpha, light.position);
+    } else if bounds == ENCLOSING_SPHERE {
+        range.specular_center = center;
+        range.specular_radius = with_margin(long, center);
     } else {
         range.specular_center = center;
         range.specular_radius = with_margin(r, center);
@@ -204,4 +212,42 @@ fn light_range(light: VirtualLight, delta: f32, xi: f32, bounds: u32) -> LightRa
 // The matrix that turns the spheroid into a sphere of its radius across: squeezes along the axis.
 fn squeezed(v: vec3f, axis: vec3f, squeeze: f32) -> vec3f {
     return v + axis * ((squeeze - 1.0) * dot(axis, v));
+}
+
+// The space in which a tile is tested against a bound: rows of B·S (eqs. 16 and 17 of 2017), where S squeezes the spheroid
+// along its axis into a sphere of its radius across, and B turns. Products of them with an offset from the bound's centre
+// are its coordinates there. The paper makes the sphere one of radius 1; metres keep margins simple.
+struct TestFrame {
+    right: vec3f,
+    up: vec3f,
+    forward: vec3f,
+}
+
+// B·S from the axes of B, unit and in the squeezed space. S is symmetric: S·v on an axis is v on S times that axis.
+fn test_frame(right: vec3f, up: vec3f, forward: vec3f, axis: vec3f, squeeze: f32) -> TestFrame {
+    return TestFrame(squeezed(right, axis, squeeze), squeezed(up, axis, squeeze), squeezed(forward, axis, squeeze));
+}
+
+// The view's own axes: two in the planes of equal depth, and the one across them.
+fn view_frame(view: View) -> TestFrame {
+    let c = view.clip_from_world;
+    let forward = normalize(view.axis.xyz);
+    // Lenses that are off the middle, and shifted grids of pixels, shear the row.
+    let row = vec3f(c[0].x, c[1].x, c[2].x);
+    let right = normalize(row - forward * dot(row, forward));
+    return TestFrame(right, cross(right, forward), forward);
+}
+
+// B·S of eq. 17: B turns the space so that the planes of equal depth, which S tilts, are perpendicular to an axis again.
+fn depth_frame(view: TestFrame, axis: vec3f, squeeze: f32) -> TestFrame {
+    let x = squeezed(view.right, axis, squeeze);
+    let y = squeezed(view.up, axis, squeeze);
+    let z = cross(x, y);
+    let forward = normalize(z);
+    if dot(x, x) > dot(y, y) {
+        let right = normalize(x);
+        return test_frame(right, cross(forward, right), forward, axis, squeeze);
+    }
+    let up = normalize(y);
+    return test_frame(cross(up, forward), up, forward, axis, squeeze);
 }

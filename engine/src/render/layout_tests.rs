@@ -133,15 +133,15 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, MapPlaceUniform::min_size().get(), "indirect/instant_radiosity/place.wgsl", "Place");
     check(&gpu, size_of::<VirtualLight>() as u64, "indirect/instant_radiosity/shade.wgsl", "VirtualLight");
     check(&gpu, PlaceUniform::min_size().get(), "indirect/light_culling/lights.wgsl", "Place");
-    for shader in
-        ["indirect/light_culling/cull.wgsl", "indirect/light_culling/shade.wgsl", "indirect/light_culling/filter.wgsl"]
-    {
+    for shader in ["cull", "shade", "splat", "frames", "filter"] {
+        let shader = &format!("indirect/light_culling/{shader}.wgsl");
         check(&gpu, CullingUniform::min_size().get(), shader, "Culling");
     }
     check(&gpu, DeltaUniform::min_size().get(), "indirect/light_culling/delta.wgsl", "Delta");
     check(&gpu, ChancesUniform::min_size().get(), "indirect/light_culling/range.wgsl", "Chances");
     check(&gpu, 96, "indirect/light_culling/lights.wgsl", "VirtualLight");
     check(&gpu, 64, "indirect/light_culling/range.wgsl", "LightRange");
+    check(&gpu, 48, "indirect/light_culling/frames.wgsl", "TestFrame");
     check(&gpu, CompareUniform::min_size().get(), "post/compare.wgsl", "Compare");
     check(&gpu, size_of::<Line>() as u64, "debug/lines.wgsl", "Line");
     check(&gpu, CellsUniform::min_size().get(), "debug/cells.wgsl", "Cells");

@@ -1,8 +1,7 @@
 //! Settings of stochastic light culling.
 
-use super::former_variants::Variants;
 use bevy_ecs::prelude::Component;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// The error bound δ of stochastic light culling: an irradiance. A light is dropped by chance where it would contribute less.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,45 +13,56 @@ pub enum Delta {
     Absolute(f32),
 }
 
-/// Bounds of the points that may accept a light. Files may also say `EnclosingSphere`, of an earlier version: it is
-/// `CentredSphere`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+/// Bounds of the points that may accept a light. All give the same image; they differ in the lights that are tested in
+/// vain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightBounds {
     /// A spheroid around the GGX lobe, a sphere around the diffuse one that touches the light (2017). Fewest lights.
     #[default]
     Ellipsoid,
     /// Spheres centred on the light, whose radius is the largest reach of the lobe (2016).
     CentredSphere,
+    /// As [`LightBounds::Ellipsoid`], with the sphere around the spheroid: the paper's second rival (2017, figure 9).
+    EnclosingSphere,
 }
 
-impl<'de> Deserialize<'de> for LightBounds {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let values = &[
-            ("Ellipsoid", Self::Ellipsoid),
-            ("CentredSphere", Self::CentredSphere),
-            ("EnclosingSphere", Self::CentredSphere),
-        ];
-        Variants { name: "LightBounds", names: &["Ellipsoid", "CentredSphere"], values }.read(deserializer)
-    }
-}
-
-/// How the lights of a pixel are found. Files may also say `Clustered` or `Splatting`, of an earlier version, which were
-/// other ways to the same image: both are `Tiled`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+/// How the lights of a pixel are found. All ways but `None` take the same lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightCulling {
     /// Tiles of 16 × 16 pixels, each with two depth slices (HalfZ).
     #[default]
     Tiled,
-    /// All lights at every pixel, without chance: the sum of which tiles give an estimate. Slow.
+    /// Tiles with 32 depth slices, as clustered shading has them; the masks of lights take 16 times the memory. To
+    /// compare.
+    Clustered,
+    /// Each light is drawn over the pixels that its range covers, as 80 triangles (Dachsbacher and Stamminger 2006). Needs
+    /// an adapter that blends 32-bit floats, and casts no shadow rays. Adds in the blending unit, so that the last bits may
+    /// differ from those of tiles. To compare.
+    Splatting,
+    /// All lights at every pixel, without chance: the sum of which the others give an estimate. Slow.
     None,
 }
 
-impl<'de> Deserialize<'de> for LightCulling {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let values =
-            &[("Tiled", Self::Tiled), ("None", Self::None), ("Clustered", Self::Tiled), ("Splatting", Self::Tiled)];
-        Variants { name: "LightCulling", names: &["Tiled", "None"], values }.read(deserializer)
-    }
+/// The lobes of the virtual lights that shine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum LightLobes {
+    /// Both.
+    #[default]
+    Both,
+    /// The diffuse ones alone: "diffuse VPLs only" of the paper's table 2.
+    Diffuse,
+    /// The GGX ones alone: "glossy VPLs only".
+    Specular,
+}
+
+/// The random numbers ξ of the lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum LightChances {
+    /// Evenly spread over the lights of a subset, by the golden ratio: less noise.
+    #[default]
+    Even,
+    /// One for each light, independent of all others, as in the papers.
+    Independent,
 }
 
 /// Visibility between a virtual light and a surface.
@@ -99,6 +109,8 @@ pub struct StochasticLightCulling {
     pub bounds: LightBounds,
     /// How the lights of a pixel are found.
     pub culling: LightCulling,
+    /// The lobes of the lights that shine; to measure one of them alone.
+    pub lobes: LightLobes,
     /// Interleaved sampling: of n × n pixels each takes another n²-th part of the lights. 1, 2, 4, 8 or 16.
     /// Software drivers end long loops, which with shadow rays makes 1 and 2 too dark there.
     pub interleave: u32,
@@ -106,6 +118,8 @@ pub struct StochasticLightCulling {
     pub filter_radius: u32,
     /// Whether surfaces stop the light of virtual lights.
     pub visibility: LightVisibility,
+    /// How the random numbers ξ are spread over the lights.
+    pub chances: LightChances,
     /// Seed of the random numbers ξ. Shifted pixel grids (`--aa`) take further ones.
     pub seed: u32,
     /// What is shown as indirect light.
@@ -119,9 +133,11 @@ impl Default for StochasticLightCulling {
             delta: Delta::Relative(3e-4),
             bounds: LightBounds::Ellipsoid,
             culling: LightCulling::Tiled,
+            lobes: LightLobes::Both,
             interleave: 8,
             filter_radius: 8,
             visibility: LightVisibility::None,
+            chances: LightChances::Even,
             seed: 0,
             show: LightShow::Light,
         }

@@ -8,7 +8,11 @@ use lightwell::gpu::{Gpu, ImageF32, read_texture_f32};
 use lightwell::render::slc::{ACCEPTED, TESTED};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
-use lightwell::world::{Delta, LightBounds, LightCulling, LightVisibility, StochasticLightCulling};
+use lightwell::world::{
+    Delta, LightBounds, LightChances, LightCulling, LightLobes, LightVisibility, StochasticLightCulling,
+};
+
+const BOUNDS: [LightBounds; 3] = [LightBounds::Ellipsoid, LightBounds::EnclosingSphere, LightBounds::CentredSphere];
 
 /// A gold sphere of a roughness and a lamp in a room.
 fn stage(roughness: f32, edge: u32, scale: f32, intensity: f32, settings: StochasticLightCulling) -> Stage {
@@ -55,6 +59,12 @@ fn counts(gpu: &Gpu, stage: &Stage) -> [f64; 2] {
 
 #[test]
 fn the_mean_over_many_xi_is_the_sum_over_all_lights() {
+    for chances in [LightChances::Even, LightChances::Independent] {
+        check_mean(chances);
+    }
+}
+
+fn check_mean(chances: LightChances) {
     let gpu = gpu();
     let all = StochasticLightCulling { culling: LightCulling::None, ..small() };
     let sum = indirect(&gpu, &stage(0.4, 16, 1.0, 5.0, all));
@@ -62,7 +72,7 @@ fn the_mean_over_many_xi_is_the_sum_over_all_lights() {
     let pixels = sum.rgba.len();
     let (mut mean, mut square) = (vec![0.0_f64; pixels], vec![0.0_f64; pixels]);
     for seed in 0..seeds {
-        let image = indirect(&gpu, &stage(0.4, 16, 1.0, 5.0, StochasticLightCulling { seed, ..small() }));
+        let image = indirect(&gpu, &stage(0.4, 16, 1.0, 5.0, StochasticLightCulling { chances, seed, ..small() }));
         for (i, pixel) in image.rgba.iter().enumerate() {
             mean[i] += f64::from(pixel[0]) / f64::from(seeds);
             square[i] += f64::from(pixel[0]).powi(2) / f64::from(seeds);
@@ -79,49 +89,126 @@ fn the_mean_over_many_xi_is_the_sum_over_all_lights() {
     let spread = (deviations.iter().map(|d| d * d).sum::<f64>() / deviations.len() as f64).sqrt();
     let total: f64 = sum.rgba.iter().map(|pixel| f64::from(pixel[0])).sum();
     let bias = mean.iter().sum::<f64>() / total - 1.0;
-    println!("spread {spread:.3} standard errors over {} pixels, bias of the image {bias:.5}", deviations.len());
+    println!(
+        "{chances:?}: spread {spread:.3} standard errors over {} pixels, bias of the image {bias:.5}",
+        deviations.len()
+    );
     assert!(deviations.len() > pixels / 2, "hardly any pixel has noise: the test says little");
     assert!(spread < 1.4 && bias.abs() < 0.01, "spread {spread}, bias {bias}");
 }
 
+/// One way of finding lights takes the same ones as another: they differ in what they test in vain alone.
 #[test]
-fn bounds_of_either_kind_give_the_same_bits() {
+fn every_way_of_culling_gives_the_same_bits() {
     let gpu = gpu();
-    let of = |bounds| {
-        let settings = StochasticLightCulling { bounds, rsm_size: 128, interleave: 2, ..small() };
+    let of = |culling, bounds| {
+        let settings = StochasticLightCulling { culling, bounds, rsm_size: 128, interleave: 2, ..small() };
         indirect(&gpu, &stage(0.3, 64, 1.0, 5.0, settings))
     };
-    assert!(of(LightBounds::Ellipsoid).rgba == of(LightBounds::CentredSphere).rgba, "spheres give another image");
+    let first = of(LightCulling::Tiled, LightBounds::Ellipsoid);
+    assert!(first.rgba.iter().map(|pixel| pixel[0]).sum::<f32>() > 1.0, "there is nothing to compare");
+    for culling in [LightCulling::Tiled, LightCulling::Clustered] {
+        for bounds in BOUNDS {
+            let image = of(culling, bounds);
+            assert!(image.rgba == first.rgba, "{culling:?} with {bounds:?} gives another image");
+        }
+    }
 }
 
 #[test]
-fn ellipsoids_test_far_fewer_lights_in_vain_than_centred_spheres() {
+fn splatting_adds_the_same_lights() {
+    let gpu = gpu();
+    if !gpu.features.contains(wgpu::Features::FLOAT32_BLENDABLE) {
+        let settings = StochasticLightCulling { culling: LightCulling::Splatting, ..small() };
+        assert!(refused(&gpu, settings).contains("blends 32-bit floats"));
+        return;
+    }
+    // An edge that is no multiple of the interleaving: parts of the atlas then hang over the image.
+    let of = |culling, bounds| {
+        let stage = stage(0.3, 51, 1.0, 5.0, StochasticLightCulling { culling, bounds, ..small() });
+        (indirect(&gpu, &stage), counts(&gpu, &stage))
+    };
+    for bounds in BOUNDS {
+        let [(tiled, wanted), (splatted, found)] =
+            [LightCulling::Tiled, LightCulling::Splatting].map(|c| of(c, bounds));
+        assert_eq!(wanted[1], found[1], "accepted");
+        assert!(found[0] >= found[1] && found[0] < wanted[0], "{bounds:?}: tested {} and {}", found[0], wanted[0]);
+        for (a, b) in tiled.rgba.iter().zip(&splatted.rgba) {
+            assert!((a[0] - b[0]).abs() <= 1e-4 * a[0].abs() + 1e-6, "{a:?} by tiles, {b:?} by splats");
+        }
+    }
+}
+
+/// What the renderer says of settings that it does not draw.
+fn refused(gpu: &Gpu, settings: StochasticLightCulling) -> String {
+    let stage = stage(0.3, 2048, 1.0, 5.0, settings);
+    let frame = RenderSettings { gi: GiMethod::SLC, ..Default::default() };
+    let result = Renderer::new(gpu).render(gpu, &stage.scene, &stage.view, &frame);
+    result.expect_err("it cannot be drawn").to_string()
+}
+
+/// No other way of culling stands in for one that cannot be had.
+#[test]
+fn rivals_that_do_not_fit_are_refused_in_words() {
+    let gpu = gpu();
+    let clustered =
+        StochasticLightCulling { culling: LightCulling::Clustered, rsm_size: 1024, interleave: 2, ..small() };
+    let text = refused(&gpu, clustered);
+    assert!(text.contains("masks") && text.contains("Clustered") && text.contains("MiB"), "{text}");
+    let visibility = LightVisibility::ShadowRays;
+    let shadowed = StochasticLightCulling { culling: LightCulling::Splatting, visibility, ..small() };
+    let text = refused(&gpu, shadowed);
+    assert!(text.contains("Splatting") && text.contains("shadow rays"), "{text}");
+}
+
+/// A stage all of gold: GGX lobes alone, since the spheres of diffuse ones differ little.
+fn golden(roughness: f32, edge: u32, settings: StochasticLightCulling) -> Stage {
+    let mut stage = stage(roughness, edge, 1.0, 5.0, settings);
+    let gold = stage.scene.primitives.last().expect("the ball").material.clone();
+    stage.scene.primitives.iter_mut().for_each(|primitive| primitive.material = gold.clone());
+    stage
+}
+
+/// Figures 9 and 10 of 2017: the spheroid tests fewer lights in vain than the sphere around it, and that one fewer than
+/// the centred sphere; 32 slices of depth test no more than two.
+#[test]
+fn ellipsoids_test_far_fewer_lights_in_vain_than_spheres() {
     let gpu = gpu();
     // GGX α = roughness² of 0.2, 0.1 and 0.04.
-    for (roughness, least) in [(0.447_f32, 0.85), (0.316, 0.85), (0.2, 0.85)] {
-        let of = |bounds| {
-            let settings = StochasticLightCulling {
-                bounds,
-                rsm_size: 128,
-                interleave: 2,
-                delta: Delta::Relative(1e-3),
-                ..small()
-            };
-            let mut stage = stage(roughness, 256, 1.0, 5.0, settings);
-            // GGX lobes alone: the spheres of diffuse ones differ little.
-            let gold = stage.scene.primitives.last().expect("the ball").material.clone();
-            stage.scene.primitives.iter_mut().for_each(|primitive| primitive.material = gold.clone());
-            counts(&gpu, &stage)
+    for roughness in [0.447_f32, 0.316, 0.2] {
+        let of = |bounds, culling| {
+            let ways = StochasticLightCulling { bounds, culling, delta: Delta::Relative(1e-3), ..small() };
+            counts(&gpu, &golden(roughness, 256, StochasticLightCulling { rsm_size: 128, ..ways }))
         };
-        let [[ellipsoids, wanted], [spheres, same]] = [of(LightBounds::Ellipsoid), of(LightBounds::CentredSphere)];
-        let fall = 1.0 - (ellipsoids - wanted) / (spheres - same);
-        println!(
-            "roughness {roughness}: {wanted} wanted, in vain {} and {}: {fall:.3}",
-            ellipsoids - wanted,
-            spheres - same
-        );
-        assert_eq!(wanted, same);
-        assert!(fall > least, "roughness {roughness}: in vain {} of {}", ellipsoids - wanted, spheres - same);
+        let [ellipsoids, enclosing, centred] = BOUNDS.map(|bounds| of(bounds, LightCulling::Tiled));
+        let vain = [ellipsoids, enclosing, centred].map(|[tested, accepted]| tested - accepted);
+        let fall = 1.0 - vain[0] / vain[2];
+        println!("roughness {roughness}: {} wanted, in vain {vain:?}: {fall:.3}", ellipsoids[1]);
+        assert!(ellipsoids[1] == enclosing[1] && ellipsoids[1] == centred[1], "the same lights are accepted");
+        assert!(fall > 0.87, "roughness {roughness}: in vain {vain:?}");
+        assert!(vain[0] < 0.6 * vain[1] && vain[1] < vain[2], "roughness {roughness}: in vain {vain:?}");
+        let clustered = of(LightBounds::Ellipsoid, LightCulling::Clustered);
+        assert!(clustered[0] <= ellipsoids[0] && clustered[1] == ellipsoids[1], "{clustered:?}, {ellipsoids:?}");
+    }
+}
+
+/// Diffuse and GGX lobes shine alone, and together as the sum: table 2 and figure 9 count them apart.
+#[test]
+fn lobes_add_up() {
+    let gpu = gpu();
+    for culling in [LightCulling::Tiled, LightCulling::None] {
+        let of = |lobes| {
+            let stage = stage(0.5, 48, 1.0, 5.0, StochasticLightCulling { culling, lobes, ..small() });
+            (indirect(&gpu, &stage), counts(&gpu, &stage))
+        };
+        let [both, diffuse, specular] = [LightLobes::Both, LightLobes::Diffuse, LightLobes::Specular].map(of);
+        for (of_both, [a, b]) in both.1.iter().zip([0, 1].map(|i| [diffuse.1[i], specular.1[i]])) {
+            assert!(a > 0.0 && b > 0.0 && *of_both == a + b, "{culling:?}: {of_both} lights, {a} and {b}");
+        }
+        let sums = diffuse.0.rgba.iter().zip(&specular.0.rgba).map(|(a, b)| a[0] + b[0]);
+        for (sum, pixel) in sums.zip(&both.0.rgba) {
+            assert!((sum - pixel[0]).abs() <= 1e-4 * pixel[0] + 1e-6, "{culling:?}: {sum} and {}", pixel[0]);
+        }
     }
 }
 

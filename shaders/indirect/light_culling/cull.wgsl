@@ -1,14 +1,16 @@
 // Tiled culling: which lights of a subset may reach which depth slices of a tile. A workgroup does one tile of
-// 16 × 16 pixels in the image of one subset: those pixels of the whole image that are the subset's. The two
-// slices are the halves of the tile's depth range (HalfZ, Harada 2012), tightened to the depths that occur.
+// 16 × 16 pixels in the image of one subset: those pixels of the whole image that are the subset's. Two slices are the
+// halves of the tile's depth range (HalfZ, Harada 2012); 32 are clustered shading (Olsson et al. 2012), each as many times
+// as deep as the one before. Either is tightened to the depths that occur.
 //
 // A slice is the part of the tile's pyramid between two depths. It is tested by its box in the space in which the
 // light's spheroid is a sphere (Tokuyoshi and Harada 2017, eqs. 16 and 17): squeezed along the spheroid's axis, then
-// turned so that the box lies along the tile's own axis, where it is tight.
+// turned so that planes of equal depth lie across an axis of the box, where it is tight.
+//   SLICES   of depth; without it two
 
 #import lightwell::gbuffer::world_position
-#import lightwell::slc::{LightRange, Culling, SLICES, mask_stride, squeezed}
-#import lightwell::view::{toward_eye, view_depth}
+#import lightwell::slc::{LightRange, Culling, SLICES, TestFrame, mask_stride, view_frame}
+#import lightwell::view::view_depth
 
 @group(0) @binding(1) var<uniform> culling: Culling;
 @group(0) @binding(2) var depth: texture_depth_2d;
@@ -17,6 +19,8 @@
 @group(0) @binding(4) var<storage, read_write> masks: array<u32>;
 // The slice of every pixel.
 @group(0) @binding(5) var<storage, read_write> slices: array<u32>;
+// Of the lights' GGX lobes, as `frames.wgsl` has stored them.
+@group(0) @binding(6) var<storage, read> frames: array<TestFrame>;
 
 const GROUP_WORDS: u32 = 8u; // of the lights that a workgroup tests at once
 
@@ -35,7 +39,14 @@ var<workgroup> near_corners: array<vec3f, 4>;
 var<workgroup> far_corners: array<vec3f, 4>;
 
 fn slice_at(w: f32, near: f32, far: f32) -> u32 {
-    return select(0u, 1u, far > near && w > 0.5 * (near + far));
+    if !(far > near) {
+        return 0u;
+    }
+    if SLICES == 2u {
+        return select(0u, 1u, w > 0.5 * (near + far));
+    }
+    let t = log(w / near) / log(far / near);
+    return min(u32(max(t, 0.0) * f32(SLICES)), SLICES - 1u);
 }
 
 // A corner of the tile at a stored depth.
@@ -46,37 +57,14 @@ fn corner(tile: vec2u, subset: vec2u, which: u32, z: f32) -> vec3f {
     return world_position(pixel, culling.view.size, z, culling.view.world_from_clip);
 }
 
-struct Frame {
-    right: vec3f,
-    up: vec3f,
-    forward: vec3f,
-}
-
-// Axes of the box: the tile's own, in squeezed space.
-fn box_frame(axis: vec3f, squeeze: f32) -> Frame {
-    let middle = 0.25 * (far_corners[0] + far_corners[1] + far_corners[2] + far_corners[3]);
-    let forward = normalize(squeezed(-toward_eye(culling.view, middle), axis, squeeze));
-    // A tile at the image's border may be one pixel wide: then any perpendicular does.
-    let wide = squeezed(far_corners[1] + far_corners[3] - far_corners[0] - far_corners[2], axis, squeeze);
-    let tall = squeezed(far_corners[2] + far_corners[3] - far_corners[0] - far_corners[1], axis, squeeze);
-    let guess = select(tall, wide, dot(wide, wide) >= dot(tall, tall));
-    var across = guess - forward * dot(guess, forward);
-    if !(dot(across, across) > 1e-8 * dot(guess, guess)) || !(dot(guess, guess) > 0.0) {
-        across = select(cross(forward, vec3f(1.0, 0.0, 0.0)), cross(forward, vec3f(0.0, 1.0, 0.0)), abs(forward.y) < 0.9);
-    }
-    let right = normalize(across);
-    return Frame(right, cross(forward, right), forward);
-}
-
 // Bits of the slices that a spheroid may touch.
-fn touched(center: vec3f, radius: f32, axis: vec3f, squeeze: f32, near: f32, far: f32) -> u32 {
-    let frame = box_frame(axis, squeeze);
+fn touched(center: vec3f, radius: f32, frame: TestFrame, near: f32, far: f32) -> u32 {
     var starts: array<vec3f, 4>;
     var ways: array<vec3f, 4>;
     var largest = 0.0;
     for (var i = 0u; i < 4u; i++) {
-        let a = squeezed(near_corners[i] - center, axis, squeeze);
-        let b = squeezed(far_corners[i] - center, axis, squeeze);
+        let a = near_corners[i] - center;
+        let b = far_corners[i] - center;
         starts[i] = vec3f(dot(a, frame.right), dot(a, frame.up), dot(a, frame.forward));
         ways[i] = vec3f(dot(b, frame.right), dot(b, frame.up), dot(b, frame.forward)) - starts[i];
         let size = abs(near_corners[i]) + abs(far_corners[i]) + abs(center);
@@ -142,8 +130,8 @@ fn main(
         atomicStore(&slice_near[thread], 0x7f7fffffu);
         atomicStore(&slice_far[thread], 0u);
     }
-    if thread < 2u * SLICES * GROUP_WORDS {
-        atomicStore(&found[thread], 0u);
+    for (var i = thread; i < 2u * SLICES * GROUP_WORDS; i += 256u) {
+        atomicStore(&found[i], 0u);
     }
     workgroupBarrier();
 
@@ -183,23 +171,22 @@ fn main(
     for (var chunk = 0u; chunk < culling.words; chunk += GROUP_WORDS) {
         let index = 32u * chunk + thread;
         if index < culling.lights && far > 0.0 {
-            let range = ranges[subset_index * culling.lights + index];
+            let light = subset_index * culling.lights + index;
+            let range = ranges[light];
             if range.diffuse_radius > 0.0 {
-                let up = vec3f(0.0, 1.0, 0.0);
-                mark(touched(range.diffuse_center, range.diffuse_radius, up, 1.0, near, far), 0u, thread);
+                mark(touched(range.diffuse_center, range.diffuse_radius, view_frame(culling.view), near, far), 0u, thread);
             }
             if range.specular_radius > 0.0 {
-                let bits = touched(range.specular_center, range.specular_radius, range.axis, range.squeeze, near, far);
-                mark(bits, 1u, thread);
+                mark(touched(range.specular_center, range.specular_radius, frames[light], near, far), 1u, thread);
             }
         }
         workgroupBarrier();
-        if thread < 2u * SLICES * GROUP_WORDS {
-            let word = chunk + thread % GROUP_WORDS;
-            let bits = atomicLoad(&found[thread]);
-            masks[first_word + (thread / GROUP_WORDS) * stride + word] = bits;
-            atomicOr(&summaries[thread / GROUP_WORDS], select(0u, 1u, bits != 0u) << (word & 31u));
-            atomicStore(&found[thread], 0u);
+        for (var i = thread; i < 2u * SLICES * GROUP_WORDS; i += 256u) {
+            let word = chunk + i % GROUP_WORDS;
+            let bits = atomicLoad(&found[i]);
+            masks[first_word + (i / GROUP_WORDS) * stride + word] = bits;
+            atomicOr(&summaries[i / GROUP_WORDS], select(0u, 1u, bits != 0u) << (word & 31u));
+            atomicStore(&found[i], 0u);
         }
         workgroupBarrier();
         let end = chunk + GROUP_WORDS;

@@ -10,6 +10,8 @@ struct Chances {
     lights: u32,           // of a subset
     seed: u32,
     bounds: u32,
+    lobes: u32,            // 1 diffuse, 2 specular, 3 both
+    independent: u32,      // 1: each ξ is drawn for itself
 }
 
 @group(0) @binding(0) var<uniform> chances: Chances;
@@ -19,8 +21,11 @@ struct Chances {
 @group(0) @binding(4) var light_texels: texture_storage_2d_array<rgba32float, write>;
 
 // Neighbouring lights shine alike, so that their numbers are spread evenly: Weyl's sequence with the golden ratio,
-// shifted at random for each subset. Every single number is uniform over all seeds.
+// shifted at random for each subset. Every single number is uniform over all seeds. Or each for itself, as published.
 fn xi_of(index: u32) -> f32 {
+    if chances.independent == 1u {
+        return clamp(unit_float(hash(index ^ hash(chances.seed))), 0x1p-24f, 1.0 - 0x1p-24f);
+    }
     let subset = index / chances.lights;
     let steps = (index % chances.lights) * 2654435769u;
     let bits = steps + hash(subset ^ hash(chances.seed));
@@ -47,12 +52,20 @@ fn store_texels(index: u32, light: VirtualLight, range: LightRange) {
     textureStore(light_texels, at, AXIS, vec4f(range.axis, range.squeeze));
 }
 
+// Lobes that do not shine reach nothing.
+fn of_lobes(range: LightRange) -> LightRange {
+    var result = range;
+    result.diffuse_radius = select(-1.0, range.diffuse_radius, (chances.lobes & 1u) != 0u);
+    result.specular_radius = select(-1.0, range.specular_radius, (chances.lobes & 2u) != 0u);
+    return result;
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = thread.x + thread.y * groups.x * 64u;
     if index < arrayLength(&virtual_lights) {
         let light = virtual_lights[index];
-        let range = light_range(light, bound.x, xi_of(index), chances.bounds);
+        let range = of_lobes(light_range(light, bound.x, xi_of(index), chances.bounds));
         ranges[index] = range;
         store_texels(index, light, range);
     }

@@ -1,6 +1,7 @@
 // Light of the accepted virtual lights at the pixels of one subset. Lights come in the order of their numbers, so that
-// all bounds give the same bits.
-//   SKY_MAP   the sky differs by direction; others as in lib/slc_shading.wgsl
+// tiles, clusters and all bounds give the same bits.
+//   SKY_MAP       the sky differs by direction; others as in lib/slc_shading.wgsl
+//   NO_DIFFUSE, NO_SPECULAR   without that lobe of the lights
 
 #import lightwell::slc::{DIFFUSE_LOBE, SLICES, SPECULAR_LOBE, mask_stride}
 #ifdef RAYS
@@ -28,11 +29,25 @@
 
 #ifdef UNCULLED
 
+// Four a turn, as LIGHTS_A_TURN of light_culling/mod.rs: software drivers end loops of many turns.
 fn shade(pixel: ptr<function, Pixel>, first: u32, lobe: u32) {
+    (*pixel).tested += f32(culling.lights);
+#ifdef RAYS
     for (var i = 0u; i < culling.lights; i++) {
         take_light(pixel, first + i, lobe);
     }
-    (*pixel).tested += f32(culling.lights);
+#else
+    let whole = culling.lights & ~3u;
+    for (var i = 0u; i < whole; i += 4u) {
+        take_light(pixel, first + i, lobe);
+        take_light(pixel, first + i + 1u, lobe);
+        take_light(pixel, first + i + 2u, lobe);
+        take_light(pixel, first + i + 3u, lobe);
+    }
+    for (var i = whole; i < culling.lights; i++) {
+        take_light(pixel, first + i, lobe);
+    }
+#endif
 }
 
 #else
@@ -121,14 +136,22 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     let first = subset * culling.lights;
     // One call a lobe: each is compiled on its own.
 #ifdef UNCULLED
+#ifndef NO_DIFFUSE
     shade(&pixel, first, DIFFUSE_LOBE);
+#endif
+#ifndef NO_SPECULAR
     shade(&pixel, first, SPECULAR_LOBE);
+#endif
 #else
     let tile = (subset * culling.tiles.y + group.y) * culling.tiles.x + group.x;
     let stride = mask_stride(culling.words);
     let mask = 2u * (tile * SLICES + slices[at.y * culling.view.size.x + at.x]) * stride;
+#ifndef NO_DIFFUSE
     shade(&pixel, first, DIFFUSE_LOBE, mask, thread);
+#endif
+#ifndef NO_SPECULAR
     shade(&pixel, first, SPECULAR_LOBE, mask + stride, thread);
+#endif
 #endif
 #ifdef RAYS
     add_sky(&pixel, subset);

@@ -7,8 +7,8 @@ use super::*;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
     Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, Fog, FogShape,
-    GatherRays, Lens, Light, LightBounds, LightCulling, LightKind, LightVisibility, Precision, Projection, Quality,
-    SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
+    GatherRays, Lens, Light, LightBounds, LightChances, LightCulling, LightKind, LightLobes, LightVisibility,
+    Precision, Projection, Quality, SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -273,19 +273,32 @@ fn clpv() -> impl Strategy<Value = Clpv> {
 
 fn slc() -> impl Strategy<Value = StochasticLightCulling> {
     let delta = prop_oneof![(1e-6f32..1.0).prop_map(Delta::Relative), (1e-6f32..1.0).prop_map(Delta::Absolute)];
-    let bounds = prop_oneof![Just(LightBounds::Ellipsoid), Just(LightBounds::CentredSphere)];
-    let culling = prop_oneof![Just(LightCulling::Tiled), Just(LightCulling::None)];
+    let bounds =
+        prop_oneof![Just(LightBounds::Ellipsoid), Just(LightBounds::CentredSphere), Just(LightBounds::EnclosingSphere)];
+    let culling = prop_oneof![
+        Just(LightCulling::Tiled),
+        Just(LightCulling::Clustered),
+        Just(LightCulling::Splatting),
+        Just(LightCulling::None)
+    ];
+    let lobes = prop_oneof![Just(LightLobes::Both), Just(LightLobes::Diffuse), Just(LightLobes::Specular)];
+    let chances = prop_oneof![Just(LightChances::Even), Just(LightChances::Independent)];
     let visibility = prop_oneof![Just(LightVisibility::None), Just(LightVisibility::ShadowRays)];
-    (delta, bounds, culling, visibility, 8u32..=4096, 0u32..5, 0u32..=64).prop_map(
-        |(delta, bounds, culling, visibility, rsm_size, power, filter_radius)| StochasticLightCulling {
-            delta,
-            bounds,
-            culling,
-            visibility,
-            rsm_size,
-            interleave: 1 << power,
-            filter_radius,
-            ..Default::default()
+    let ways = (bounds, culling, lobes, chances);
+    (delta, ways, visibility, 8u32..=4096, 0u32..5, 0u32..=64).prop_map(
+        |(delta, (bounds, culling, lobes, chances), visibility, rsm_size, power, filter_radius)| {
+            StochasticLightCulling {
+                delta,
+                bounds,
+                culling,
+                lobes,
+                chances,
+                visibility,
+                rsm_size,
+                interleave: 1 << power,
+                filter_radius,
+                ..Default::default()
+            }
         },
     )
 }

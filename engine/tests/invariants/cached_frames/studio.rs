@@ -111,7 +111,7 @@ pub fn edit() -> impl Strategy<Value = Edit> {
 }
 
 /// The methods of indirect light, each with the settings that make it another set of passes.
-pub const METHODS: [fn(&mut Studio); 11] = [
+pub const METHODS: [fn(&mut Studio); 13] = [
     |studio| studio.settings.gi = GiMethod::NONE,
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(0)),
     |studio| studio.clpv(|clpv| *clpv = Studio::sweep(2)),
@@ -122,6 +122,16 @@ pub const METHODS: [fn(&mut Studio); 11] = [
     |studio| studio.vpl(|vpl| *vpl = InstantRadiosity { particles: 16, ..Default::default() }),
     |studio| studio.vpl(|vpl| *vpl = Studio::lights_of_maps()),
     |studio| studio.slc(|slc| *slc = Studio::few_lights()),
+    |studio| {
+        studio.slc(|slc| {
+            *slc = StochasticLightCulling { culling: LightCulling::Clustered, ..Studio::few_lights() };
+        })
+    },
+    |studio| {
+        studio.slc(|slc| {
+            *slc = StochasticLightCulling { culling: LightCulling::Splatting, ..Studio::few_lights() };
+        })
+    },
     |studio| {
         studio.slc(|slc| {
             *slc = StochasticLightCulling { visibility: LightVisibility::ShadowRays, ..Studio::few_lights() }

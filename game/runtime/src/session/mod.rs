@@ -328,6 +328,14 @@ impl Session {
         self.rendering.light_counts(self.render_settings(false).gi)
     }
 
+    /// As [`Session::light_counts`], at a pixel of the whole image, whatever it shows.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn light_counts_of_all_pixels(&self) -> Result<Option<[f64; 2]>> {
+        self.rendering.light_counts_of_all_pixels(self.render_settings(false).gi)
+    }
+
     /// The last frame as a screen shows it: sRGB bytes, three a pixel.
     ///
     /// # Errors

@@ -113,15 +113,32 @@ impl RenderState {
     /// # Errors
     /// If the device is lost.
     pub fn light_counts(&self, gi: GiMethod) -> Result<Option<[f64; 2]>> {
+        Ok(self.lights_of_pixels(gi)?.map(|([tested, accepted], surfaces, _)| {
+            let surfaces = surfaces.max(1) as f64;
+            [tested / surfaces, accepted / surfaces]
+        }))
+    }
+
+    /// The same at a pixel of the whole image, whatever it shows.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn light_counts_of_all_pixels(&self, gi: GiMethod) -> Result<Option<[f64; 2]>> {
+        let counted = self.lights_of_pixels(gi)?;
+        Ok(counted.map(|([tested, accepted], _, all)| [tested / all.max(1) as f64, accepted / all.max(1) as f64]))
+    }
+
+    /// Sums of the lights tested and accepted, the pixels that tested any, and all pixels.
+    fn lights_of_pixels(&self, gi: GiMethod) -> Result<Option<([f64; 2], usize, usize)>> {
         let textures = [TESTED, ACCEPTED].map(|name| self.renderer.target(name));
         let (GiMethod::SLC, [Some(tested), Some(accepted)]) = (gi, textures) else {
             return Ok(None);
         };
         let tested = gpu::read_texture_f32(&self.gpu, tested)?;
         let accepted = gpu::read_texture_f32(&self.gpu, accepted)?;
-        let surfaces = tested.rgba.iter().filter(|pixel| pixel[3] > 0.0).count().max(1) as f64;
-        let mean = |image: &gpu::ImageF32| image.rgba.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / surfaces;
-        Ok(Some([mean(&tested), mean(&accepted)]))
+        let surfaces = tested.rgba.iter().filter(|pixel| pixel[3] > 0.0).count();
+        let sum = |image: &gpu::ImageF32| image.rgba.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
+        Ok(Some(([sum(&tested), sum(&accepted)], surfaces, tested.rgba.len())))
     }
 
     /// The last frame as a screen shows it: sRGB bytes, three a pixel.

@@ -55,10 +55,14 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "RNG",
         what: "ranges of stochastically culled lights, by the error bound",
-        passes: &["slc error bound", "slc ranges"],
+        passes: &["slc error bound", "slc ranges", "slc frames"],
     },
     Stage { name: "CUL", what: "cull lights to tiles or clusters", passes: &["slc cull"] },
-    Stage { name: "SHS", what: "shade by the lights of a tile", passes: &["slc shade"] },
+    Stage {
+        name: "SHS",
+        what: "shade by the lights of a tile, or draw them",
+        passes: &["slc shade", "slc splat", "slc gather"],
+    },
     Stage { name: "FLT", what: "cross bilateral filter", passes: &["slc filter"] },
     Stage { name: "AVG", what: "average over frames", passes: &["average"] },
     Stage { name: "BVH", what: "bounding volume hierarchy, on the host", passes: &[] },

@@ -70,6 +70,8 @@ pub const METHODS: &[Method] = &[
     Method { name: "slc", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling, shadow rays, error bound 3e-4", runs: Runs::Always },
     Method { name: "slc fine", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling, shadow rays, error bound 1e-4", runs: Runs::Thorough },
     Method { name: "slc no visibility", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling as published: light passes through walls", runs: Runs::Thorough },
+    Method { name: "slc clustered", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Clustered")], what: "stochastic light culling, 32 depth slices", runs: Runs::Asked },
+    Method { name: "slc splatting", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Splatting")], what: "stochastic light culling, every light drawn", runs: Runs::Asked },
     Method { name: "slc spheres", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.bounds", "CentredSphere")], what: "stochastic light culling, spheres centred on the lights", runs: Runs::Asked },
     Method { name: "slc unculled", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "None")], what: "all virtual lights with the same interleaving", runs: Runs::Asked },
     Method { name: "vpl 64", gi: Gi::Vpl, sets: &[("vpl.particles", "64")], what: "instant radiosity, 64 particles, shadow rays", runs: Runs::Always },

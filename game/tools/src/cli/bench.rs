@@ -18,6 +18,7 @@ Examples:
   lightwell bench -o out/growth --growth objects,lights    time and memory over their number
   lightwell bench courtyard -o out/host --host             what a frame costs the host alone
   lightwell bench --thesis -o out/thesis --models ~/models tables and figures of the thesis, side by side
+  lightwell bench --light-culling -o out/culling           tables and figures of the culling paper, side by side
   lightwell bench --cliffs -o out/cliffs                   what one small thing of each kind adds to a room's cost
   lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
@@ -94,6 +95,17 @@ pub struct BenchArgs {
     /// 256]
     #[arg(long, conflicts_with_all = ["host", "growth", "sweep", "method", "variant", "rooms", "quick", "bless", "times"])]
     pub thesis: bool,
+    /// Measure tables 1 and 2 and figures 9 and 10 of the culling paper (Tokuyoshi and Harada 2017), and write them beside the
+    /// printed ones: light_culling.json, light_culling.md and pictures. SCENE names some of night_court, sibenik, sponza and
+    /// glossy_ring [size: 1920x1080; frames: 30]
+    #[arg(
+        long,
+        conflicts_with_all = [
+            "host", "growth", "sweep", "method", "variant", "rooms", "quick", "bless", "times", "thesis", "cliffs", "aa",
+            "reference_spp",
+        ],
+    )]
+    pub light_culling: bool,
     /// Measure what one small thing of each kind (a blended card, glass, an emissive card, fog, ...) adds to the cost of each
     /// pass in a plain room; nothing else is measured. Writes cliffs.json and cliffs.md [size: 64x64]
     #[arg(long, conflicts_with_all = ["scenes", "growth", "sweep", "method", "variant", "host", "rooms"])]

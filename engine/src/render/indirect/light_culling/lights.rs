@@ -9,7 +9,7 @@ use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::light_view::light_views;
 use crate::render::shadows::reflective::{self, Rsm, RsmLayerUniform};
 use crate::scene::SceneLight;
-use crate::world::{Delta, LightBounds, LightShow, StochasticLightCulling};
+use crate::world::{Delta, LightBounds, LightChances, LightShow, StochasticLightCulling};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
 use std::hash::Hash;
@@ -67,6 +67,8 @@ pub(crate) struct ChancesUniform {
     lights: u32,
     seed: u32,
     bounds: u32,
+    lobes: u32,
+    independent: u32,
 }
 
 impl Method {
@@ -119,9 +121,19 @@ impl Method {
         let bounds = match self.settings.bounds {
             LightBounds::Ellipsoid => 0,
             LightBounds::CentredSphere => 1,
+            LightBounds::EnclosingSphere => 2,
         };
-        ChancesUniform { lights: self.lights, seed: self.seed, bounds }
+        let [diffuse, specular] = self.lobes().map(u32::from);
+        let independent = u32::from(self.settings.chances == LightChances::Independent);
+        ChancesUniform { lights: self.lights, seed: self.seed, bounds, lobes: diffuse | specular << 1, independent }
     }
+}
+
+/// Workgroups of 64 threads, one thread a light, in rows that every device dispatches.
+pub(super) fn groups_of(lights: u32) -> [u32; 3] {
+    let groups = lights.div_ceil(64).max(1);
+    let x = groups.min(32_768);
+    [x, groups.div_ceil(x), 1]
 }
 
 /// The maps of all lights that feed indirect light. Each light has an equal share of the texels, and a point light
@@ -245,13 +257,11 @@ fn declare_ranges(
     pass.read(bound);
     let (ranges, texels) = (pass.write(ranges), pass.write(texels));
     let chances = method.chances_uniform();
-    pass.key(&(chances.lights, chances.seed, chances.bounds));
+    pass.key(&(chances.lights, chances.seed, chances.bounds, chances.lobes, chances.independent));
     pass.execute(move |cx| {
         let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
         cx.counts().lights += u64::from(count);
         let view = cx.view(texels);
-        let groups = count.div_ceil(64);
-        let x = groups.min(32_768);
         cx.dispatch(
             &ComputeKey::new("indirect/light_culling/range.wgsl", "main"),
             &[
@@ -261,7 +271,7 @@ fn declare_ranges(
                 ("ranges", Binding::Buffer(&target)),
                 ("light_texels", Binding::Texture(&view)),
             ],
-            [x, groups.div_ceil(x), 1],
+            groups_of(count),
         )
     });
     (ranges, texels)

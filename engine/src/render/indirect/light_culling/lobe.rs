@@ -174,6 +174,7 @@ impl VirtualLight {
         let center = position + mirror * (r * (1.0 - a2) / (2.0 * self.alpha));
         let (center, radius) = match bounds {
             LightBounds::CentredSphere => (position, with_margin(r / self.alpha, position)),
+            LightBounds::EnclosingSphere => (center, with_margin(long, center)),
             LightBounds::Ellipsoid => {
                 (range.axis, range.squeeze) = (mirror.into(), r / long);
                 (center, with_margin(r, center))

@@ -7,7 +7,8 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 const DELTA: f32 = 0.001;
-const ALL_BOUNDS: [LightBounds; 2] = [LightBounds::Ellipsoid, LightBounds::CentredSphere];
+/// In the order of their numbers on the device.
+const ALL_BOUNDS: [LightBounds; 3] = [LightBounds::Ellipsoid, LightBounds::CentredSphere, LightBounds::EnclosingSphere];
 
 /// A light in a random place and pose, with a point near the border of where it is accepted.
 #[derive(Clone, Debug)]
@@ -96,6 +97,28 @@ proptest! {
                 let floats: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&range));
                 prop_assert!(floats.iter().all(|value| value.is_finite()), "{range:?}");
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    /// Figure 9 of 2017: the rivals hold all that the spheroid holds, and so cannot cull what it keeps.
+    #[test]
+    fn spheres_hold_every_point_of_the_spheroid(draws in prop::array::uniform14(0.0_f32..1.0)) {
+        let Case { light, xi, .. } = case(draws);
+        let [spheroid, centred, enclosing] = ALL_BOUNDS.map(|bounds| light.range(DELTA, xi, bounds));
+        if spheroid.specular_radius > 0.0 {
+            // On its surface.
+            let (axis, unit) = (Vec3::from(spheroid.axis), direction(draws[10], draws[11]));
+            let stretched = unit + axis * ((1.0 / spheroid.squeeze - 1.0) * axis.dot(unit));
+            let center = Vec3::from(spheroid.specular_center);
+            // Without the margins, of which the one over the coordinates is not stretched in spheres.
+            let r = (spheroid.specular_radius - 1e-6 * center.abs().max_element()) / 1.001;
+            let point = center + stretched * r;
+            prop_assert!(enclosing.holds(Lobe::Specular, point), "{point} is not in {enclosing:?}");
+            prop_assert!(centred.holds(Lobe::Specular, point), "{point} is not in {centred:?}");
         }
     }
 }

@@ -6,6 +6,9 @@
 //! rsm (a light) ─ virtual lights ─ error bound ─ ranges ─┐
 //! gbuffer ───────────────────────────────── cull tiles ──┴─ shade ─ filter
 //! ```
+//! To compare there are the paper's rivals: spheres as bounds, tiles with 32 slices of depth, and splatting, which draws
+//! the ranges in place of culling and shading.
+//!
 //! A light with intensity I(ω) is accepted at a distance l with p = min(I/(δ·l²), 1) > ξ, and its contribution is divided
 //! by p: the mean over ξ is the sum over all lights. Since ξ is one number a light, the points that accept it lie within
 //! l² = I(ω)/(δ·ξ), for which there are tight bounds: a sphere for the diffuse lobe, a spheroid for the GGX lobe.
@@ -18,16 +21,17 @@ pub mod lobe;
 mod lobe_tests;
 mod method;
 mod shade;
+mod splat;
 
 #[cfg(test)]
 pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
 
-use crate::gpu::Gpu;
+use crate::gpu::{ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::world::{LightCulling, LightVisibility, StochasticLightCulling};
+use crate::world::{LightCulling, LightLobes, LightVisibility, StochasticLightCulling};
 use glam::Vec3;
 
 pub(in crate::render) use method::LightCullingMethod;
@@ -38,8 +42,11 @@ pub const TESTED: &str = "slc diffuse";
 pub const ACCEPTED: &str = "slc specular";
 /// Edge of a tile \[pixels of a subset's image\].
 const TILE: u32 = 16;
-/// Slices of depth in a tile: the `SLICES` of `indirect/light_culling/cull.wgsl`.
-const SLICES: u32 = 2;
+/// Slices of depth in a tile: HalfZ, and clustered shading as the paper of 2017 compares it (section 7).
+const HALVES: u32 = 2;
+const CLUSTERS: u32 = 32;
+/// Lights that a turn of the loop over all lights takes, without rays.
+const LIGHTS_A_TURN: u64 = 4;
 
 /// The settings of a scene: its own or the default ones.
 pub(in crate::render) fn settings(scene: &crate::scene::Scene) -> StochasticLightCulling {
@@ -88,6 +95,24 @@ impl Method {
         self.settings.interleave * self.settings.interleave
     }
 
+    /// Slices of depth in a tile.
+    fn slices(&self) -> u32 {
+        if self.settings.culling == LightCulling::Clustered { CLUSTERS } else { HALVES }
+    }
+
+    /// A shader that reads or writes masks, with the number of slices.
+    fn sliced(&self, key: ComputeKey) -> ComputeKey {
+        match self.slices() {
+            HALVES => key,
+            slices => key.def("SLICES", ShaderDef::Uint(slices)),
+        }
+    }
+
+    /// Whether diffuse and GGX lobes shine.
+    fn lobes(&self) -> [bool; 2] {
+        [LightLobes::Specular, LightLobes::Diffuse].map(|other| self.settings.lobes != other)
+    }
+
     /// Words of a mask of all lights of a subset: as many as workgroups fill at once.
     fn words(&self) -> u32 {
         self.lights.div_ceil(256).max(1) * 8
@@ -97,7 +122,7 @@ impl Method {
     fn mask_words(&self) -> u64 {
         let tiles = u64::from(self.tiles[0]) * u64::from(self.tiles[1]) * u64::from(self.subsets());
         let words = self.words();
-        tiles * u64::from(SLICES) * 2 * u64::from(words + words.div_ceil(32))
+        tiles * u64::from(self.slices()) * 2 * u64::from(words + words.div_ceil(32))
     }
 }
 
@@ -132,6 +157,7 @@ fn declare<'a>(
         settings,
     };
     check_memory(gpu, &method, frame.view.size)?;
+    splat::check(gpu, &method, frame.view.size)?;
     check_loops(gpu, &method)?;
     let sources = lights::declare(graph, frame, &maps, &method);
     let shaded = match method.settings.culling {
@@ -139,7 +165,11 @@ fn declare<'a>(
             graph.skip("slc cull", "all lights are shaded at every pixel");
             shade::declare(graph, frame, gbuffer, &method, sources, None)
         }
-        LightCulling::Tiled => {
+        LightCulling::Splatting => {
+            graph.skip("slc cull", "all lights are drawn");
+            splat::declare(graph, frame, gbuffer, &method, sources)
+        }
+        LightCulling::Tiled | LightCulling::Clustered => {
             let culled = cull::declare(graph, frame, gbuffer, &method, sources);
             shade::declare(graph, frame, gbuffer, &method, sources, Some(culled))
         }
@@ -151,11 +181,19 @@ fn declare<'a>(
 fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), RenderError> {
     let limit = gpu.limits.max_storage_buffer_binding_size;
     let count = u64::from(method.lights) * u64::from(method.subsets());
-    let masks = 4 * method.mask_words();
+    let culling = method.settings.culling;
+    let is_masked = matches!(culling, LightCulling::Tiled | LightCulling::Clustered);
+    let masks = if is_masked { 4 * method.mask_words() } else { 0 };
+    let frames = if is_masked { cull::FRAME_BYTES * count } else { 0 };
     let pixels = 4 * u64::from(size[0]) * u64::from(size[1]);
+    let of_masks = match culling {
+        LightCulling::Clustered => "a smaller `slc.rsm_size`, or `Tiled` culling, whose masks are a 16th of that",
+        _ => "a smaller `slc.rsm_size`",
+    };
     let needs = [
         (lights::LIGHT_BYTES * count, format!("{count} virtual lights"), "a smaller `slc.rsm_size`"),
-        (masks, format!("the light masks of {count} virtual lights"), "a smaller `slc.rsm_size`"),
+        (masks, format!("the light masks of {count} virtual lights, `{culling:?}`,"), of_masks),
+        (frames, format!("the frames of {count} virtual lights"), "a smaller `slc.rsm_size`"),
         (pixels, "the slices of so many pixels".to_owned(), "a smaller image"),
     ];
     match needs.into_iter().find(|(bytes, ..)| *bytes > limit) {
@@ -173,8 +211,12 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
 fn check_loops(gpu: &Gpu, method: &Method) -> Result<(), RenderError> {
     const MOST: u64 = 65_535;
     let unculled = method.settings.culling == LightCulling::None && gpu.info.device_type == wgpu::DeviceType::Cpu;
-    let a_light = if casts_rays(&method.settings) { 256 } else { 1 };
-    let turns = 2 * u64::from(method.lights) * a_light;
+    let lobes = method.lobes().into_iter().filter(|shines| *shines).count() as u64;
+    let a_lobe = match casts_rays(&method.settings) {
+        true => 256 * u64::from(method.lights),
+        false => u64::from(method.lights) / LIGHTS_A_TURN + u64::from(method.lights) % LIGHTS_A_TURN,
+    };
+    let turns = lobes * a_lobe;
     if !unculled || turns <= MOST {
         return Ok(());
     }

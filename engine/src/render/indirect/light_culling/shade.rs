@@ -48,8 +48,14 @@ pub(super) fn declare<'a>(
             None if rays => return Err(PassError::message("the scene is not ready for rays".to_owned())),
             None => ComputeKey::new("indirect/light_culling/shade.wgsl", "main"),
         };
-        if masks.is_none() {
-            key = key.def("UNCULLED", ShaderDef::Flag(true));
+        match masks {
+            None => key = key.def("UNCULLED", ShaderDef::Flag(true)),
+            Some(_) => key = method.sliced(key),
+        }
+        for (shines, without) in method.lobes().into_iter().zip(["NO_DIFFUSE", "NO_SPECULAR"]) {
+            if !shines {
+                key = key.def(without, ShaderDef::Flag(true));
+            }
         }
         let has_sky_map = scene.is_some() && method.sky_map(&frame).is_some();
         if has_sky_map {
