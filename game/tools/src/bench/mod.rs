@@ -13,6 +13,7 @@ mod fixture;
 mod flicker;
 mod growth;
 mod host;
+mod instant_radiosity;
 mod machine;
 mod pareto;
 mod picture;

@@ -4,7 +4,7 @@ use super::fixture::{self, Fixture};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
-use super::{cliffs, error, flicker, growth, host, machine, report, rooms, thesis, timing};
+use super::{cliffs, error, flicker, growth, host, instant_radiosity, machine, report, rooms, thesis, timing};
 use crate::cli::BenchArgs;
 use anyhow::{Context, Result, bail};
 use lightwell::gpu::Gpu;
@@ -31,6 +31,9 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     }
     if args.thesis {
         return thesis::run(args, common);
+    }
+    if args.instant_radiosity {
+        return instant_radiosity::run(args, common);
     }
     if args.cliffs {
         return cliffs::run(args, common);
