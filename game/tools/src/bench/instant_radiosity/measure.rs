@@ -47,8 +47,8 @@ const PHYSICAL: (&str, &str) = ("vpl.shading", "Physical");
 const BATCHED: (&str, &str) = ("vpl.accumulation", "Batched");
 pub(super) const VARIANTS: [Settings; 4] = [
     ("as the report", true, &[BATCHED]),
-    ("the report's particles, the geometry term", true, &[BATCHED, PHYSICAL]),
-    ("the same with shadow rays", true, &[BATCHED, PHYSICAL, ("vpl.visibility", "ShadowRays")]),
+    ("its particles, with the geometry term", true, &[BATCHED, PHYSICAL]),
+    ("its particles, with geometry and shadow rays", true, &[BATCHED, PHYSICAL, ("vpl.visibility", "ShadowRays")]),
     ("our defaults", false, &[]),
 ];
 
@@ -143,7 +143,7 @@ impl Stage {
 
     /// The scene at the moment, in the report's settings or its own, with so many particles and further changes. Its sky
     /// is left out, which the report does not have.
-    fn session(&self, as_report: bool, particles: u32, sets: Sets) -> Result<Session> {
+    pub(super) fn session(&self, as_report: bool, particles: u32, sets: Sets) -> Result<Session> {
         let (dark, preset) = (("scene.sky", "(0, 0, 0)"), ("preset", PRESET));
         let owned = |&(path, value): &(&str, &str)| (path.to_owned(), value.to_owned());
         let preset = Some(preset).filter(|_| as_report);

@@ -9,6 +9,8 @@
 mod formulas;
 mod measure;
 mod report;
+#[cfg(test)]
+mod tests;
 
 use super::machine;
 use super::results::{self, Header};

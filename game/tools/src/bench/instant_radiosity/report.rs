@@ -148,10 +148,10 @@ fn errors(scene: &SceneResults) -> String {
     let head = ["settings", "N", "M", "nrmse", "bias", "nrmse, scaled", "noise of the reference"];
     format!(
         "### Error over N\n\nIndirect light against the path tracer, without the sky. The published formula has neither \
-         distance nor the cosine at the virtual light: its error does not fall with N, and \"scaled\" is what is left of it \
-         when the image has the reference's mean. With the geometry term light still passes through everything unless \
-         shadow rays stop it, and mirror bounces send it elsewhere than diffuse surfaces do.\n\n{}\n\
-         ![Error over the number of particles]({})\n\n",
+         distance nor the cosine at the virtual light, so that with more particles its image nears another one; \"scaled\" \
+         is what is left of the error when the image has the reference's mean. With the geometry term light still passes \
+         through everything unless shadow rays stop it, and mirror bounces send it elsewhere than diffuse surfaces do.\n\n\
+         {}\n![Error over the number of particles]({})\n\n",
         table(&head, &rows),
         plot_file(scene, "errors")
     )
