@@ -256,9 +256,11 @@ impl<'a> Caster<'a> {
     fn material_at(&self, object: &Object, ray: &Ray, t: f32) -> Option<(u32, [f32; 2])> {
         let primitive = &self.scene.primitives[self.bvh.triangles.get(object.first as usize)?.primitive as usize];
         let material = &primitive.material;
-        let differs = material.base_color_texture.is_some()
+        let differs = primitive.mesh.extras.is_some()
+            || material.base_color_texture.is_some()
             || material.metallic_roughness_texture.is_some()
-            || primitive.mesh.extras.is_some();
+            || material.specular_texture.is_some()
+            || material.specular_color_texture.is_some();
         if differs { self.triangle_at(object, ray, t) } else { Some((object.first, [1.0 / 3.0; 2])) }
     }
 
