@@ -1,9 +1,8 @@
 //! Settings of instant radiosity, `--gi vpl`.
 
 use super::Bounces;
-use super::former_variants::Variants;
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// How many particles go on after each reflection. ρ is the scene's mean reflectance, N the number of particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -79,9 +78,8 @@ pub enum ParticleSequence {
     Random,
 }
 
-/// How particles find what they hit. Files may also say `Bounds`, of an earlier version, which tested boxes in
-/// place of objects: it is `Hierarchy`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+/// How particles find what they hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ParticleCasts {
     /// Through the hierarchy over all triangles.
     #[default]
@@ -89,13 +87,20 @@ pub enum ParticleCasts {
     /// Every object in its own space, as in the report: squares and boxes by formula, all others triangle by
     /// triangle. O(B·N/(1−ρ)); to compare.
     BruteForce,
+    /// The same with the oriented box around every object in place of its triangles (the report's "Improving the
+    /// particle simulation"): position and normal are those of the box. Rays that start within an object's box
+    /// test its triangles, since such a box tells nothing about what is in their way.
+    Bounds,
 }
 
-impl<'de> Deserialize<'de> for ParticleCasts {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let values = &[("Hierarchy", Self::Hierarchy), ("BruteForce", Self::BruteForce), ("Bounds", Self::Hierarchy)];
-        Variants { name: "ParticleCasts", names: &["Hierarchy", "BruteForce"], values }.read(deserializer)
-    }
+/// What bias and random offsets of the main lights' shadow maps are measured in, where they are shaded as published.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ShadowLookup {
+    /// Texels of the map: the same settings fit scenes and maps of all sizes. Offsets lie in the plane of the map.
+    #[default]
+    Texels,
+    /// Metres, as the report has it: ‖l‖ − bias is compared with the distance that the map holds along −l + off·oᵢ.
+    AsPublished,
 }
 
 /// Instant radiosity: indirect light from many virtual point lights (Keller 1997, "Instant Radiosity"). What is called
@@ -141,12 +146,16 @@ pub struct InstantRadiosity {
     pub seed: u32,
     /// How hits are found.
     pub casts: ParticleCasts,
-    /// Main lights as published: static bias b_s of the shadow map in its texels.
+    /// Main lights as published: the unit of `shadow_bias`, `shadow_slope_bias` and `shadow_offset`.
+    pub shadow_lookup: ShadowLookup,
+    /// Main lights as published: static bias b_s of the shadow map, in texels or metres.
     pub shadow_bias: f32,
-    /// Main lights as published: b_dmax, the bias added at grazing light, b_dmax·(1 − n·l), in texels.
+    /// Main lights as published: b_dmax, the bias added at grazing light, b_dmax·(1 − n·l), in texels or metres.
     pub shadow_slope_bias: f32,
     /// Main lights as published: S, shadow-map lookups a pixel at random offsets; 1: none.
     pub shadow_samples: u32,
+    /// Main lights as published: off, the largest random offset along each axis, in texels or metres.
+    pub shadow_offset: f32,
 }
 
 impl Default for InstantRadiosity {
@@ -168,9 +177,11 @@ impl Default for InstantRadiosity {
             sequence: ParticleSequence::default(),
             seed: 0,
             casts: ParticleCasts::default(),
+            shadow_lookup: ShadowLookup::default(),
             shadow_bias: 1.0,
             shadow_slope_bias: 16.0,
             shadow_samples: 4,
+            shadow_offset: 1.5,
         }
     }
 }

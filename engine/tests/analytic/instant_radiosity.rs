@@ -274,6 +274,54 @@ fn the_hierarchy_meets_what_brute_force_meets() {
     assert!(counts[0].triangles * 10 < counts[1].triangles, "{counts:?}");
 }
 
+/// A turned and stretched ball: its box is met from outside, its triangles from within.
+#[test]
+fn boxes_stand_for_objects() {
+    let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 8);
+    let turn = Quat::from_rotation_z(0.3);
+    let at = Vec3::new(1.0, 2.0, 3.0);
+    let place = Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 1.0, 1.0), turn, at);
+    stage.add(Shape::Sphere { radius: 0.5, segments: 64, rings: 32 }, Vec3::splat(0.5), place);
+    let bvh = SceneBvh::new(&stage.scene);
+    let caster = Caster::new(&stage.scene, &bvh, ParticleCasts::Bounds);
+    let mut counts = IntersectionCounts::default();
+    // Towards the face whose normal is the turned x axis: a metre from the middle, and away from where the ball is.
+    let axis = turn * Vec3::X;
+    let from = at + 3.0 * axis + turn * Vec3::new(0.0, 0.45, 0.45);
+    let hit = caster.cast(&Ray::new(from, -axis), &mut counts).expect("the box");
+    let normal = hit.box_normal.expect("no triangle was tested");
+    assert!((hit.t - 2.0).abs() < 0.01 && (normal - axis).length() < 1e-4, "{hit:?}, normal {normal}");
+    assert_eq!((counts.rays, counts.objects, counts.triangles), (1, 1, 0));
+    // A particle that leaves a face does not meet its own box.
+    assert!(caster.cast(&Ray::new(from - 1.9999 * axis, axis), &mut counts).is_none());
+    assert_eq!(counts.triangles, 0);
+    let within = caster.cast(&Ray::new(at, axis), &mut counts).expect("the ball");
+    assert!((within.t - 1.0).abs() < 0.01 && within.box_normal.is_none(), "{within:?}");
+    assert_eq!(counts.triangles, stage.scene.primitives[0].mesh.triangle_count() as u64);
+}
+
+/// Squares and boxes are their own bounds, and light that falls on a ball's box is about that which falls on the ball.
+#[test]
+fn boxes_stand_for_objects_in_images() {
+    let gpu = gpu();
+    let of = |stage: &mut Stage, casts| {
+        let settings = InstantRadiosity { particles: 256, casts, ..Default::default() };
+        let (image, renderer) = draw(&gpu, stage, settings);
+        let tests = virtual_lights(renderer.methods()).expect("they were asked for").casts();
+        (image, tests)
+    };
+    let mut stage = room(0.6, 16);
+    let [brute, bounds] = [ParticleCasts::BruteForce, ParticleCasts::Bounds].map(|casts| of(&mut stage, casts));
+    assert!(brute.0.rgba == bounds.0.rgba && brute.1 == bounds.1, "{:?} {:?}", brute.1, bounds.1);
+    let ball = Shape::Sphere { radius: 0.4, segments: 48, rings: 24 };
+    stage.add(ball, Vec3::splat(0.6), Affine3A::from_translation(Vec3::new(-0.6, -0.8, -0.5)));
+    let [tree, bounds] = [ParticleCasts::Hierarchy, ParticleCasts::Bounds].map(|casts| of(&mut stage, casts));
+    let ratio = mean(&bounds.0) / mean(&tree.0);
+    assert!((ratio - 1.0).abs() < 0.1 && bounds.0.rgba != tree.0.rgba, "{ratio} of the light");
+    // The lamp is outside of the ball's box, and so are all hits.
+    assert_eq!(bounds.1.triangles, 0, "{:?}", bounds.1);
+}
+
 /// A lit floor seen from a ceiling two metres above: no corner, no bound in reach. The error against the path tracer
 /// falls with the root of the number of particles, faster with even numbers, and the mean is that of the tracer.
 #[test]

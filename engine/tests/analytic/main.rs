@@ -2,6 +2,7 @@
 
 mod alpha_mask;
 mod area_lights;
+mod as_published;
 mod blend;
 mod depth_of_field;
 mod diffusion_lookup;

@@ -10,9 +10,13 @@
 
 struct MainLight {
     weight: f32,           // 1/N
-    bias: f32,             // b_s [texels]
-    slope_bias: f32,       // b_dmax [texels]
+    bias: f32,             // b_s [texels, or metres]
+    slope_bias: f32,       // b_dmax [texels, or metres]
     samples: u32,          // S
+    offset: f32,           // off [texels, or metres]
+    in_space: u32,         // 1: metres, as published
+    pad_a: u32,
+    pad_b: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -27,40 +31,77 @@ struct MainLight {
 @group(0) @binding(9) var radiance: texture_storage_2d_array<r32float, read_write>;
 
 const INVERSE_PI: f32 = 0.31830988618379;
-// Half width of the filter [texels].
-const FILTER_RADIUS: f32 = 1.5;
 
-// Share of the lookups that find something nearer to the light than the point, bias included.
-fn shadowed(position: vec3f, n: vec3f, to_light: vec3f, pixel: vec2u) -> f32 {
-    if shadow.kind == NO_SHADOW {
-        return 0.0;
-    }
-    let offset = position - shadow.eye;
-    var along_axis = 1.0;
-    if shadow.kind == SPOT_SHADOW {
-        along_axis = max(dot(offset, shadow.axis), 0.0);
-    } else if shadow.kind == POINT_SHADOW {
-        along_axis = max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
-    }
-    let face = select(0, cube_face(offset), shadow.kind == POINT_SHADOW);
-    let clip = shadow.faces[face].clip_from_world * vec4f(position, 1.0);
+// Where the shadow map is read for a point.
+struct Place {
+    at: vec2f,             // [texels]
+    face: i32,
+    inside: bool,
+    depth: f32,            // what the map holds if nothing is nearer to the light: 1 − d/far, or a directional light's own
+}
+
+fn place_of(point: vec3f) -> Place {
+    let offset = point - shadow.eye;
+    var place: Place;
+    place.face = select(0, cube_face(offset), shadow.kind == POINT_SHADOW);
+    let clip = shadow.faces[place.face].clip_from_world * vec4f(point, 1.0);
     let ndc = clip.xyz / clip.w;
-    if clip.w <= 0.0 || any(abs(ndc.xy) > vec2f(1.0)) {
+    place.at = (vec2f(0.5, -0.5) * ndc.xy + 0.5) * shadow.size;
+    place.inside = clip.w > 0.0 && all(abs(ndc.xy) <= vec2f(1.0));
+    place.depth = select(1.0 - length(offset) / shadow.far, ndc.z, shadow.kind == DIRECTIONAL_SHADOW);
+    return place;
+}
+
+// 1 where the map has something nearer to the light than that depth.
+fn hides(at: vec2f, face: i32, depth: f32) -> f32 {
+    let texel = clamp(vec2i(floor(at)), vec2i(0), vec2i(i32(shadow.size) - 1));
+    return select(0.0, 1.0, textureLoad(shadow_map, texel, face, 0) > depth);
+}
+
+// Width of a texel at the point [m].
+fn texel_width(position: vec3f) -> f32 {
+    let offset = position - shadow.eye;
+    if shadow.kind == SPOT_SHADOW {
+        return shadow.texel * max(dot(offset, shadow.axis), 0.0);
+    }
+    if shadow.kind == POINT_SHADOW {
+        return shadow.texel * max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
+    }
+    return shadow.texel;
+}
+
+// The i-th random offset oᵢ in [−1, 1]³; none where a single lookup is made.
+fn random_offset(pixel: vec2u, i: u32) -> vec3f {
+    if main_light.samples <= 1u {
+        return vec3f(0.0);
+    }
+    let random = hash_pair(pixel.x | (pixel.y << 16u), i);
+    let at = vec3f(unit_float(random), unit_float(hash_pair(random, 1u)), unit_float(hash_pair(random, 2u)));
+    return at * 2.0 - 1.0;
+}
+
+// Share of the lookups that find something nearer to the light than the point, bias included. The map holds 1 − d/far,
+// so a bias in metres is one over the far plane: ‖l‖ − bias > d is the same as 1 − d/far > 1 − ‖l‖/far + bias/far.
+fn shadowed(position: vec3f, n: vec3f, to_light: vec3f, pixel: vec2u) -> f32 {
+    let own = place_of(position);
+    if shadow.kind == NO_SHADOW || !own.inside {
         return 0.0;
     }
-    // The map holds 1 − d/far: what is nearer to the light has the larger value.
-    let stored_depth = select(1.0 - length(offset) / shadow.far, ndc.z, shadow.kind == DIRECTIONAL_SHADOW);
-    // In texels, never in metres: the width of one at this distance over the far plane.
-    let texel = shadow.texel * along_axis / shadow.far;
-    let bias = texel * (main_light.bias + main_light.slope_bias * (1.0 - saturate(dot(n, to_light))));
-    let at = (vec2f(0.5, -0.5) * ndc.xy + 0.5) * shadow.size;
+    let in_space = main_light.in_space == 1u;
+    let unit = select(texel_width(position), 1.0, in_space);
+    // b_s + b_dmax·(1 − n·l)
+    let bias = unit / shadow.far * (main_light.bias + main_light.slope_bias * (1.0 - saturate(dot(n, to_light))));
     var hidden = 0.0;
     for (var i = 0u; i < main_light.samples; i++) {
-        let random = hash_pair(pixel.x | (pixel.y << 16u), i);
-        let shift = vec2f(unit_float(random), unit_float(hash_pair(random, 1u))) * 2.0 - 1.0;
-        let place = at + select(vec2f(0.0), shift * FILTER_RADIUS, main_light.samples > 1u);
-        let texel_at = clamp(vec2i(floor(place)), vec2i(0), vec2i(i32(shadow.size) - 1));
-        hidden += select(0.0, 1.0, textureLoad(shadow_map, texel_at, face, 0) > stored_depth + bias);
+        let offset = random_offset(pixel, i) * main_light.offset;
+        var place = own;
+        if in_space {
+            // From the light this is the direction −l + off·oᵢ.
+            place = place_of(position + offset);
+        } else {
+            place.at += offset.xy;
+        }
+        hidden += select(0.0, hides(place.at, place.face, own.depth + bias), place.inside);
     }
     return hidden / f32(main_light.samples);
 }

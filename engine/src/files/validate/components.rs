@@ -258,6 +258,7 @@ impl Validator {
         self.require(c.near_filter <= 32, "near_filter", filter, "use 0 to 32 pixels")?;
         self.number("shadow_bias", c.shadow_bias, 0.0, 1e3)?;
         self.number("shadow_slope_bias", c.shadow_slope_bias, 0.0, 1e3)?;
+        self.number("shadow_offset", c.shadow_offset, 0.0, 1e3)?;
         let samples = c.shadow_samples;
         let message = format!("`shadow_samples` is {samples}");
         self.require((1..=64).contains(&samples), "shadow_samples", message, "use 1 to 64")

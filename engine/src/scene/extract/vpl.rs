@@ -60,6 +60,7 @@ fn sanitized(vpl: &InstantRadiosity) -> InstantRadiosity {
         shadow_bias: positive(vpl.shadow_bias, default.shadow_bias),
         shadow_slope_bias: positive(vpl.shadow_slope_bias, default.shadow_slope_bias),
         shadow_samples: vpl.shadow_samples.clamp(1, 64),
+        shadow_offset: positive(vpl.shadow_offset, default.shadow_offset),
         ..vpl.clone()
     }
 }

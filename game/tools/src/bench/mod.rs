@@ -13,6 +13,7 @@ mod fixture;
 mod flicker;
 mod growth;
 mod host;
+mod instant_radiosity;
 mod light_culling;
 mod machine;
 mod pareto;

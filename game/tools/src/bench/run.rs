@@ -4,7 +4,9 @@ use super::fixture::{self, Fixture};
 use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
-use super::{cliffs, error, flicker, growth, host, light_culling, machine, report, rooms, thesis, timing};
+use super::{
+    cliffs, error, flicker, growth, host, instant_radiosity, light_culling, machine, report, rooms, thesis, timing,
+};
 use crate::cli::BenchArgs;
 use anyhow::{Context, Result, bail};
 use lightwell::gpu::Gpu;
@@ -34,6 +36,9 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     }
     if args.light_culling {
         return light_culling::run(args, common);
+    }
+    if args.instant_radiosity {
+        return instant_radiosity::run(args, common);
     }
     if args.cliffs {
         return cliffs::run(args, common);

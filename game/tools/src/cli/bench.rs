@@ -19,6 +19,7 @@ Examples:
   lightwell bench courtyard -o out/host --host             what a frame costs the host alone
   lightwell bench --thesis -o out/thesis --models ~/models tables and figures of the thesis, side by side
   lightwell bench --light-culling -o out/culling           tables and figures of the culling paper, side by side
+  lightwell bench --instant-radiosity -o out/report        figures of the report on virtual point lights
   lightwell bench --cliffs -o out/cliffs                   what one small thing of each kind adds to a room's cost
   lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
@@ -106,9 +107,20 @@ pub struct BenchArgs {
         ],
     )]
     pub light_culling: bool,
+    /// Measure the figures of the report that instant radiosity follows, in scenes with a preset `report`: intersection tests
+    /// against B·N/(1−ρ), draws against (7 + M)·B, pictures of single virtual lights and of particles, and the error over
+    /// N. Writes instant_radiosity.json, instant_radiosity.md, plots and pictures [SCENE: vpl_report, cornell;
+    /// --error-size: 128x128; --aa: 4; --reference-spp: 1024]
+    #[arg(
+        long, conflicts_with_all = [
+            "host", "growth", "sweep", "method", "variant", "rooms", "quick", "bless", "times", "thesis", "time_size",
+            "frames", "flicker", "spp", "bounces", "throughput",
+        ],
+    )]
+    pub instant_radiosity: bool,
     /// Measure what one small thing of each kind (a blended card, glass, an emissive card, fog, ...) adds to the cost of each
     /// pass in a plain room; nothing else is measured. Writes cliffs.json and cliffs.md [size: 64x64]
-    #[arg(long, conflicts_with_all = ["scenes", "growth", "sweep", "method", "variant", "host", "rooms"])]
+    #[arg(long, conflicts_with_all = ["scenes", "growth", "sweep", "method", "variant", "host", "rooms", "instant_radiosity"])]
     pub cliffs: bool,
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]

@@ -37,10 +37,11 @@ pub struct Endured {
 }
 
 /// Scenes that ship, with the share of the frames that each runs: two loops of 24 s are 1,440 frames.
-pub const SCENES: [(&str, u32); 15] = [
+pub const SCENES: [(&str, u32); 16] = [
     ("cornell", 1),
     ("bleeding_gloss", 1),
     ("glossy_ring", 20),
+    ("vpl_report", 10),
     ("gallery", 10),
     ("studio", 10),
     ("plaza", 10),

@@ -1,4 +1,5 @@
-//! How particles find what they hit: through the hierarchy, or object by object in local space as the report does.
+//! How particles find what they hit: through the hierarchy, or object by object in local space as the report does, or
+//! by the oriented boxes around objects as it suggests.
 
 use super::surface::is_cut_out;
 use crate::bvh::{Bvh, MAX_DEPTH, MeshBvh, Ray, SceneBvh, intersect_triangle, is_nearer, vertex_indices};
@@ -46,6 +47,8 @@ pub struct CastHit {
     pub triangle: u32,
     /// Barycentric coordinates.
     pub barycentric: [f32; 2],
+    /// Unit normal, on the side of the ray, of the box that stands for the object; none where its surface was hit.
+    pub box_normal: Option<Vec3>,
 }
 
 /// Distance at which a ray meets the unit square in z = 0: t = −o_z/d_z where |x|, |y| ≤ ½.
@@ -73,10 +76,12 @@ pub fn intersect_unit_box(ray: &Ray) -> Option<f32> {
 enum Form {
     /// Two triangles that make a rectangle.
     Square,
-    /// Twelve that make a box, or the bounds of anything.
+    /// Twelve that make a box.
     Box,
-    /// Triangles in object space.
+    /// Triangles in world space.
     Mesh(MeshBvh),
+    /// The box around an object, and its triangles in world space for rays that start within.
+    Bounds(MeshBvh),
 }
 
 /// An object in its own space.
@@ -88,6 +93,53 @@ struct Object {
     first: u32,
     count: u32,
     casts_shadow: bool,
+}
+
+/// Where on an object a ray met it.
+enum Place {
+    /// On that of its triangles.
+    Triangle(u32),
+    /// On the square or box that it is.
+    Form,
+    /// On the box around it, with its normal on the side of the ray.
+    Box(Vec3),
+}
+
+impl Object {
+    /// Distance and place of the hit before `bound`, if there is one.
+    fn meet(&self, ray: &Ray, bound: f32, counts: &mut IntersectionCounts) -> Option<(f32, Place)> {
+        let local = Ray::new(
+            self.local_from_world.transform_point3(ray.origin),
+            self.local_from_world.transform_vector3(ray.direction),
+        );
+        match &self.form {
+            Form::Square => intersect_square(&local).map(|t| (t, Place::Form)),
+            Form::Box => intersect_unit_box(&local).map(|t| (t, Place::Form)),
+            Form::Mesh(mesh) => meet_mesh(mesh, ray, bound, counts),
+            Form::Bounds(mesh) if local.origin.abs().max_element() <= 0.5 => meet_mesh(mesh, ray, bound, counts),
+            Form::Bounds(_) => intersect_unit_box(&local).map(|t| (t, Place::Box(self.box_normal(ray, local.at(t))))),
+        }
+    }
+
+    /// World-space normal of the unit box at a place on it, on the side of the ray.
+    fn box_normal(&self, ray: &Ray, local: Vec3) -> Vec3 {
+        let axis = if local.abs().x == local.abs().max_element() {
+            Vec3::X
+        } else if local.abs().y == local.abs().max_element() {
+            Vec3::Y
+        } else {
+            Vec3::Z
+        };
+        // Normals go by the inverse transpose of what points go by.
+        let normal = (self.local_from_world.matrix3.transpose() * axis).normalize_or_zero();
+        if normal.dot(ray.direction) > 0.0 { -normal } else { normal }
+    }
+}
+
+/// Tests all triangles of a mesh.
+fn meet_mesh(mesh: &MeshBvh, ray: &Ray, bound: f32, counts: &mut IntersectionCounts) -> Option<(f32, Place)> {
+    counts.triangles += mesh.corners().len() as u64;
+    mesh.closest_hit_by_brute_force(ray, bound).map(|hit| (hit.t, Place::Triangle(hit.triangle)))
 }
 
 /// Casts rays of particles into a scene.
@@ -102,7 +154,8 @@ impl<'a> Caster<'a> {
     pub fn new(scene: &'a Scene, bvh: &'a SceneBvh, casts: ParticleCasts) -> Self {
         let objects = match casts {
             ParticleCasts::Hierarchy => None,
-            ParticleCasts::BruteForce => Some(objects(scene)),
+            ParticleCasts::BruteForce => Some(objects(scene, false)),
+            ParticleCasts::Bounds => Some(objects(scene, true)),
         };
         Self { scene, bvh, objects }
     }
@@ -162,38 +215,53 @@ impl<'a> Caster<'a> {
         let counts = is_nearer(t, index, bound, closest.map(|best| (best.t, best.triangle)))
             && self.scene.primitives[triangle.primitive as usize].blocks_light()
             && !is_cut_out(self.scene, self.bvh, index, [u, v]);
-        counts.then_some(CastHit { t, triangle: index, barycentric: [u, v] })
+        counts.then_some(CastHit { t, triangle: index, barycentric: [u, v], box_normal: None })
     }
 
     fn object_by_object(&self, ray: &Ray, objects: &[Object], counts: &mut IntersectionCounts) -> Option<CastHit> {
-        let mut closest: Option<CastHit> = None;
+        let mut closest = None;
+        let mut bound = f32::INFINITY;
         for object in objects.iter().filter(|object| object.casts_shadow) {
             counts.objects += 1;
-            let bound = closest.map_or(f32::INFINITY, |hit| hit.t);
-            let local = Ray::new(
-                object.local_from_world.transform_point3(ray.origin),
-                object.local_from_world.transform_vector3(ray.direction),
-            );
-            let hit = match &object.form {
-                Form::Square => intersect_square(&local).map(|t| (t, None)),
-                Form::Box => intersect_unit_box(&local).map(|t| (t, None)),
-                Form::Mesh(mesh) => {
-                    counts.triangles += mesh.corners().len() as u64;
-                    mesh.closest_hit_by_brute_force(&local, bound).map(|hit| (hit.t, Some(hit)))
-                }
-            };
-            let Some((t, on_mesh)) = hit.filter(|(t, _)| *t < bound) else { continue };
-            let found = match on_mesh {
-                Some(hit) => {
-                    Some((object.first + hit.triangle, self.barycentric(object.first + hit.triangle, ray.at(t))))
-                }
-                None => self.triangle_at(object, ray, t),
-            };
-            if let Some((triangle, barycentric)) = found {
-                closest = Some(CastHit { t, triangle, barycentric });
+            if let Some((t, place)) = object.meet(ray, bound, counts).filter(|(t, _)| *t < bound) {
+                bound = t;
+                closest = Some((object, place));
             }
         }
-        closest
+        let (object, place) = closest?;
+        self.finish(object, ray, bound, place)
+    }
+
+    /// The hit on the object that was met first.
+    fn finish(&self, object: &Object, ray: &Ray, t: f32, place: Place) -> Option<CastHit> {
+        let (triangle, barycentric, box_normal) = match place {
+            Place::Triangle(triangle) => {
+                let triangle = object.first + triangle;
+                (triangle, self.barycentric(triangle, ray.at(t)), None)
+            }
+            Place::Form => {
+                let (triangle, barycentric) = self.triangle_at(object, ray, t)?;
+                (triangle, barycentric, None)
+            }
+            Place::Box(normal) => {
+                let (triangle, barycentric) = self.material_at(object, ray, t)?;
+                (triangle, barycentric, Some(normal))
+            }
+        };
+        Some(CastHit { t, triangle, barycentric, box_normal })
+    }
+
+    /// The triangle whose material stands for a place on an object's box: the nearest one where texture or vertex
+    /// colours tell triangles apart, else any, since looking for it costs what the box saves.
+    fn material_at(&self, object: &Object, ray: &Ray, t: f32) -> Option<(u32, [f32; 2])> {
+        let primitive = &self.scene.primitives[self.bvh.triangles.get(object.first as usize)?.primitive as usize];
+        let material = &primitive.material;
+        let differs = primitive.mesh.extras.is_some()
+            || material.base_color_texture.is_some()
+            || material.metallic_roughness_texture.is_some()
+            || material.specular_texture.is_some()
+            || material.specular_color_texture.is_some();
+        if differs { self.triangle_at(object, ray, t) } else { Some((object.first, [1.0 / 3.0; 2])) }
     }
 
     /// The triangle of an object that lies nearest to a point on its square or box, facing the ray alike.
@@ -221,43 +289,46 @@ impl<'a> Caster<'a> {
     }
 }
 
-fn objects(scene: &Scene) -> Vec<Object> {
+fn objects(scene: &Scene, by_bounds: bool) -> Vec<Object> {
     let mut first = 0;
     let mut objects = Vec::with_capacity(scene.primitives.len());
     for primitive in &scene.primitives {
         let count = primitive.mesh.triangle_count() as u32;
-        objects.push(object(primitive, first, count));
+        objects.push(object(primitive, first, count, by_bounds));
         first += count;
     }
     objects
 }
 
-fn object(primitive: &Primitive, first: u32, count: u32) -> Object {
+fn object(primitive: &Primitive, first: u32, count: u32, by_bounds: bool) -> Object {
     let bounds = primitive.mesh.bounds;
     let size = bounds.size();
     let singular = !(primitive.world_from_object.matrix3.determinant().abs() > 0.0);
     let flat = (0..3).find(|&axis| size[axis] == 0.0);
     let form = match flat {
         _ if singular || bounds.is_empty() => None,
-        Some(axis) if is_rectangle(primitive, axis) => Some((Form::Square, square(size, axis))),
+        // A flat box needs no normal of its own: the object's triangles have it.
+        Some(axis) if by_bounds || is_rectangle(primitive, axis) => Some((Form::Square, square(size, axis))),
         None if is_box(primitive) => Some((Form::Box, Affine3A::from_scale(size))),
+        None if by_bounds => Some((Form::Bounds(world_mesh(primitive, count)), Affine3A::from_scale(size))),
         _ => None,
     };
     let (form, world_from_local) = match form {
         Some((form, shape)) => {
             (form, primitive.world_from_object * Affine3A::from_translation(bounds.center()) * shape)
         }
-        None => {
-            // World-space triangles, so that singular objects do as they do in the hierarchy.
-            let corner = |triangle: u32| {
-                vertex_indices(primitive, triangle).map(|vertex| {
-                    primitive.world_from_object.transform_point3(primitive.mesh.vertices[vertex].position.into())
-                })
-            };
-            (Form::Mesh(MeshBvh::from_triangles((0..count).map(corner).collect())), Affine3A::IDENTITY)
-        }
+        None => (Form::Mesh(world_mesh(primitive, count)), Affine3A::IDENTITY),
     };
     Object { local_from_world: world_from_local.inverse(), form, first, count, casts_shadow: primitive.blocks_light() }
+}
+
+/// World-space triangles, so that singular objects do as they do in the hierarchy.
+fn world_mesh(primitive: &Primitive, count: u32) -> MeshBvh {
+    let corner = |triangle: u32| {
+        vertex_indices(primitive, triangle)
+            .map(|vertex| primitive.world_from_object.transform_point3(primitive.mesh.vertices[vertex].position.into()))
+    };
+    MeshBvh::from_triangles((0..count).map(corner).collect())
 }
 
 /// The unit square in z = 0 stretched to a box that is flat along an axis.

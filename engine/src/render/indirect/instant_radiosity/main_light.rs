@@ -7,7 +7,7 @@ use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::shadow_map::{self, ShadowMap};
-use crate::world::InstantRadiosity;
+use crate::world::{InstantRadiosity, ShadowLookup};
 use encase::ShaderType;
 use glam::Vec3;
 
@@ -18,6 +18,10 @@ pub(crate) struct MainLightUniform {
     bias: f32,
     slope_bias: f32,
     samples: u32,
+    offset: f32,
+    in_space: u32,
+    pad_a: u32,
+    pad_b: u32,
 }
 
 /// Declares a pass a light. The result is radiance, red, green and blue as layers of r32float.
@@ -56,6 +60,10 @@ pub(in crate::render) fn declare<'a>(
                 bias: settings.shadow_bias,
                 slope_bias: settings.shadow_slope_bias,
                 samples: settings.shadow_samples,
+                offset: settings.shadow_offset,
+                in_space: u32::from(settings.shadow_lookup == ShadowLookup::AsPublished),
+                pad_a: 0,
+                pad_b: 0,
             };
             let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
             let target = cx.view(target);

@@ -10,7 +10,7 @@ use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
 use crate::render::frame::Frame;
 use crate::render::rays::RayScene;
 use crate::scene::{Aabb, Frustum, Scene};
-use crate::world::{Accumulation, InstantRadiosity, VirtualPlacement, VirtualShading, VirtualVisibility};
+use crate::world::{Accumulation, InstantRadiosity, ShadowLookup, VirtualPlacement, VirtualShading, VirtualVisibility};
 use glam::Vec3;
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -163,6 +163,8 @@ impl VirtualLights {
             shadow_bias: 0.0,
             shadow_slope_bias: 0.0,
             shadow_samples: 0,
+            shadow_offset: 0.0,
+            shadow_lookup: ShadowLookup::default(),
             near_rays: 0,
             ..self.settings.clone()
         };
@@ -180,12 +182,24 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
     }
     let shot = declare_shots(graph, frame, state);
     let buffer = declare_choice(graph, frame, state, shot);
-    if !state.settings.view_driven || frame.settings.virtual_light.is_some() {
-        let why = if state.settings.view_driven { "one light is shown by itself" } else { "`view_driven` is off" };
+    if let Some(why) = why_all(state, frame) {
         graph.skip("reach", why);
         return Some(Lights { buffer, all: buffer, count: LightCount::All });
     }
     Some(declare_reach(graph, frame, state, buffer))
+}
+
+/// Why lights are summed that face nothing drawn; none where they are left out.
+fn why_all(state: &VirtualLights, frame: &Frame) -> Option<&'static str> {
+    if !state.settings.view_driven {
+        Some("`view_driven` is off")
+    } else if frame.settings.virtual_light.is_some() {
+        Some("one light is shown by itself")
+    } else if state.published().is_some() {
+        Some("the report's lights shine to both sides of their surface")
+    } else {
+        None
+    }
 }
 
 /// Declares the shooting. What the particles left stays on the processor; the device has the number of candidates.

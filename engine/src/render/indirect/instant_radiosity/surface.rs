@@ -1,7 +1,8 @@
 //! Surfaces as particles find them.
 
+use super::intersection::CastHit;
 use crate::assets::{AlphaMode, Texture, UvMap};
-use crate::bvh::{SceneBvh, vertex_indices, world_normal};
+use crate::bvh::{Ray, SceneBvh, vertex_indices, world_normal};
 use crate::render::indirect::lobe_reflectance::lobe_reflectance;
 use crate::scene::{Primitive, Scene, texel};
 use glam::{Vec3, Vec4};
@@ -93,9 +94,32 @@ pub(super) fn is_cut_out(scene: &Scene, bvh: &SceneBvh, triangle: u32, barycentr
     material.base_color.w * place.color.w * texel.w < cutoff
 }
 
-/// The hit of a particle that travelled along `direction`; none at the back of a single-sided surface, which stops light
-/// and returns none.
-pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, index: u32, barycentric: [f32; 2], direction: Vec3) -> Option<Met> {
+/// The hit of a particle; none at the back of a single-sided surface, which stops light and returns none.
+pub(super) fn meet(scene: &Scene, bvh: &SceneBvh, ray: &Ray, cast: &CastHit) -> Option<Met> {
+    match cast.box_normal {
+        Some(normal) => Some(on_box(scene, bvh, ray, cast, normal)),
+        None => on_triangle(scene, bvh, cast.triangle, cast.barycentric, ray.direction),
+    }
+}
+
+/// The hit on the box that stands for an object: its place and normal, with the object's material.
+fn on_box(scene: &Scene, bvh: &SceneBvh, ray: &Ray, cast: &CastHit, normal: Vec3) -> Met {
+    let triangle = &bvh.triangles[cast.triangle as usize];
+    let primitive = &scene.primitives[triangle.primitive as usize];
+    let position = ray.at(cast.t);
+    let largest = position.abs().max(ray.origin.abs()).max_element();
+    let met = with_material(primitive, &Place::new(primitive, triangle.triangle, cast.barycentric));
+    Met { position, error: largest * 2.0_f32.powi(-20), geometric_normal: normal, normal, ..met }
+}
+
+/// The hit of a ray of that direction on a triangle; none at the back of a single-sided surface.
+pub(super) fn on_triangle(
+    scene: &Scene,
+    bvh: &SceneBvh,
+    index: u32,
+    barycentric: [f32; 2],
+    direction: Vec3,
+) -> Option<Met> {
     let triangle = &bvh.triangles[index as usize];
     let primitive = &scene.primitives[triangle.primitive as usize];
     let outward = triangle.area_normal().normalize_or_zero();

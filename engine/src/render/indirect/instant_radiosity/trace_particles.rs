@@ -216,13 +216,10 @@ impl Shooter<'_> {
         let mut flight = Flight::new(&start, self.published(), self.source);
         let mut hit = 1;
         while index < self.plan.count(hit) {
-            let Some(cast) = self.caster.cast(&Ray::new(flight.origin, flight.direction), &mut piece.casts) else {
-                break;
-            };
-            path.push(flight.origin + cast.t * flight.direction);
-            let Some(met) = meet(self.scene, self.bvh, cast.triangle, cast.barycentric, flight.direction) else {
-                break;
-            };
+            let ray = Ray::new(flight.origin, flight.direction);
+            let Some(cast) = self.caster.cast(&ray, &mut piece.casts) else { break };
+            path.push(ray.at(cast.t));
+            let Some(met) = meet(self.scene, self.bvh, &ray, &cast) else { break };
             let Some(light) = self.reflect(&mut flight, &met, hit) else { break };
             piece.lights.push(light);
             hit += 1;

@@ -2,7 +2,7 @@
 
 use super::intersection::{Caster, IntersectionCounts};
 use super::random::hash_pair;
-use super::surface::meet;
+use super::surface::on_triangle;
 use super::trace_particles::{Candidate, DISTANT};
 use crate::bvh::{Ray, SceneBvh};
 use crate::scene::{Scene, SceneView};
@@ -56,7 +56,7 @@ impl<'a> ViewPoints<'a> {
             let direction = (eye.w * near - eye.truncate()).normalize_or_zero();
             let origin = near;
             let hit = caster.cast(&Ray::new(origin, direction), casts)?;
-            let met = meet(scene, bvh, hit.triangle, hit.barycentric, direction)?;
+            let met = on_triangle(scene, bvh, hit.triangle, hit.barycentric, direction)?;
             let cosine = -direction.dot(met.geometric_normal);
             let reflectance = met.reflectance(cosine).element_sum() / 3.0;
             let position = met.position + met.geometric_normal * (4.0 * met.error);
