@@ -15,7 +15,6 @@ mod environment;
 mod error;
 pub mod fields;
 mod fog;
-mod former_variants;
 mod game_world;
 mod hierarchy;
 mod identity;

@@ -1,6 +1,7 @@
 //! The order of modules, the graphics device, and the interfaces that games use.
 
 mod architecture;
+mod cases;
 mod custom_components;
 mod custom_method;
 mod custom_pass;
