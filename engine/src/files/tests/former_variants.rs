@@ -29,9 +29,7 @@ fn rivals_of_light_culling_are_what_their_names_say() {
 /// They are read, and not offered: neither as what was meant nor in the list of what there is.
 #[test]
 fn variants_that_are_gone_are_not_suggested() {
-    for (fields, help) in [("vpl: (casts: Bound)", "known here: `Hierarchy`, `BruteForce`")] {
-        let text = format!(r#"Scene(entities: [(name: "A", {fields})])"#);
-        let error = Folder::new(&[("a.scene.ron", &text)]).load("a.scene.ron").err().unwrap();
-        assert_eq!(error.help.as_deref(), Some(help), "{error}");
-    }
+    let text = r#"Scene(entities: [(name: "A", vpl: (casts: Bound))])"#;
+    let error = Folder::new(&[("a.scene.ron", text)]).load("a.scene.ron").err().unwrap();
+    assert_eq!(error.help.as_deref(), Some("known here: `Hierarchy`, `BruteForce`"), "{error}");
 }
