@@ -94,9 +94,9 @@ fn ways(results: &Results) -> String {
     let mut refusals = Vec::new();
     for (lobe, what) in ["Diffuse", "Glossy"].into_iter().enumerate() {
         let mut rows = Vec::new();
-        for column in 0..7 {
-            let [splatting, clustered, tiled] = [0, 1, 2].map(|way: usize| TABLE_2[lobe][way][column]);
-            let mut cells = vec![format!("paper, picture {}", column + 1)];
+        let [splats, clusters, tiles] = TABLE_2[lobe];
+        for (index, ((splatting, clustered), tiled)) in splats.into_iter().zip(clusters).zip(tiles).enumerate() {
+            let mut cells = vec![format!("paper, picture {}", index + 1)];
             cells.extend([splatting, clustered, tiled].map(|value| format!("{value:.2}")));
             cells.extend([splatting / tiled, clustered / tiled].map(factor));
             rows.push(cells);
