@@ -75,6 +75,10 @@ const AFTER_CHANGE: f32 = 1.0 / QUICK - 1.0;
 const STRAY: f32 = 4.0;
 const LEAST_SPREAD: f32 = 0.25;
 const FEW: f32 = 2.0;
+// Noise of a frame's light, in mean deviations and at least of the light itself: it decides whether a change of the patch's
+// light is followed.
+const NOISE: f32 = 0.8;
+const LEAST_NOISE: f32 = 0.03;
 // Steps of the number of frames that is kept, and the most of it.
 const STEPS: f32 = 32.0;
 const MOST_KEPT: f32 = 127.0;
@@ -84,26 +88,24 @@ struct Past {
     frames: f32,           // in it; 0: nothing is known
     quick: f32,            // luminance of the quick mean
     spread: f32,           // mean deviation of a frame's luminance
+    change: vec3f,         // how its patch's light changed since: a factor
+    left: f32,             // and how much of the number of frames is left then
 }
 
 fn nothing() -> Past {
-    return Past(vec3f(0.0), 0.0, 0.0, 0.0);
+    return Past(vec3f(0.0), 0.0, 0.0, 0.0, vec3f(1.0), 1.0);
 }
 
-// What was kept of a pixel, in the light of now.
+// What was kept of a pixel.
 fn kept(at: vec2i, spread: f32) -> Past {
     let texel = textureLoad(light_before, at, 0);
-    var past = Past(decode_radiance(texel.xy), f32(texel.w >> 20u) / STEPS, bitcast<f32>(texel.z), spread);
+    var past = Past(decode_radiance(texel.xy), f32(texel.w >> 20u) / STEPS, bitcast<f32>(texel.z), spread, vec3f(1.0), 1.0);
 #ifdef PATCHES
     let patch_index = texel.w & NO_PATCH;
     if patch_index < min(NO_PATCH, arrayLength(&patch_change)) {
         let change = patch_change[patch_index];
-        let was = luminance(past.light);
-        past.light *= change.rgb;
-        let factor = luminance(past.light) / max(was, 1e-37);
-        past.quick *= factor;
-        past.spread *= factor;
-        past.frames *= change.a;
+        past.change = change.rgb;
+        past.left = change.a;
     }
 #endif
     return past;
@@ -142,6 +144,7 @@ fn around(position: vec3f, n: vec3f, footprint: f32) -> Past {
     let low = floor(at);
     let part = at - low;
     var sum = nothing();
+    var change = vec4f(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2i(i & 1, i >> 1);
@@ -152,13 +155,14 @@ fn around(position: vec3f, n: vec3f, footprint: f32) -> Past {
         sum.frames += weight * found.frames;
         sum.quick += weight * found.quick;
         sum.spread += weight * found.spread;
+        change += weight * vec4f(found.change, found.left);
         weights += weight;
     }
     if weights <= 0.01 {
         return nothing();
     }
     let scale = 1.0 / weights;
-    return Past(scale * sum.light, scale * sum.frames, scale * sum.quick, scale * sum.spread);
+    return Past(scale * sum.light, scale * sum.frames, scale * sum.quick, scale * sum.spread, scale * change.rgb, scale * change.a);
 }
 
 // What is remembered of the point that a pixel shows.
@@ -193,14 +197,32 @@ fn without_strays(past: Past, light: vec3f) -> vec3f {
     return select(light, light * (limit / max(found, 1e-37)), is_changing() && past.frames > FEW && found > limit);
 }
 
+// What is remembered, in the light of now. The light of a patch is a sum over few links, so that its change may be chance: it
+// is followed as far as the pixel's own light says, by the odds of the two for normally distributed noise.
+fn followed(past: Past, fresh: f32) -> Past {
+    let was = luminance(past.light);
+    let would = luminance(past.light * past.change);
+    let noise = max(NOISE * past.spread, LEAST_NOISE * max(was, would));
+    let odds = (would - was) / max(noise, 1e-30) * ((fresh - 0.5 * (was + would)) / max(noise, 1e-30));
+    let share = 1.0 / (1.0 + exp(-clamp(odds, -20.0, 20.0)));
+    var now = past;
+    now.light *= mix(vec3f(1.0), past.change, share);
+    let factor = luminance(now.light) / max(was, 1e-37);
+    now.quick *= factor;
+    now.spread *= factor;
+    now.frames *= mix(1.0, past.left, share);
+    return now;
+}
+
 // The new means, from what is remembered and a frame's light that counts so much.
-fn updated(past: Past, all: vec3f, count: f32, most: f32) -> Past {
+fn updated(before: Past, all: vec3f, count: f32, most: f32) -> Past {
+    let past = followed(before, luminance(all));
     let light = without_strays(past, all);
     let frames = min(past.frames, most);
     let share = count / (frames + count);
     let fresh = luminance(light);
     let deviation = select(0.5 * fresh, abs(fresh - luminance(past.light)), frames > 0.0);
-    var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread);
+    var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread, vec3f(1.0), 1.0);
     now.quick = mix(past.quick, fresh, max(min(1.0, QUICK * count), share));
     now.spread = mix(past.spread, deviation, max(min(1.0, STEADY * count), share));
     let mean = luminance(now.light);

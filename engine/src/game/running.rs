@@ -218,8 +218,6 @@ impl Game {
             }
             None => Some(files::enter_scene(world, library, options, path, &old)?),
         };
-        // Meshes and textures of the scene before, unless this one has them too.
-        self.library.drop_unused();
         let since = self.world.ecs.resource::<Time>().step;
         self.world.ecs.insert_resource(CurrentScene { path: path.to_owned(), since });
         Ok(())
@@ -229,6 +227,8 @@ impl Game {
         let path = self.world.ecs.resource::<CurrentScene>().path.clone();
         let changed = self.entering.as_ref().map_or(Ok(()), |change| change(&mut self.world, &path));
         self.settle();
+        // Meshes and textures of the scene before, unless this one has them too.
+        self.library.drop_unused();
         changed.map_err(|what| GameError::Failed(vec![what])).and(self.run(OnSceneEnter))
     }
 

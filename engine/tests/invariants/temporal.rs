@@ -85,7 +85,7 @@ fn what_an_object_hid_and_lit_is_right_three_frames_after_it_left() {
     let after = traced(&gpu, &stage);
     let (third, _) = draw(&gpu, &mut renderer, &stage, 3);
     let left = left_of(&before, &after, &third);
-    assert!(left.abs() < 0.05, "after three frames {left} of what was there is left");
+    assert!(left.abs() < 0.1, "after three frames {left} of what was there is left");
 }
 
 /// While a box moves and a lamp swings, an image has no more error than one frame has by itself, although each pixel has
