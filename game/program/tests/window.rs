@@ -12,7 +12,8 @@ use std::time::{Duration, Instant};
 
 /// The editor on a scene, still, at the start of the clock.
 fn open<'a>(display: &'a Display, scene: &Path) -> Window<'a> {
-    let words = ["play", scene.to_str().unwrap()];
+    // A picture stands still at once.
+    let words = ["play", scene.to_str().unwrap(), "--average", "off"];
     Window::open_editor(display, Path::new(env!("CARGO_BIN_EXE_lightwell")), &words, scene.parent().unwrap())
 }
 
