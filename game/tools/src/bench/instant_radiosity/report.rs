@@ -10,19 +10,10 @@ use std::path::Path;
 
 /// The whole report as Markdown.
 pub(super) fn of(results: &Results) -> String {
-    let header = &results.header;
     let mut text = format!(
         "# Instant radiosity, as the report has it\n\nThe figures of \"Virtual Point Lights\" (E. Franchi and L. Ferrante) in \
-         scenes with its settings (`--set preset=report`), beside what it predicts: {}, {} ({}); {}; commit {}, {}.\n\n\
-         ```sh\n{}\n```\n\n{}.\n\n",
-        header.adapter,
-        header.driver,
-        header.device_type,
-        header.system,
-        header.commit.as_deref().unwrap_or("unknown"),
-        header.date,
-        header.command,
-        header.settings
+         scenes with its settings (`--set preset=report`), beside what it predicts: {}",
+        results.header.in_words()
     );
     for scene in &results.scenes {
         text += &format!("## `{}`\n\n", scene.name);

@@ -174,14 +174,8 @@ impl Course {
 
 /// The results of a folder, or new ones.
 fn open(file: &Path, header: Header, fresh: bool) -> Result<Results> {
-    let text = match std::fs::read_to_string(file) {
-        Ok(text) if !fresh => text,
-        _ => return Ok(Results { header, subjects: Vec::new() }),
-    };
-    let old: Results = serde_json::from_str(&text)
-        .with_context(|| format!("{} holds no results; add --fresh to replace it", file.display()))?;
-    old.header.check_same_source(&header, file)?;
-    Ok(Results { header: Header { date: old.header.date.clone(), ..header }, subjects: old.subjects })
+    let old = results::take_up(file, &header, fresh, |old: &mut Results| &mut old.header)?;
+    Ok(old.unwrap_or_else(|| Results { header, subjects: Vec::new() }))
 }
 
 #[cfg(test)]

@@ -24,19 +24,10 @@ const DEVIATIONS: &str = "## What deviates\n\n\
 
 /// The whole report as Markdown.
 pub(super) fn of(results: &Results) -> String {
-    let header = &results.header;
     let mut text = format!(
         "# The culling paper, side by side\n\nTables 1 and 2 and figures 9 and 10 of Tokuyoshi and Harada (2017) with ours beside \
-         them. Printed times are of a GeForce GTX 970 at 1920×1080. Ours: {}, {} ({}); {}; commit {}, {}.\n\n```sh\n{}\n```\n\n\
-         {}.\n\n",
-        header.adapter,
-        header.driver,
-        header.device_type,
-        header.system,
-        header.commit.as_deref().unwrap_or("unknown"),
-        header.date,
-        header.command,
-        header.settings
+         them. Printed times are of a GeForce GTX 970 at 1920×1080. Ours: {}",
+        results.header.in_words()
     );
     text += "Scenes are in the paper's settings (`--set preset=culling_paper`): 65,536 lights of one map, no visibility, 8 × 8 \
              interleaved, a filter of radius 8, δ = 0.001, independent ξ. A scene whose model is missing is replaced by its \

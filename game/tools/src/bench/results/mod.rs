@@ -8,7 +8,8 @@ pub use figures::*;
 pub use store::{Store, write_whole};
 
 use super::growth::{Growth, Pair};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -88,4 +89,36 @@ impl Header {
         }
         Ok(())
     }
+
+    /// The beginning of a report in Markdown, after its title: where, by what command and in what settings it was measured.
+    pub fn in_words(&self) -> String {
+        let commit = self.commit.as_deref().unwrap_or("unknown");
+        format!(
+            "{}, {} ({}); {}; commit {commit}, {}.\n\n```sh\n{}\n```\n\n{}.\n\n",
+            self.adapter, self.driver, self.device_type, self.system, self.date, self.command, self.settings
+        )
+    }
+}
+
+/// The results of an interrupted run, to be continued under a new header that keeps their date. None: there are none, or a
+/// `fresh` run is wanted.
+///
+/// # Errors
+/// If the file holds no such results, or those of another adapter, driver or program.
+pub fn take_up<R: DeserializeOwned>(
+    file: &Path,
+    header: &Header,
+    fresh: bool,
+    header_of: impl Fn(&mut R) -> &mut Header,
+) -> Result<Option<R>> {
+    let text = match std::fs::read_to_string(file) {
+        Ok(text) if !fresh => text,
+        _ => return Ok(None),
+    };
+    let mut old: R = serde_json::from_str(&text)
+        .with_context(|| format!("{} holds no results; add --fresh to replace it", file.display()))?;
+    let before = header_of(&mut old);
+    before.check_same_source(header, file)?;
+    *before = Header { date: before.date.clone(), ..header.clone() };
+    Ok(Some(old))
 }

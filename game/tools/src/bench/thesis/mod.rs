@@ -129,12 +129,6 @@ impl Course {
 
 /// The results of a folder, or new ones.
 fn open(file: &Path, header: Header, fresh: bool) -> Result<Results> {
-    let text = match std::fs::read_to_string(file) {
-        Ok(text) if !fresh => text,
-        _ => return Ok(Results { header, scenes: Vec::new() }),
-    };
-    let old: Results = serde_json::from_str(&text)
-        .with_context(|| format!("{} holds no results; add --fresh to replace it", file.display()))?;
-    old.header.check_same_source(&header, file)?;
-    Ok(Results { header: Header { date: old.header.date.clone(), ..header }, scenes: old.scenes })
+    let old = results::take_up(file, &header, fresh, |old: &mut Results| &mut old.header)?;
+    Ok(old.unwrap_or_else(|| Results { header, scenes: Vec::new() }))
 }

@@ -6,18 +6,9 @@ use super::{Results, SceneResults, Times};
 
 /// The whole report as Markdown.
 pub(super) fn of(results: &Results) -> String {
-    let header = &results.header;
     let mut text = format!(
-        "# The thesis, side by side\n\nTables and figures of Petr Šefčík's thesis (2016) with ours beside them. Ours: {}, \
-         {} ({}); {}; commit {}, {}.\n\n```sh\n{}\n```\n\n{}.\n\n",
-        header.adapter,
-        header.driver,
-        header.device_type,
-        header.system,
-        header.commit.as_deref().unwrap_or("unknown"),
-        header.date,
-        header.command,
-        header.settings
+        "# The thesis, side by side\n\nTables and figures of Petr Šefčík's thesis (2016) with ours beside them. Ours: {}",
+        results.header.in_words()
     );
     text += "Scenes are in the settings that the thesis evaluated (`--set preset=thesis`): one bounce, b = k = 1, no light of \
              the sky; formulas are the corrected ones where nothing else is said. A scene whose model is missing is replaced \
