@@ -23,7 +23,7 @@
 #import lightwell::shadow_tiles::{DARK, MIXED, kinds_of, tile_of}
 #endif
 #ifdef SHADOW_MAP
-#import lightwell::shadow_lookup::{Shadow, shadow_coordinate}
+#import lightwell::shadow_lookup::{Shadow, shadow_coordinate, shadow_receiver}
 #endif
 #import lightwell::view::{View, toward_eye}
 
@@ -358,7 +358,8 @@ fn arriving(pixel: vec2u, surface: Surface) -> vec2f {
 
 #ifdef SHADOW_MAP
 fn lit_by_map(position: vec3f, n: vec3f) -> f32 {
-    let at = shadow_coordinate(shadow, position, n, light_incidence(light, position).to_light);
+    let receiver = shadow_receiver(shadow.view, position, n, light_incidence(light, position).to_light);
+    let at = shadow_coordinate(shadow.view, shadow.faces[receiver.face].clip_from_world, receiver);
     return select(1.0, textureSampleCompareLevel(shadow_map, shadow_sampler, at.uv, at.face, at.depth), at.inside);
 }
 #endif

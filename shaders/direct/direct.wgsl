@@ -5,12 +5,9 @@
 #import lightwell::gbuffer::{decode_surface, world_position}
 #import lightwell::lights::{Light, light_incidence}
 #ifdef SHADOW_RAYS
-#import lightwell::shadow_rays::is_reached
-#ifdef GLASS
-#import lightwell::shadow_rays::left_on_way
+#import lightwell::shadow_rays::{UNKNOWN, passing_on_way}
 #endif
-#endif
-#import lightwell::shadow_lookup::{Shadow, NO_SHADOW, distance_along_view, shadow_coordinate}
+#import lightwell::shadow_lookup::{Shadow, NO_SHADOW, distance_along_view, shadow_coordinate, shadow_receiver}
 #import lightwell::view::{View, pixel_width, toward_eye}
 
 struct Region {
@@ -35,20 +32,21 @@ struct Region {
 // Percentage-closer filtering (Reeves et al. 1987) of the four nearest texels. Wider filters were measured and
 // left: against hard shadows each half texel of width adds a tenth to the error of the direct image.
 fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
-    if shadow.kind == NO_SHADOW {
+    if shadow.view.kind == NO_SHADOW {
         return 1.0;
     }
-    let at = shadow_coordinate(shadow, position, n, to_light);
+    let receiver = shadow_receiver(shadow.view, position, n, to_light);
+    let at = shadow_coordinate(shadow.view, shadow.faces[receiver.face].clip_from_world, receiver);
     if !at.inside {
         return 1.0;
     }
 #ifdef SHADOW_RAYS
     // Things that are smaller than a texel may be missing in the map.
-    if shadow.texel * distance_along_view(shadow, position) > COARSE * pixel_width(view, position) {
+    if shadow.view.texel * distance_along_view(shadow.view, position) > COARSE * pixel_width(view, position) {
         return UNKNOWN;
     }
     // Filtered lookups around the point see all texels up to two from it. Where they agree it is lit, or not.
-    let step = 1.0 / shadow.size;
+    let step = 1.0 / shadow.view.size;
     var sum = 0.0;
     for (var i = 0u; i < 4u; i++) {
         let corner = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
@@ -61,7 +59,6 @@ fn visibility(position: vec3f, n: vec3f, to_light: vec3f) -> f32 {
 }
 
 #ifdef SHADOW_RAYS
-const UNKNOWN: f32 = -1.0;
 // Texels that are wider than so many pixels do not tell what the pixels need to know.
 const COARSE: f32 = 4.0;
 #endif
@@ -84,19 +81,14 @@ fn add_light(@builtin(global_invocation_id) thread: vec3u) {
     if !is_lit(surface, incidence) {
         return;
     }
-    var lit = visibility(position, surface.normal, incidence.to_light);
+    var lit = vec3f(visibility(position, surface.normal, incidence.to_light));
 #ifdef SHADOW_RAYS
-    if lit == UNKNOWN {
-        lit = select(0.0, 1.0, is_reached(view, region.root, position, surface.normal, incidence));
-    }
+    lit = passing_on_way(view, region.root, position, surface.normal, incidence, lit.x);
 #endif
-    if lit <= 0.0 {
+    if all(lit <= vec3f(0.0)) {
         return;
     }
-    var reflected = reflected_light(surface, toward_eye(view, position), incidence) * lit;
-#ifdef GLASS
-    reflected *= left_on_way(view, region.root, position, surface.normal, incidence);
-#endif
+    let reflected = reflected_light(surface, toward_eye(view, position), incidence) * lit;
     for (var channel = 0u; channel < 3u; channel++) {
         let before = textureLoad(radiance, pixel, channel).r;
         textureStore(radiance, pixel, channel, vec4f(before + reflected[channel], 0.0, 0.0, 0.0));

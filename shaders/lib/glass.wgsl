@@ -11,8 +11,9 @@
 // What it takes on such a way is counted in whole numbers, whose sums are the same in any order.
 
 #import lightwell::brdf::fresnel_schlick
-#import lightwell::ray_materials::{coordinates, sample_texture, uv_of_use}
 #import lightwell::ray_scene::materials
+#import lightwell::ray_textures::{coordinates, base_color_texel, metallic_roughness_texel, specular_texel, specular_color_texel}
+#import lightwell::ray_textures::transmission_texel
 
 // A point of glass.
 struct Glass {
@@ -37,24 +38,16 @@ const LEAST: f32 = 1e-6;
 
 fn glass_at(triangle: u32, material: u32, barycentric: vec2f) -> Glass {
     let place = coordinates(triangle, barycentric);
-    let base = materials[material].base_color.rgb * place.color.rgb
-        * sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, place), vec4f(1.0)).rgb;
-    let metallic = materials[material].metallic
-        * sample_texture(materials[material].metallic_roughness_texture, uv_of_use(material, 1u, place), vec4f(1.0)).b;
-    var specular = materials[material].specular;
-    var specular_color = materials[material].specular_color;
-    var transmission = materials[material].transmission;
-#ifndef PLAIN
-    specular *= sample_texture(materials[material].specular_texture, uv_of_use(material, 4u, place), vec4f(1.0)).a;
-    specular_color *=
-        sample_texture(materials[material].specular_color_texture, uv_of_use(material, 5u, place), vec4f(1.0)).rgb;
-    transmission *= sample_texture(materials[material].transmission_texture, uv_of_use(material, 6u, place), vec4f(1.0)).r;
-#endif
+    let base = materials[material].base_color.rgb * place.color.rgb * base_color_texel(material, place).rgb;
+    let metallic = saturate(materials[material].metallic * metallic_roughness_texel(material, place).b);
+    let specular = materials[material].specular * specular_texel(material, place).a;
+    let specular_color = materials[material].specular_color * specular_color_texel(material, place).rgb;
+    let transmission = materials[material].transmission * transmission_texel(material, place).r;
     let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;
     return Glass(
-        base * (transmission * (1.0 - saturate(metallic))),
-        mix(dielectric, base, saturate(metallic)),
-        mix(specular, 1.0, saturate(metallic)),
+        base * (transmission * (1.0 - metallic)),
+        mix(dielectric, base, metallic),
+        mix(specular, 1.0, metallic),
         select(vec3f(0.0), materials[material].absorption, materials[material].is_solid != 0u),
     );
 }

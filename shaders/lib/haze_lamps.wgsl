@@ -7,7 +7,7 @@
 #import lightwell::lights::{Light, light_incidence}
 #import lightwell::media::{FARTHEST, transmittance}
 #ifdef SHADOWED
-#import lightwell::shadow_lookup::{Shadow, shadow_coordinate}
+#import lightwell::shadow_lookup::{Shadow, shadow_coordinate, shadow_receiver}
 #endif
 
 @group(0) @binding(13) var<storage, read> lamps: array<Light>;
@@ -37,7 +37,8 @@ fn arriving(index: u32, position: vec3f) -> Arriving {
     }
     var lit = 1.0;
 #ifdef SHADOWED
-    let at = shadow_coordinate(shadow, position, incidence.to_light, incidence.to_light);
+    let receiver = shadow_receiver(shadow.view, position, incidence.to_light, incidence.to_light);
+    let at = shadow_coordinate(shadow.view, shadow.faces[receiver.face].clip_from_world, receiver);
     if at.inside {
         lit = textureSampleCompareLevel(shadow_map, shadow_sampler, at.uv, at.face, at.depth);
     }

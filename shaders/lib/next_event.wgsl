@@ -318,11 +318,17 @@ fn sample_segment(index: u32, is_direct: bool, random: f32, on_light: vec2f) -> 
 }
 #endif
 
-// One light, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
+// Lights with the numbers from `begin` on, without `end`.
+struct LightRange {
+    begin: u32,
+    end: u32,
+}
+
+// One light of a range, chosen in proportion to what each would bring if nothing were in its way (weighted reservoir,
 // Chao 1982): a single light is sampled without noise. Lights that feed no indirect light are left out unless the light
 // is direct.
 fn sample_light(
-    surface: Surface, to_eye: vec3f, share: f32, count: u32, is_direct: bool, random: f32, on_light: vec2f,
+    surface: Surface, to_eye: vec3f, share: f32, range: LightRange, is_direct: bool, random: f32, on_light: vec2f,
 ) -> LightSample {
     var total = 0.0;
     var chosen: Incidence;
@@ -330,7 +336,7 @@ fn sample_light(
     var chosen_light = vec3f(0.0);
     var casts_shadow = false;
     var pick = random;
-    for (var i = 0u; i < count; i++) {
+    for (var i = range.begin; i < range.end; i++) {
         let candidate = load_light(i);
         if !is_direct && candidate.indirect == 0u {
             continue;
@@ -360,20 +366,6 @@ fn sample_light(
     }
     let found = light_weight(surface, to_eye, share, chosen);
     return toward_light(surface, chosen, chosen_light * (found * total / chosen_weight), casts_shadow);
-}
-
-// What a surface reflects of one light, that feeds indirect light.
-fn sample_one_light(surface: Surface, to_eye: vec3f, index: u32, on_light: vec2f) -> LightSample {
-    let candidate = load_light(index);
-    let incidence = incidence_of(candidate.light, surface.position, on_light);
-    if candidate.indirect == 0u || all(incidence.irradiance <= vec3f(0.0)) {
-        return no_light();
-    }
-    let light = bounded(lit(surface, to_eye, incidence.to_light) * incidence.irradiance);
-    if all(light <= vec3f(0.0)) {
-        return no_light();
-    }
-    return toward_light(surface, incidence, light, candidate.casts_shadow != 0u);
 }
 
 #ifdef AREA_LIGHTS

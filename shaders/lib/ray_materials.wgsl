@@ -1,122 +1,21 @@
 #define_import_path lightwell::ray_materials
 
-// Textures and materials at a point of a triangle.
+// Alpha and emission at a point of a triangle.
 
 #ifdef LAYERED
 #import lightwell::layers::coat_reflectance
 #endif
 #import lightwell::mesh::{BLENDED, emission_color}
-#import lightwell::ray_scene::{atlas, attributes, materials, triangle_texel}
-#ifndef PLAIN
-#import lightwell::ray_scene::extras
+#import lightwell::ray_scene::materials
+#ifdef LAYERED
+#import lightwell::ray_textures::clearcoat_texel
 #endif
-
-fn srgb_decode(c: vec3f) -> vec3f {
-    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
-}
-
-// `t` modulo `n`, never negative. Processors have no vector instruction that divides integers: of a rounded quotient the
-// remainder is off by one `n` at most.
-fn remainder(t: i32, n: i32) -> i32 {
-    let r = t - i32(floor(f32(t) / f32(n))) * n;
-    return r + select(0, n, r < 0) - select(0, n, r >= n);
-}
-
-// Texels that lie beside each other along an axis, wrapped into the texture.
-fn wrapped(texels: vec2i, size: i32, wrap: u32) -> vec2i {
-    let is_mirrored = wrap == 1u;
-    let period = select(size, 2 * size, is_mirrored);
-    let first = remainder(texels.x, period);
-    let second = select(0, first + 1, first + 1 < period);
-    let repeated = vec2i(first, select(first, second, texels.y != texels.x));
-    let mirrored = select(repeated, period - 1 - repeated, repeated >= vec2i(size));
-    return select(mirrored, clamp(texels, vec2i(0), vec2i(size - 1)), vec2<bool>(wrap > 1u));
-}
-
-fn texel_at(slot: vec4u, at: vec2i) -> vec4f {
-    let texel = textureLoad(atlas, at, i32(slot.z & 0xffffu), 0);
-    return select(texel, vec4f(srgb_decode(texel.rgb), texel.a), ((slot.z >> 16u) & 1u) != 0u);
-}
-
-// The texture at full resolution, with its own filter and wrapping.
-fn sample_texture(slot: vec4u, uv: vec2f, neutral: vec4f) -> vec4f {
-#ifdef UNTEXTURED
-    return neutral;
-#else
-    if slot.w == 0u {
-        return neutral;
-    }
-    // Beyond 10⁴ repeats a float cannot tell the texels apart.
-    let bounded = select(vec2f(0.0), clamp(uv, vec2f(-1e4), vec2f(1e4)), abs(uv) < vec2f(1e30));
-    let at = bounded * vec2f(vec2u(slot.y & 0xffffu, slot.y >> 16u));
-    let is_nearest = ((slot.z >> 17u) & 1u) != 0u;
-    let corner = select(floor(at - 0.5), floor(at), is_nearest);
-    let f = select(at - 0.5 - corner, vec2f(0.0), is_nearest);
-    // The nearest texel alone is four times the same.
-    let low = vec2i(corner);
-    let high = select(low + 1, low, is_nearest);
-    let size = vec2i(vec2u(slot.y & 0xffffu, slot.y >> 16u));
-    let x = wrapped(vec2i(low.x, high.x), size.x, (slot.z >> 18u) & 3u) + i32(slot.x & 0xffffu);
-    let y = wrapped(vec2i(low.y, high.y), size.y, (slot.z >> 20u) & 3u) + i32(slot.x >> 16u);
-    let top = mix(texel_at(slot, vec2i(x.x, y.x)), texel_at(slot, vec2i(x.y, y.x)), f.x);
-    let bottom = mix(texel_at(slot, vec2i(x.x, y.y)), texel_at(slot, vec2i(x.y, y.y)), f.x);
-    return mix(top, bottom, f.y);
-#endif
-}
-
-fn interpolated_uv(triangle: u32, barycentric: vec2f) -> vec2f {
-    let at = triangle_texel(triangle);
-    let a = bitcast<vec2f>(textureLoad(attributes, at).yz);
-    let b = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 1u)).yz);
-    let c = bitcast<vec2f>(textureLoad(attributes, at + vec2u(0u, 2u)).yz);
-    return (1.0 - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
-}
-
-// Both sets of texture coordinates, and the vertex colour.
-struct Coordinates {
-    uv: vec2f,
-    second_uv: vec2f,
-    color: vec4f,
-}
-
-fn coordinates(triangle: u32, barycentric: vec2f) -> Coordinates {
-    let uv = interpolated_uv(triangle, barycentric);
-#ifdef PLAIN
-    return Coordinates(uv, uv, vec4f(1.0));
-#else
-    let at = triangle_texel(triangle);
-    let a = textureLoad(extras, at, 0);
-    let b = textureLoad(extras, at + vec2u(0u, 1u), 0);
-    let c = textureLoad(extras, at + vec2u(0u, 2u), 0);
-    let w = 1.0 - barycentric.x - barycentric.y;
-    return Coordinates(
-        uv,
-        w * bitcast<vec2f>(a.xy) + barycentric.x * bitcast<vec2f>(b.xy) + barycentric.y * bitcast<vec2f>(c.xy),
-        w * vertex_color(a.zw) + barycentric.x * vertex_color(b.zw) + barycentric.y * vertex_color(c.zw),
-    );
-#endif
-}
-
-fn vertex_color(words: vec2u) -> vec4f {
-    return vec4f(unpack2x16unorm(words.x), unpack2x16unorm(words.y));
-}
-
-// Where the texture of a use (0: base colour, 1: metallic-roughness, …) is sampled.
-fn uv_of_use(material: u32, index: u32, at: Coordinates) -> vec2f {
-#ifdef PLAIN
-    return at.uv;
-#else
-    let row_u = materials[material].uv_rows[2u * index];
-    let row_v = materials[material].uv_rows[2u * index + 1u];
-    let uv = select(at.uv, at.second_uv, row_u.w != 0.0);
-    return vec2f(dot(row_u.xy, uv) + row_u.z, dot(row_v.xy, uv) + row_v.z);
-#endif
-}
+#import lightwell::ray_textures::{base_color_texel, coordinates, emissive_texel}
 
 // Alpha of a point.
 fn alpha_at(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
     let at = coordinates(triangle, barycentric);
-    let texel = sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, at), vec4f(1.0));
+    let texel = base_color_texel(material, at);
     return materials[material].base_color.a * at.color.a * texel.a;
 }
 
@@ -140,7 +39,7 @@ fn emission_below_coat(triangle: u32, material: u32, barycentric: vec2f, cosine:
         return 1.0;
     }
     let at = coordinates(triangle, barycentric);
-    let texel = sample_texture(materials[material].clearcoat_texture, uv_of_use(material, 7u, at), vec4f(1.0)).r;
+    let texel = clearcoat_texel(material, at).r;
     return 1.0 - coat_reflectance(coat * texel, cosine);
 }
 #endif
@@ -148,6 +47,6 @@ fn emission_below_coat(triangle: u32, material: u32, barycentric: vec2f, cosine:
 // Emitted radiance of a point of a triangle [W/(m² sr)].
 fn emitted_at(triangle: u32, material: u32, barycentric: vec2f) -> vec3f {
     let at = coordinates(triangle, barycentric);
-    let texel = sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, at), vec4f(1.0)).rgb;
+    let texel = emissive_texel(material, at).rgb;
     return materials[material].emissive * emission_color(materials[material].uv_rows[7], at.color) * texel;
 }

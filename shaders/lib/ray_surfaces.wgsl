@@ -7,8 +7,11 @@
 #import lightwell::layers::{stretched_alpha, coat_reflectance, film_reflectance, left_by_sheen, reflectance_of_film, albedo_of_sheen, stretch_direction}
 #endif
 #import lightwell::mesh::{emission_color, normalize_or_zero}
-#import lightwell::ray_materials::{Coordinates, coordinates, sample_texture, uv_of_use}
 #import lightwell::ray_scene::{DOUBLE_SIDED, NONE, attributes, load_triangle, materials, triangle_texel}
+#import lightwell::ray_textures::{Coordinates, coordinates, base_color_texel, metallic_roughness_texel, normal_texel, emissive_texel}
+#import lightwell::ray_textures::{specular_texel, specular_color_texel, transmission_texel, clearcoat_texel, clearcoat_roughness_texel}
+#import lightwell::ray_textures::{clearcoat_normal_texel, sheen_color_texel, sheen_roughness_texel, anisotropy_texel}
+#import lightwell::ray_textures::{iridescence_texel, iridescence_thickness_texel}
 #import lightwell::rays::Hit
 
 struct Surface {
@@ -114,21 +117,14 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
 #else
     let place = coordinates(hit.triangle, hit.barycentric);
 #endif
-    let base = materials[material].base_color * place.color
-        * sample_texture(materials[material].base_color_texture, uv_of_use(material, 0u, place), vec4f(1.0));
+    let base = materials[material].base_color * place.color * base_color_texel(material, place);
     surface.visible = !back || (triangle.flags & DOUBLE_SIDED) != 0u;
     surface.albedo = base.rgb;
 #ifndef DIFFUSE
-    let metallic_roughness =
-        sample_texture(materials[material].metallic_roughness_texture, uv_of_use(material, 1u, place), vec4f(1.0));
+    let metallic_roughness = metallic_roughness_texel(material, place);
     let metallic = saturate(materials[material].metallic * metallic_roughness.b);
-    var specular = materials[material].specular;
-    var specular_color = materials[material].specular_color;
-#ifndef PLAIN
-    specular *= sample_texture(materials[material].specular_texture, uv_of_use(material, 4u, place), vec4f(1.0)).a;
-    specular_color *=
-        sample_texture(materials[material].specular_color_texture, uv_of_use(material, 5u, place), vec4f(1.0)).rgb;
-#endif
+    let specular = materials[material].specular * specular_texel(material, place).a;
+    let specular_color = materials[material].specular_color * specular_color_texel(material, place).rgb;
     let dielectric = min(0.04 * specular_color, vec3f(1.0)) * specular;
     surface.albedo = base.rgb * (1.0 - metallic);
     surface.normal_reflectance = mix(dielectric, base.rgb, metallic);
@@ -137,10 +133,7 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.alpha = max(roughness * roughness, 1e-3);
 #endif
 #ifdef GLASS
-    var transmission = materials[material].transmission;
-#ifndef PLAIN
-    transmission *= sample_texture(materials[material].transmission_texture, uv_of_use(material, 6u, place), vec4f(1.0)).r;
-#endif
+    let transmission = materials[material].transmission * transmission_texel(material, place).r;
     surface.passing = surface.albedo * transmission;
     surface.albedo *= 1.0 - transmission;
     surface.is_solid = materials[material].is_solid != 0u;
@@ -160,9 +153,9 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
     surface.emissive = vec3f(0.0);
 #else
     surface.emissive = materials[material].emissive * emission_color(materials[material].uv_rows[7], place.color);
-#ifndef UNTEXTURED
+#ifdef EMISSIVE_TEXTURES
     if any(surface.emissive > vec3f(0.0)) {
-        surface.emissive *= sample_texture(materials[material].emissive_texture, uv_of_use(material, 3u, place), vec4f(1.0)).rgb;
+        surface.emissive *= emissive_texel(material, place).rgb;
     }
 #endif
 #endif
@@ -176,13 +169,12 @@ fn surface_at(hit: Hit, direction: vec3f) -> Surface {
 #ifdef LAYERED
     surface.coat_normal = n;
 #endif
-#ifndef UNTEXTURED
+#ifdef NORMAL_TEXTURES
     if materials[material].normal_texture.w != 0u && materials[material].normal_scale != 0.0 {
         let tangent = w * decode_direction(a.w & ~1u) + hit.barycentric.x * decode_direction(b.w & ~1u)
             + hit.barycentric.y * decode_direction(c.w & ~1u);
         let handedness = select(1.0, -1.0, (a.w & 1u) != 0u);
-        let at_normal = uv_of_use(material, 2u, place);
-        let sampled = sample_texture(materials[material].normal_texture, at_normal, vec4f(0.5, 0.5, 1.0, 1.0)).xyz;
+        let sampled = normal_texel(material, place).xyz;
         n = bent_normal(n, tangent, handedness, sampled, materials[material].normal_scale);
     }
 #endif
@@ -209,10 +201,8 @@ fn add_layers(surface: ptr<function, Surface>, material: u32, place: Coordinates
 #ifdef SHEEN
     let sheen = materials[material].sheen;
     if any(sheen.rgb > vec3f(0.0)) {
-        (*surface).sheen = sheen.rgb
-            * sample_texture(materials[material].sheen_color_texture, uv_of_use(material, 10u, place), vec4f(1.0)).rgb;
-        (*surface).sheen_roughness = sheen.a
-            * sample_texture(materials[material].sheen_roughness_texture, uv_of_use(material, 11u, place), vec4f(1.0)).a;
+        (*surface).sheen = sheen.rgb * sheen_color_texel(material, place).rgb;
+        (*surface).sheen_roughness = sheen.a * sheen_roughness_texel(material, place).a;
         let albedo = albedo_of_sheen((*surface).sheen_roughness, n_dot_v);
         (*surface).sheen_albedo = (*surface).sheen * albedo;
         left = left_by_sheen((*surface).sheen, albedo);
@@ -236,9 +226,8 @@ fn add_film(surface: ptr<function, Surface>, material: u32, place: Coordinates, 
     if film.x <= 0.0 {
         return;
     }
-    (*surface).film = film.x
-        * sample_texture(materials[material].iridescence_texture, uv_of_use(material, 13u, place), vec4f(1.0)).r;
-    let part = sample_texture(materials[material].iridescence_thickness_texture, uv_of_use(material, 14u, place), vec4f(1.0)).g;
+    (*surface).film = film.x * iridescence_texel(material, place).r;
+    let part = iridescence_thickness_texel(material, place).g;
     (*surface).film_ior = film.y;
     (*surface).film_thickness = mix(film.z, film.w, part);
     (*surface).film_base = (*surface).normal_reflectance;
@@ -252,8 +241,7 @@ fn add_stretch(surface: ptr<function, Surface>, material: u32, place: Coordinate
     if stretch.x <= 0.0 {
         return;
     }
-    let texel =
-        sample_texture(materials[material].anisotropy_texture, uv_of_use(material, 12u, place), vec4f(1.0, 0.5, 1.0, 1.0)).rgb;
+    let texel = anisotropy_texel(material, place).rgb;
     let d = texel.rg * 2.0 - 1.0;
     let turn = vec2f(d.x * stretch.y - d.y * stretch.z, d.x * stretch.z + d.y * stretch.y);
     (*surface).along = stretch_direction((*surface).normal, tangent.xyz, tangent.w, turn);
@@ -266,13 +254,11 @@ fn left_by_coat(surface: ptr<function, Surface>, material: u32, place: Coordinat
     if coat.x <= 0.0 {
         return 1.0;
     }
-    let factor = coat.x * sample_texture(materials[material].clearcoat_texture, uv_of_use(material, 7u, place), vec4f(1.0)).r;
-    let roughness = saturate(coat.y
-        * sample_texture(materials[material].clearcoat_roughness_texture, uv_of_use(material, 8u, place), vec4f(1.0)).g);
+    let factor = coat.x * clearcoat_texel(material, place).r;
+    let roughness = saturate(coat.y * clearcoat_roughness_texel(material, place).g);
     (*surface).coat_alpha = max(roughness * roughness, 1e-3);
     if coat.z != 0.0 {
-        let flat = vec4f(0.5, 0.5, 1.0, 1.0);
-        let sampled = sample_texture(materials[material].clearcoat_normal_texture, uv_of_use(material, 9u, place), flat).xyz;
+        let sampled = clearcoat_normal_texel(material, place).xyz;
         (*surface).coat_normal = bent_normal((*surface).coat_normal, tangent.xyz, tangent.w, sampled, coat.z);
     }
     (*surface).coat = coat_reflectance(factor, abs(dot((*surface).coat_normal, to_eye)));

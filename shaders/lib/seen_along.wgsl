@@ -16,7 +16,7 @@
 #ifdef HAZE
 #import lightwell::haze_along::haze_along
 #endif
-#import lightwell::next_event::{LightSample, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, sample_one_light, specular_of, specular_share}
+#import lightwell::next_event::{LightRange, NO_RAY, blurred, bounded, diffuse_reflectance, even_reflectance, sample_light, specular_of, specular_share}
 #ifndef EVEN_SKY
 #import lightwell::sky::sky_radiance
 #endif
@@ -32,6 +32,9 @@
 #import lightwell::refraction::{CLEAR, cross_surface, crossing_share, mirror_at_surface, reflecting}
 #endif
 #import lightwell::rays::{Hit, LIGHT, SHADOW}
+#ifdef GLASS
+#import lightwell::rays::no_hit
+#endif
 #import lightwell::walk::{passed, trace}
 #import lightwell::sampling::{INVERSE_PI, Sampler, basis, next_pair}
 #import lightwell::visible_surface::{SeenRay, VisibleSurface, ray_from}
@@ -139,12 +142,11 @@ fn lit_radiance(surface: Surface, direction: vec3f, random: ptr<function, Sample
 #ifdef AREA_LIGHTS
         on_light = next_pair(random);
 #endif
-        var sample: LightSample;
+        var range = LightRange(0u, around.light_count);
         if are_few {
-            sample = sample_one_light(surface, -direction, i, on_light);
-        } else {
-            sample = sample_light(surface, -direction, NO_RAY, around.light_count, false, pick, on_light);
+            range = LightRange(i, i + 1u);
         }
+        let sample = sample_light(surface, -direction, NO_RAY, range, false, pick, on_light);
         let hit = trace(around.root, sample.ray, sample.reach, SHADOW);
         if hit.triangle == NONE {
             sum += bounded(sample.light * passed(sample.ray, hit));
@@ -168,6 +170,24 @@ const ROOM: u32 = 3u;
 const MOST_SURFACES: u32 = 12u;
 // Least share of a way that waits: less is left out.
 const WORTHWHILE: f32 = 0.01;
+
+fn strength(way: Branch) -> f32 {
+    let t = way.ray.throughput;
+    return max(t.r, max(t.g, t.b));
+}
+
+// Of several rays from rough glass each goes one way, by chance.
+fn one_of(ways: Ways, random: ptr<function, Sampler>) -> Branch {
+    let smaller = strength(ways.smaller);
+    let share = smaller / max(smaller + strength(ways.larger), 1e-30);
+    let takes_smaller = next_pair(random).x < share;
+    var chosen = ways.larger;
+    if takes_smaller {
+        chosen = ways.smaller;
+    }
+    chosen.ray.throughput /= max(select(1.0 - share, share, takes_smaller), 1e-6);
+    return chosen;
+}
 
 // The ways on from a surface of glass: that on which more goes on, and the other.
 struct Ways {
@@ -199,22 +219,23 @@ fn ways_from(surface: Surface, branch: Branch, random: ptr<function, Sampler>) -
     return Ways(mirroring, passing);
 }
 
-// The glow of lights behind rough glass.
-fn lit_crossed(surface: Surface, direction: vec3f, random: ptr<function, Sampler>) -> vec3f {
-    if surface.alpha <= CLEAR {
-        return vec3f(0.0);
-    }
-    var crossed = surface;
-    crossed.is_crossed = true;
-    return lit_radiance(crossed, direction, random);
-}
+// What lights make of a surface: seen from the front; of glass, what it reflects of them and their glow through it. In clear glass
+// neither is more than a point.
+const FRONT: u32 = 0u;
+const REFLECTING: u32 = 1u;
+const CROSSED: u32 = 2u;
 
-// What lights make of a surface of glass: what it reflects of them, and their glow. In clear glass neither is more than a point.
-fn lit_glass(surface: Surface, direction: vec3f, random: ptr<function, Sampler>) -> vec3f {
-    if surface.alpha <= CLEAR {
-        return vec3f(0.0);
+fn lit_sides(surface: Surface, first: u32, last: u32, direction: vec3f, random: ptr<function, Sampler>) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var side = first; side <= last; side++) {
+        var lit = surface;
+        if side == REFLECTING {
+            lit = reflecting(surface, -direction);
+        }
+        lit.is_crossed = side == CROSSED;
+        sum += lit_radiance(lit, direction, random);
     }
-    return lit_radiance(reflecting(surface, -direction), direction, random) + lit_crossed(surface, direction, random);
+    return sum;
 }
 #endif
 
@@ -308,33 +329,33 @@ fn seen_along(first: SeenRay, alpha: f32, random: ptr<function, Sampler>) -> Ref
     return found;
 }
 #else
-// What a surface that is not of glass shows along a branch, which goes on where it mirrors, or ends.
-fn shown(met: Surface, hit: Hit, branch: ptr<function, Branch>, random: ptr<function, Sampler>) -> vec3f {
-    let direction = (*branch).ray.ray.direction;
-    var surface = blurred(met, (*branch).blur);
-    var next = SeenRay((*branch).ray.ray, 0.0, vec3f(0.0));
-    var light = vec3f(0.0);
-    let is_glossy = specular_share(surface, -direction) > GLOSSY;
-#ifdef ON_SCREEN
-    let there = on_screen(surface.position);
-    if surface.visible && (*branch).is_straight && !is_glossy && there.a > 0.0 {
-        (*branch).ray = next;
-        return there.rgb;
+// Which lights count for a surface that a branch has met: as `lit_sides` takes them, none if the last comes before the first.
+fn sides_of(surface: Surface, is_glass: bool, is_first: bool) -> vec2u {
+    if !is_glass {
+        return select(vec2u(1u, 0u), vec2u(FRONT), surface.visible);
     }
-#endif
+    // What the first surface reflects of lights is drawn with it.
+    return select(vec2u(select(REFLECTING, CROSSED, is_first), CROSSED), vec2u(1u, 0u), surface.alpha <= CLEAR);
+}
+
+// What a surface that is not of glass shows along a branch, beside the light that comes straight from lights. The branch goes on
+// where it mirrors, or ends.
+fn shown(surface: Surface, hit: Hit, of_lights: vec3f, branch: ptr<function, Branch>, random: ptr<function, Sampler>) -> vec3f {
+    let direction = (*branch).ray.ray.direction;
+    var light = vec3f(0.0);
+    var next = SeenRay((*branch).ray.ray, 0.0, vec3f(0.0));
     if surface.visible {
-        let straight = bounded(surface.emissive)
-            + lit_radiance(blurred(surface, WIDER * (*branch).blur), direction, random);
         (*branch).blur = surface.alpha;
-        var indirect = vec3f(0.0);
+        let is_glossy = specular_share(surface, -direction) > GLOSSY;
+        var reflectance = even_reflectance(surface, -direction);
         if is_glossy {
-            indirect = diffuse_reflectance(surface) * patch_radiance(surface, hit, random);
-            surface = specular_of(surface);
-            next = ray_from(VisibleSurface(surface, -direction, 1.0, false), random);
-        } else {
-            indirect = even_reflectance(surface, -direction) * patch_radiance(surface, hit, random);
+            reflectance = diffuse_reflectance(surface);
         }
-        light = of_layer(straight, indirect, (*branch).is_straight);
+        let indirect = reflectance * patch_radiance(surface, hit, random);
+        if is_glossy {
+            next = ray_from(VisibleSurface(specular_of(surface), -direction, 1.0, false), random);
+        }
+        light = of_layer(bounded(surface.emissive) + of_lights, indirect, (*branch).is_straight);
     }
     (*branch).ray = SeenRay(next.ray, next.density, (*branch).ray.throughput * next.throughput);
     (*branch).absorption = vec3f(0.0);
@@ -343,24 +364,31 @@ fn shown(met: Surface, hit: Hit, branch: ptr<function, Branch>, random: ptr<func
 }
 
 fn seen_along(first: SeenRay, alpha: f32, random: ptr<function, Sampler>) -> Reflection {
-    var waiting: array<Branch, ROOM>;
-    waiting[0] = Branch(first, vec3f(0.0), alpha, false);
-    return seen_by(&waiting, 1u, random);
+    return follow(Branch(first, vec3f(0.0), alpha, false), no_hit(0.0), random);
 }
 
-// What is seen along some ways together. What is reflected or passes where there is no room for it to wait is lost.
-fn seen_by(waiting: ptr<function, array<Branch, ROOM>>, ways: u32, random: ptr<function, Sampler>) -> Reflection {
+// What is seen along a way and all that part from it. Where it begins at glass that the camera sees, what the way met there is
+// given. What is reflected or passes where there is no room for it to wait is lost.
+fn follow(start: Branch, glass_hit: Hit, random: ptr<function, Sampler>) -> Reflection {
+    var waiting: array<Branch, ROOM>;
     var found = Reflection(vec3f(0.0), FAR);
-    var left = ways - 1u;
-    var branch = (*waiting)[left];
-    for (var step = 0u; step < MOST_SURFACES; step++) {
+    var left = 0u;
+    var branch = start;
+    let begins_at_glass = glass_hit.triangle != NONE;
+    for (var step = 0u; step < MOST_SURFACES + u32(begins_at_glass); step++) {
+        let is_first = begins_at_glass && step == 0u;
         let ray = branch.ray.ray;
-        let hit = trace(around.root, ray, 3e38, SEEN);
+        var hit = trace(around.root, ray, select(3e38, 0.0, is_first), SEEN);
+        if is_first {
+            hit = glass_hit;
+        }
         branch.ray.throughput *= exp(-branch.absorption * min(hit.t, 1e9));
 #ifdef HAZE
-        let between = haze_along(ray.origin, ray.direction, hit.t, next_pair(random).x);
-        found.radiance += bounded(branch.ray.throughput * of_layer(vec3f(0.0), between.added, branch.is_straight));
-        branch.ray.throughput *= between.passing;
+        if !is_first {
+            let between = haze_along(ray.origin, ray.direction, hit.t, next_pair(random).x);
+            found.radiance += bounded(branch.ray.throughput * of_layer(vec3f(0.0), between.added, branch.is_straight));
+            branch.ray.throughput *= between.passing;
+        }
 #endif
         found.distance = select(found.distance, clamp(hit.t, 1e-6, FAR), step == 0u);
         let throughput = branch.ray.throughput;
@@ -370,18 +398,32 @@ fn seen_by(waiting: ptr<function, array<Branch, ROOM>>, ways: u32, random: ptr<f
             branch.ray.throughput = vec3f(0.0);
         } else {
             let surface = surface_at(hit, ray.direction);
-            if any(surface.passing > vec3f(0.0)) {
-                let of_lights = lit_glass(blurred(surface, WIDER * branch.blur), ray.direction, random);
+            let is_glass = any(surface.passing > vec3f(0.0));
+#ifdef ON_SCREEN
+            let is_glossy = specular_share(blurred(surface, branch.blur), -ray.direction) > GLOSSY;
+            let there = on_screen(surface.position);
+            let is_on_screen = surface.visible && branch.is_straight && !is_glass && !is_glossy && there.a > 0.0;
+#else
+            let there = vec4f(0.0);
+            let is_on_screen = false;
+#endif
+            let sides = select(sides_of(surface, is_glass, is_first), vec2u(1u, 0u), is_on_screen);
+            let of_lights = lit_sides(blurred(surface, WIDER * branch.blur), sides.x, sides.y, ray.direction, random);
+            if is_on_screen {
+                light = there.rgb;
+                branch.ray.throughput = vec3f(0.0);
+            } else if is_glass {
                 light = of_layer(of_lights, vec3f(0.0), branch.is_straight);
                 let on = ways_from(surface, branch, random);
                 branch = on.larger;
-                let rest = on.smaller.ray.throughput;
-                if left < ROOM && max(rest.r, max(rest.g, rest.b)) > WORTHWHILE {
-                    (*waiting)[left] = on.smaller;
+                if is_first && surface.alpha > CLEAR {
+                    branch = one_of(on, random);
+                } else if left < ROOM && (is_first || strength(on.smaller) > WORTHWHILE) {
+                    waiting[left] = on.smaller;
                     left += 1u;
                 }
             } else {
-                light = shown(surface, hit, &branch, random);
+                light = shown(blurred(surface, branch.blur), hit, of_lights, &branch, random);
             }
         }
         found.radiance += bounded(throughput * light);
@@ -390,7 +432,7 @@ fn seen_by(waiting: ptr<function, array<Branch, ROOM>>, ways: u32, random: ptr<f
                 break;
             }
             left -= 1u;
-            branch = (*waiting)[left];
+            branch = waiting[left];
         }
     }
     return found;

@@ -6,13 +6,12 @@
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::{Surface as Start, leave_surface}
 #import lightwell::rays::{SHADOW, Ray}
+#ifdef GLASS
+#import lightwell::rays::THROUGH
+#import lightwell::walk::comes_by_glass
+#endif
 #import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::view::{View, position_error}
-
-// Whether nothing is between a visible point and the light.
-fn is_reached(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> bool {
-    return any(arriving(view, root, position, n, incidence) > vec3f(0.0));
-}
 
 // The way from a visible point to the light.
 struct Way {
@@ -45,4 +44,27 @@ fn arriving(view: View, root: u32, position: vec3f, n: vec3f, incidence: Inciden
 fn left_on_way(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence) -> vec3f {
     let way = way_to(view, position, n, incidence);
     return left_by_glass(root, way.ray, way.reach);
+}
+
+// A share of light that is passed by all but glass, which is not known.
+const UNKNOWN: f32 = -1.0;
+
+// What of the light arrives at a visible point, of which all but glass lets pass a share: where that is not known, the ray that
+// counts the glass tells it as well.
+fn passing_on_way(view: View, root: u32, position: vec3f, n: vec3f, incidence: Incidence, share: f32) -> vec3f {
+    let way = way_to(view, position, n, incidence);
+    let is_unknown = share == UNKNOWN;
+#ifdef GLASS
+    let is_asked = is_unknown || (share > 0.0 && comes_by_glass(way.ray, way.reach));
+    let kind = select(THROUGH, SHADOW, is_unknown);
+#else
+    let is_asked = is_unknown;
+    let kind = SHADOW;
+#endif
+    if !is_asked {
+        return vec3f(share);
+    }
+    let hit = trace(root, way.ray, way.reach, kind);
+    let is_blocked = is_unknown && hit.triangle != NONE;
+    return select(passed(way.ray, hit) * select(share, 1.0, is_unknown), vec3f(0.0), is_blocked);
 }

@@ -367,15 +367,22 @@ fn passed(ray: Ray, hit: Hit) -> vec3f {
 #endif
 }
 
-// What glass leaves of light on its way of so much of a LIGHT ray.
-fn left_by_glass(boxes: u32, ray: Ray, reach: f32) -> vec3f {
 #ifdef GLASS
+// Whether a ray comes by where there is glass.
+fn comes_by_glass(ray: Ray, reach: f32) -> bool {
     let inverse = inverse_direction(ray.direction);
     let a = (glass_box.low - ray.origin) * inverse;
     let b = (glass_box.high - ray.origin) * inverse;
     let near = min(a, b);
     let far = max(a, b);
-    if max(max(near.x, near.y), max(near.z, 0.0)) > min(min(far.x, far.y), min(far.z, reach)) {
+    return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, reach));
+}
+#endif
+
+// What glass leaves of light on its way of so much of a LIGHT ray.
+fn left_by_glass(boxes: u32, ray: Ray, reach: f32) -> vec3f {
+#ifdef GLASS
+    if !comes_by_glass(ray, reach) {
         return vec3f(1.0);
     }
     return passed(ray, trace(boxes, ray, reach, THROUGH));

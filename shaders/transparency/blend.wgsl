@@ -9,7 +9,7 @@
 #import lightwell::direct::through_media
 #import lightwell::lights::{Light, light_incidence}
 #import lightwell::mesh::{BLENDED, Vertex, VertexExtra, OPAQUE_ALPHA}
-#import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate}
+#import lightwell::shadow_lookup::{Shadow, ShadowCoordinate, NO_SHADOW, shadow_coordinate, shadow_receiver}
 #import lightwell::surface::{Varying, Sampled, material, varying_of, sample_material, view}
 #import lightwell::view::toward_eye
 #ifdef HAZE
@@ -96,8 +96,10 @@ fn direct_light(s: Sampled, position: vec3f, to_eye: vec3f) -> vec3f {
             continue;
         }
         var lit = 1.0;
-        if blend.shadows[i].kind != NO_SHADOW {
-            let at = shadow_coordinate(blend.shadows[i], position, s.normal, incidence.to_light);
+        if blend.shadows[i].view.kind != NO_SHADOW {
+            let receiver = shadow_receiver(blend.shadows[i].view, position, s.normal, incidence.to_light);
+            let matrix = blend.shadows[i].faces[receiver.face].clip_from_world;
+            let at = shadow_coordinate(blend.shadows[i].view, matrix, receiver);
             if at.inside {
                 lit = compare(i, at);
             }

@@ -10,14 +10,14 @@
 #import lightwell::gbuffer::world_position
 #import lightwell::ray_scene::NONE
 #ifdef DISPERSION
-#import lightwell::ray_surfaces::{dispersed, followed_color}
+#import lightwell::ray_surfaces::followed_color
 #endif
 #import lightwell::ray_surfaces::{Surface, surface_at}
-#import lightwell::rays::{PANE, Ray}
+#import lightwell::rays::{Hit, PANE, Ray}
 #import lightwell::walk::trace
 #import lightwell::refraction::CLEAR
-#import lightwell::sampling::{Sampler, hash_pair, next_pair}
-#import lightwell::seen_along::{Around, Branch, ROOM, around, lit_crossed, of_layer, screen, seen_by, ways_from}
+#import lightwell::sampling::{Sampler, hash_pair}
+#import lightwell::seen_along::{Around, Branch, around, follow, screen}
 #import lightwell::view::{View, toward_eye}
 #import lightwell::visible_surface::{SeenRay, number_of}
 
@@ -66,55 +66,28 @@ fn sight_of(pixel: vec2u) -> Sight {
     return Sight(Ray(start, direction), reach);
 }
 
-fn strength(way: Branch) -> f32 {
-    let t = way.ray.throughput;
-    return max(t.r, max(t.g, t.b));
-}
-
 #ifdef DISPERSION
 // Where the nearest surface parts colours, each goes its own way.
-fn radiance_of_colors(surface: Surface, ray: Ray, number: u32) -> vec3f {
+fn radiance_of_colors(surface: Surface, hit: Hit, ray: Ray, number: u32) -> vec3f {
     if surface.dispersion <= 0.0 {
-        return radiance_of(surface, ray, number);
+        return radiance_of(surface, hit, ray, number);
     }
     var sum = vec3f(0.0);
     for (var color = 0u; color < 3u; color++) {
         followed_color = f32(color) - 1.0;
-        let found = radiance_of(dispersed(surface), ray, number);
+        let found = radiance_of(surface, hit, ray, number);
         sum = select(sum, found, vec3u(0u, 1u, 2u) == vec3u(color));
     }
     return sum;
 }
 #endif
 
-fn radiance_of(surface: Surface, ray: Ray, number: u32) -> vec3f {
-    var rays = 1u;
-    if surface.alpha > CLEAR {
-        rays = RAYS;
-    }
+fn radiance_of(surface: Surface, hit: Hit, ray: Ray, number: u32) -> vec3f {
+    let rays = select(1u, RAYS, surface.alpha > CLEAR);
     var sum = vec3f(0.0);
     for (var i = 0u; i < rays; i++) {
         var random = Sampler(hash_pair(glass.seed, 0x3c6ef372u), number * RAYS + i, 0u);
-        let light = lit_crossed(surface, ray.direction, &random);
-        sum += of_layer(light, vec3f(0.0), true);
-        let seen = Branch(SeenRay(ray, 0.0, vec3f(1.0)), vec3f(0.0), 0.0, true);
-        var ways = ways_from(surface, seen, &random);
-        var waiting: array<Branch, ROOM>;
-        waiting[0] = ways.smaller;
-        waiting[1] = ways.larger;
-        var count = 2u;
-        if rays > 1u {
-            // Of several rays each goes one way, by chance.
-            let smaller = strength(ways.smaller);
-            let share = smaller / max(smaller + strength(ways.larger), 1e-30);
-            let takes_smaller = next_pair(&random).x < share;
-            if !takes_smaller {
-                waiting[0] = ways.larger;
-            }
-            waiting[0].ray.throughput /= max(select(1.0 - share, share, takes_smaller), 1e-6);
-            count = 1u;
-        }
-        sum += seen_by(&waiting, count, &random).radiance;
+        sum += follow(Branch(SeenRay(ray, 0.0, vec3f(1.0)), vec3f(0.0), 0.0, true), hit, &random).radiance;
     }
     return sum / f32(rays);
 }
@@ -135,9 +108,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     if hit.triangle != NONE {
         let surface = surface_at(hit, sight.ray.direction);
 #ifdef DISPERSION
-        seen = vec4f(radiance_of_colors(surface, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+        seen = vec4f(radiance_of_colors(surface, hit, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
 #else
-        seen = vec4f(radiance_of(surface, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+        seen = vec4f(radiance_of(surface, hit, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
 #endif
     }
     textureStore(seen_through, pixel, seen);

@@ -23,11 +23,15 @@ pub struct HostCounts {
     pub uploaded: u64,
     /// Waits for the device.
     pub waits: u64,
+    /// Pipelines made.
+    pub pipelines: u64,
+    /// Expressions and statements of their entry points, every call inlined: what the driver compiles.
+    pub operations: u64,
 }
 
 impl HostCounts {
     /// All counts with their names.
-    pub fn named(&self) -> [(&'static str, u64); 8] {
+    pub fn named(&self) -> [(&'static str, u64); 10] {
         [
             ("dispatches", self.dispatches),
             ("compute passes", self.compute_passes),
@@ -37,6 +41,8 @@ impl HostCounts {
             ("buffers made", self.buffers),
             ("bytes uploaded", self.uploaded),
             ("waits", self.waits),
+            ("pipelines made", self.pipelines),
+            ("operations compiled", self.operations),
         ]
     }
 
@@ -51,6 +57,8 @@ impl HostCounts {
             buffers: self.buffers - then.buffers,
             uploaded: self.uploaded - then.uploaded,
             waits: self.waits - then.waits,
+            pipelines: self.pipelines - then.pipelines,
+            operations: self.operations - then.operations,
         }
     }
 }

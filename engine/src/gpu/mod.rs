@@ -5,6 +5,7 @@ mod changing;
 mod compose;
 mod context;
 mod counters;
+mod inlined;
 mod pipeline;
 mod pipeline_cache;
 mod pipeline_file;

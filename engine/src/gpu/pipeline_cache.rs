@@ -1,6 +1,7 @@
 //! Makes pipelines and keeps them.
 
 use super::compose::CompiledShader;
+use super::inlined::{InlinedSize, indexed_values};
 use super::pipeline::{ComputeKey, Pipeline, RasterKey, Raw};
 use super::reflect::{self, BindingInfo, EntryPoint};
 use super::shader_library::Defs;
@@ -180,9 +181,23 @@ fn driver_cache(gpu: &Gpu) -> Option<&wgpu::PipelineCache> {
     Some(&file.cache)
 }
 
+/// Counts a pipeline that is made of these entry points.
+fn count_pipeline(gpu: &Gpu, shader: &str, compiled: &CompiledShader, entries: &[&EntryPoint]) {
+    let sizes: Vec<InlinedSize> = entries.iter().map(|entry| InlinedSize::of(&compiled.module, &entry.name)).collect();
+    sizes.iter().for_each(|size| log::debug!("{shader}: {size}"));
+    indexed_values(compiled)
+        .iter()
+        .for_each(|what| log::debug!("{shader}: {what}, which is slow to compile and to run"));
+    gpu.count(|counts| {
+        counts.pipelines += 1;
+        counts.operations += sizes.iter().map(|size| size.operations).sum::<u64>();
+    });
+}
+
 fn build_compute(gpu: &Gpu, key: &ComputeKey, compiled: &CompiledShader) -> Result<Pipeline, ShaderError> {
     let parts = Parts::new(key.shader, compiled)?;
     let entry = parts.entry(key.entry, wgpu::ShaderStages::COMPUTE)?;
+    count_pipeline(gpu, key.shader, compiled, &[entry]);
     let bindings = merged(&[entry]);
     let unused = reflect::unused(&compiled.module, &bindings);
     guarded(gpu, key.shader, || {
@@ -206,6 +221,7 @@ fn build_raster(gpu: &Gpu, key: &RasterKey, compiled: &CompiledShader) -> Result
     if let Some(fragment) = key.fragment {
         entries.push(parts.entry(fragment, wgpu::ShaderStages::FRAGMENT)?);
     }
+    count_pipeline(gpu, key.shader, compiled, &entries);
     let bindings = merged(&entries);
     let unused = reflect::unused(&compiled.module, &bindings);
     guarded(gpu, key.shader, || {

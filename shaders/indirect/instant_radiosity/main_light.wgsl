@@ -41,33 +41,33 @@ struct Place {
 }
 
 fn place_of(point: vec3f) -> Place {
-    let offset = point - shadow.eye;
+    let offset = point - shadow.view.eye;
     var place: Place;
-    place.face = select(0, cube_face(offset), shadow.kind == POINT_SHADOW);
+    place.face = select(0, cube_face(offset), shadow.view.kind == POINT_SHADOW);
     let clip = shadow.faces[place.face].clip_from_world * vec4f(point, 1.0);
     let ndc = clip.xyz / clip.w;
-    place.at = (vec2f(0.5, -0.5) * ndc.xy + 0.5) * shadow.size;
+    place.at = (vec2f(0.5, -0.5) * ndc.xy + 0.5) * shadow.view.size;
     place.inside = clip.w > 0.0 && all(abs(ndc.xy) <= vec2f(1.0));
-    place.depth = select(1.0 - length(offset) / shadow.far, ndc.z, shadow.kind == DIRECTIONAL_SHADOW);
+    place.depth = select(1.0 - length(offset) / shadow.view.far, ndc.z, shadow.view.kind == DIRECTIONAL_SHADOW);
     return place;
 }
 
 // 1 where the map has something nearer to the light than that depth.
 fn hides(at: vec2f, face: i32, depth: f32) -> f32 {
-    let texel = clamp(vec2i(floor(at)), vec2i(0), vec2i(i32(shadow.size) - 1));
+    let texel = clamp(vec2i(floor(at)), vec2i(0), vec2i(i32(shadow.view.size) - 1));
     return select(0.0, 1.0, textureLoad(shadow_map, texel, face, 0) > depth);
 }
 
 // Width of a texel at the point [m].
 fn texel_width(position: vec3f) -> f32 {
-    let offset = position - shadow.eye;
-    if shadow.kind == SPOT_SHADOW {
-        return shadow.texel * max(dot(offset, shadow.axis), 0.0);
+    let offset = position - shadow.view.eye;
+    if shadow.view.kind == SPOT_SHADOW {
+        return shadow.view.texel * max(dot(offset, shadow.view.axis), 0.0);
     }
-    if shadow.kind == POINT_SHADOW {
-        return shadow.texel * max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
+    if shadow.view.kind == POINT_SHADOW {
+        return shadow.view.texel * max(abs(offset.x), max(abs(offset.y), abs(offset.z)));
     }
-    return shadow.texel;
+    return shadow.view.texel;
 }
 
 // The i-th random offset oᵢ in [−1, 1]³; none where a single lookup is made.
@@ -84,13 +84,13 @@ fn random_offset(pixel: vec2u, i: u32) -> vec3f {
 // so a bias in metres is one over the far plane: ‖l‖ − bias > d is the same as 1 − d/far > 1 − ‖l‖/far + bias/far.
 fn shadowed(position: vec3f, n: vec3f, to_light: vec3f, pixel: vec2u) -> f32 {
     let own = place_of(position);
-    if shadow.kind == NO_SHADOW || !own.inside {
+    if shadow.view.kind == NO_SHADOW || !own.inside {
         return 0.0;
     }
     let in_space = main_light.in_space == 1u;
     let unit = select(texel_width(position), 1.0, in_space);
     // b_s + b_dmax·(1 − n·l)
-    let bias = unit / shadow.far * (main_light.bias + main_light.slope_bias * (1.0 - saturate(dot(n, to_light))));
+    let bias = unit / shadow.view.far * (main_light.bias + main_light.slope_bias * (1.0 - saturate(dot(n, to_light))));
     var hidden = 0.0;
     for (var i = 0u; i < main_light.samples; i++) {
         let offset = random_offset(pixel, i) * main_light.offset;

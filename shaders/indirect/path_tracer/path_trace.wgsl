@@ -10,7 +10,7 @@
 // the surface that the camera sees, with that surface's own emission; all else is indirect, and `bounces` counts the rays
 // that go on.
 
-#import lightwell::next_event::{LightSample, NO_RAY, alpha_of_choice, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
+#import lightwell::next_event::{LightRange, LightSample, NO_RAY, alpha_of_choice, bounded, direction_density, emission_weight, reflected, sample_direction, sample_light, specular_share}
 #ifdef AREA_LIGHTS
 #import lightwell::next_event::radiance_of_lights
 #endif
@@ -169,7 +169,7 @@ fn add_light(path: ptr<function, Path>, surface: Surface, to_eye: vec3f, share: 
 #ifdef AREA_LIGHTS
     on_light = next_pair(random);
 #endif
-    let sample = sample_light(surface, to_eye, share, light_count, is_direct, pick, on_light);
+    let sample = sample_light(surface, to_eye, share, LightRange(0u, light_count), is_direct, pick, on_light);
     if sample.reach <= 0.0 {
         add(path, sample.light, is_direct);
         return;

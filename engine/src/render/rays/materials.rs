@@ -14,6 +14,25 @@ use std::collections::HashMap;
 /// pixels' view of the surface, and the filter of the gather leaves it alone.
 const MIRROR_ROUGHNESS: f32 = 0.25;
 
+/// How shaders know of which uses there are textures, in the order of [`Material::textures`]: see `lib/ray_textures.wgsl`.
+const TEXTURE_DEFINES: [&str; TEXTURE_COUNT] = [
+    "BASE_COLOR_TEXTURES",
+    "METALLIC_ROUGHNESS_TEXTURES",
+    "NORMAL_TEXTURES",
+    "EMISSIVE_TEXTURES",
+    "SPECULAR_TEXTURES",
+    "SPECULAR_COLOR_TEXTURES",
+    "TRANSMISSION_TEXTURES",
+    "CLEARCOAT_TEXTURES",
+    "CLEARCOAT_ROUGHNESS_TEXTURES",
+    "CLEARCOAT_NORMAL_TEXTURES",
+    "SHEEN_COLOR_TEXTURES",
+    "SHEEN_ROUGHNESS_TEXTURES",
+    "ANISOTROPY_TEXTURES",
+    "IRIDESCENCE_TEXTURES",
+    "IRIDESCENCE_THICKNESS_TEXTURES",
+];
+
 /// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\].
 pub(in crate::render) fn mirror_define() -> (&'static str, ShaderDef) {
     ("MIRRORS", ShaderDef::Uint((MIRROR_ROUGHNESS * 100.0).round() as u32))
@@ -124,6 +143,8 @@ pub(super) struct GpuMaterials {
     mirror: bool,
     emissive: bool,
     plain: bool,
+    /// Of which uses there are textures, in the order of [`Material::textures`].
+    textured: [bool; TEXTURE_COUNT],
     has_glass: bool,
     layers: Layers,
     has_dispersion: bool,
@@ -142,6 +163,7 @@ impl GpuMaterials {
             mirror: false,
             emissive: false,
             plain: true,
+            textured: [false; TEXTURE_COUNT],
             has_glass: false,
             layers: Layers::default(),
             has_dispersion: false,
@@ -157,6 +179,7 @@ impl GpuMaterials {
         self.mirror = self.find_mirrors(scene);
         self.emissive = scene.primitives.iter().any(|p| p.material.emissive != Vec3::ZERO);
         self.plain = scene.primitives.iter().all(|p| p.mesh.extras.is_none() && p.material.is_plain());
+        self.textured = textured_uses(scene);
         self.has_glass = scene.primitives.iter().any(|p| p.material.is_glass());
         self.layers = Layers::of(scene);
         self.specular |= self.layers.is_any();
@@ -241,9 +264,22 @@ impl GpuMaterials {
         self.plain
     }
 
+    /// The defines of those uses of textures that there are.
+    pub(super) fn texture_defines(&self) -> impl Iterator<Item = &'static str> {
+        TEXTURE_DEFINES.into_iter().zip(self.textured).filter_map(|(define, is_used)| is_used.then_some(define))
+    }
+
     pub(super) fn is_masked(&self, index: u32) -> bool {
         self.masked.get(index as usize).copied().unwrap_or(false)
     }
+}
+
+/// Of which uses any material has a texture.
+fn textured_uses(scene: &Scene) -> [bool; TEXTURE_COUNT] {
+    scene.primitives.iter().fold([false; TEXTURE_COUNT], |found, primitive| {
+        let here = primitive.material.textures().map(|(texture, _)| texture.is_some());
+        std::array::from_fn(|at| found[at] || here[at])
+    })
 }
 
 fn parts_colors(material: &Material) -> bool {

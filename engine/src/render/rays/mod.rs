@@ -311,8 +311,9 @@ impl RayScene {
             ("ANISOTROPY", layers.anisotropy),
             ("DISPERSION", self.materials.any_dispersion()),
         ];
-        let set = flags.into_iter().filter(|(_, set)| *set);
-        let key = set.fold(ComputeKey::new(file, entry), |key, (name, _)| key.def(name, ShaderDef::Flag(true)));
+        let set = flags.into_iter().filter_map(|(name, is_set)| is_set.then_some(name));
+        let names = set.chain(self.materials.texture_defines());
+        let key = names.fold(ComputeKey::new(file, entry), |key, name| key.def(name, ShaderDef::Flag(true)));
         match self.media.as_ref().map(GpuMedia::define) {
             Some((name, count)) => key.def(name, count).def("RAY_MEDIA", ShaderDef::Flag(true)),
             None => key,

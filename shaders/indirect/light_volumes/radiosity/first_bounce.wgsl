@@ -9,7 +9,7 @@
 #ifdef HAZE
 #import lightwell::haze_along::haze_along
 #endif
-#import lightwell::next_event::{BLUR, LightSample, NO_RAY, blurred, bounded, sample_light, sample_one_light}
+#import lightwell::next_event::{BLUR, LightRange, LightSample, NO_RAY, blurred, bounded, sample_light}
 #import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::surface_at
@@ -85,7 +85,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef AREA_LIGHTS
             on_light = next_pair(&random);
 #endif
-            of_all += arriving(sample_one_light(surface, -direction, k, on_light));
+            of_all += arriving(sample_light(surface, -direction, NO_RAY, LightRange(k, k + 1u), false, 0.0, on_light));
         }
         light += passing * of_all;
 #else
@@ -94,7 +94,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef AREA_LIGHTS
         on_light = next_pair(&random);
 #endif
-        light += passing * arriving(sample_light(surface, -direction, NO_RAY, light_count, false, pick, on_light));
+        light += passing * arriving(sample_light(surface, -direction, NO_RAY, LightRange(0u, light_count), false, pick, on_light));
 #endif
     }
     reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);

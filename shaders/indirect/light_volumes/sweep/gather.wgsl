@@ -18,7 +18,7 @@
 #ifdef LAYERED
 #import lightwell::layers::tint_of_lobe
 #endif
-#import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightSample, NO_RAY, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
+#import lightwell::next_event::{BLUR, EMITTER_CANDIDATES, LightRange, LightSample, NO_RAY, blurred, bounded, emission_weight, even_reflectance, no_light, sample_light, specular_share}
 #ifndef UNLIT
 #import lightwell::color::luminance
 #import lightwell::next_event::resample_emitter
@@ -358,7 +358,7 @@ fn arrive(
 #ifdef AREA_LIGHTS
     on_light = next_pair(random);
 #endif
-    var sample = sample_light(surface, -direction, NO_RAY, gather.light_count, false, pick, on_light);
+    var sample = sample_light(surface, -direction, NO_RAY, LightRange(0u, gather.light_count), false, pick, on_light);
     sample.light = ray.throughput * bounded(sample.light) * lamp_weight(sample, surface, ray, hit, depth);
     light = ray.throughput * bounded(light);
     if sample.reach <= 0.0 {
