@@ -12,7 +12,7 @@
 
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::ray_scene::materials
-#import lightwell::ray_textures::{coordinates, base_color_texel, metallic_roughness_texel, specular_texel, specular_color_texel}
+#import lightwell::ray_textures::{Coordinates, metallic_roughness_texel, specular_texel, specular_color_texel}
 #import lightwell::ray_textures::transmission_texel
 
 // A point of glass.
@@ -36,9 +36,8 @@ const MOST: f32 = 3e4;
 // Least share that passes: e^−14.
 const LEAST: f32 = 1e-6;
 
-fn glass_at(triangle: u32, material: u32, barycentric: vec2f) -> Glass {
-    let place = coordinates(triangle, barycentric);
-    let base = materials[material].base_color.rgb * place.color.rgb * base_color_texel(material, place).rgb;
+// Where its base colour is known.
+fn glass_at(material: u32, place: Coordinates, base: vec3f) -> Glass {
     let metallic = saturate(materials[material].metallic * metallic_roughness_texel(material, place).b);
     let specular = materials[material].specular * specular_texel(material, place).a;
     let specular_color = materials[material].specular_color * specular_color_texel(material, place).rgb;

@@ -10,13 +10,11 @@
 #ifdef LAYERED
 #import lightwell::ray_textures::clearcoat_texel
 #endif
-#import lightwell::ray_textures::{base_color_texel, coordinates, emissive_texel}
+#import lightwell::ray_textures::{Coordinates, base_color_texel, coordinates, emissive_texel}
 
-// Alpha of a point.
-fn alpha_at(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
-    let at = coordinates(triangle, barycentric);
-    let texel = base_color_texel(material, at);
-    return materials[material].base_color.a * at.color.a * texel.a;
+// Base colour and alpha of a point.
+fn base_color_at(material: u32, place: Coordinates) -> vec4f {
+    return materials[material].base_color * place.color * base_color_texel(material, place);
 }
 
 // Share of the rays that meet a point of a surface: alpha where it is blended.
@@ -27,7 +25,7 @@ fn coverage(triangle: u32, material: u32, barycentric: vec2f) -> f32 {
     if materials[material].alpha_cutoff < BLENDED {
         return 1.0;
     }
-    return saturate(alpha_at(triangle, material, barycentric));
+    return saturate(base_color_at(material, coordinates(triangle, barycentric)).a);
 #endif
 }
 

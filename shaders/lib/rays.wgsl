@@ -6,11 +6,12 @@
 #import lightwell::glass::{NOTHING_TAKEN, Taken, glass_at, pass_share, taken_at}
 #endif
 #import lightwell::mesh::BLENDED
-#import lightwell::ray_materials::alpha_at
+#import lightwell::ray_materials::base_color_at
 #import lightwell::ray_scene::{ALPHA_TESTED, CASTS_SHADOW, DOUBLE_SIDED, NONE, load_triangle, materials}
 #ifdef GLASS
 #import lightwell::ray_scene::OF_GLASS
 #endif
+#import lightwell::ray_textures::coordinates
 #import lightwell::sampling::hash_pair
 
 // What a ray is for.
@@ -72,18 +73,17 @@ fn pass_chance(ray: Ray, barycentric: vec2f) -> f32 {
     return f32((hash_pair(a, b)) >> 8u) * 0x1p-24f;
 }
 
-fn is_transparent(triangle: u32, material: u32, barycentric: vec2f, ray: Ray) -> bool {
-    let alpha = alpha_at(triangle, material, barycentric);
-    let cutoff = materials[material].alpha_cutoff;
+// Whether a ray passes a point of that alpha.
+fn is_transparent(alpha: f32, cutoff: f32, barycentric: vec2f, ray: Ray) -> bool {
     if cutoff >= BLENDED {
         return alpha <= pass_chance(ray, barycentric);
     }
     return alpha < cutoff;
 }
 
-// Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle. Of one that is known to
-// be opaque neither alpha nor glass is looked at; callers give a constant.
-fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32, is_opaque: bool) -> Hit {
+// Möller and Trumbore 1997, without any tolerance: the hit so far, or a nearer one with this triangle, whatever its alpha and its
+// glass let pass. Of one that is known to be opaque no glass is looked for; callers give a constant.
+fn candidate(index: u32, ray: Ray, hit: Hit, kind: u32, is_opaque: bool) -> Hit {
     let triangle = load_triangle(index);
     let edge_b = triangle.corner_b - triangle.corner_a;
     let edge_c = triangle.corner_c - triangle.corner_a;
@@ -102,43 +102,72 @@ fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32, is_opaque: bool) -> 
     let is_glass = !is_opaque && (triangle.flags & OF_GLASS) != 0u;
     counts = (counts || (kind == SEEN && is_glass)) && (kind != THROUGH || is_glass);
     counts = select(counts, is_shown && is_glass, kind == PANE);
+#ifndef GLASS_REFLECTS
+    counts = counts && !(kind == LIGHT && is_glass);
+#endif
 #endif
     // Where two triangles are met at the same distance, the point on them says which counts: their order depends on the
     // frames before, and on which of them moves.
     let is_tie_won = t == hit.t && hit.triangle != NONE
         && (u < hit.barycentric.x || (u == hit.barycentric.x && v < hit.barycentric.y));
-    var met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
+    let met = counts && determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
         && (t < hit.t || is_tie_won);
+    if !met {
+        return hit;
+    }
+#ifdef GLASS
+    return Hit(t, index, vec2f(u, v), hit.taken);
+#else
+    return Hit(t, index, vec2f(u, v));
+#endif
+}
+
+// A candidate, if the ray ends there, or the hit before it, with what glass has taken there.
+fn accepted(met: Hit, before: Hit, ray: Ray, kind: u32) -> Hit {
+    let triangle = load_triangle(met.triangle);
+    let material = triangle.material;
+    let place = coordinates(met.triangle, met.barycentric);
+    let base = base_color_at(material, place);
 #ifndef OPAQUE
-    if !is_opaque && met && (triangle.flags & ALPHA_TESTED) != 0u {
-        met = !is_transparent(index, triangle.material, vec2f(u, v), ray);
+    let is_tested = (triangle.flags & ALPHA_TESTED) != 0u;
+    if is_tested && is_transparent(base.a, materials[material].alpha_cutoff, met.barycentric, ray) {
+        return before;
     }
 #endif
 #ifdef GLASS
-    if !is_opaque && met && is_glass && kind != CAMERA && kind != SEEN && kind != PANE {
+    if (triangle.flags & OF_GLASS) != 0u && kind != CAMERA && kind != SEEN && kind != PANE {
+        let edge_b = triangle.corner_b - triangle.corner_a;
+        let edge_c = triangle.corner_c - triangle.corner_a;
+        let determinant = dot(edge_b, cross(ray.direction, edge_c));
         let cosine = abs(determinant) / max(length(cross(edge_b, edge_c)) * length(ray.direction), 1e-30);
-        let glass = glass_at(index, triangle.material, vec2f(u, v));
+        let glass = glass_at(material, place, base.rgb);
 #ifdef GLASS_REFLECTS
         if kind == LIGHT {
-            met = pass_share(glass, cosine) <= pass_chance(ray, vec2f(u, v));
+            if pass_share(glass, cosine) > pass_chance(ray, met.barycentric) {
+                return before;
+            }
+            return met;
         }
 #endif
-        if kind != LIGHT {
-            var through = hit;
-            through.taken = taken_at(hit.taken, glass, cosine, t * length(ray.direction), determinant > 0.0, kind == THROUGH);
-            return through;
-        }
-#ifndef GLASS_REFLECTS
-        met = false;
+        var through = before;
+        let distance = met.t * length(ray.direction);
+        through.taken = taken_at(before.taken, glass, cosine, distance, determinant > 0.0, kind == THROUGH);
+        return through;
+    }
 #endif
-    }
-    if met {
-        return Hit(t, index, vec2f(u, v), hit.taken);
-    }
+    return met;
+}
+
+// The hit so far, or a nearer one with this triangle. Of one that is known to be opaque neither alpha nor glass is looked at;
+// callers give a constant.
+fn meet_triangle(index: u32, ray: Ray, hit: Hit, kind: u32, is_opaque: bool) -> Hit {
+    let met = candidate(index, ray, hit, kind, is_opaque);
+#ifdef CLASSES
+    return met;
 #else
-    if met {
-        return Hit(t, index, vec2f(u, v));
+    if is_opaque || met.triangle == hit.triangle {
+        return met;
     }
+    return accepted(met, hit, ray, kind);
 #endif
-    return hit;
 }

@@ -8,6 +8,9 @@
 #endif
 #import lightwell::ray_scene::{NONE, load_node}
 #import lightwell::rays::{Hit, Ray, SHADOW, inverse_direction, meet_triangle, no_hit, octant}
+#ifdef CLASSES
+#import lightwell::rays::{accepted, candidate}
+#endif
 #ifdef GLASS
 #import lightwell::rays::{PANE, THROUGH}
 #endif
@@ -336,22 +339,93 @@ fn begin_rest(frame: Frame, before: Walk) -> Walk {
 }
 #endif
 
-// What the ray meets, in a frame that was loaded before. With CLASSES it goes along all that is opaque first, in a loop that
-// knows nothing of alpha and glass: adapters that run lanes in lockstep would look at both at every step.
+#ifdef CLASSES
+// Leaves whose boxes are met and that are still to be looked into.
+struct Leaves {
+    first: u32,            // 0: none
+    second: u32,
+    third: u32,
+}
+
+fn count_leaves(leaves: Leaves) -> u32 {
+    return u32(leaves.first != 0u) + u32(leaves.second != 0u) + u32(leaves.third != 0u);
+}
+
+// Goes along, as `go_along`, until a triangle is met, whatever its alpha, or nothing is left: the hit so far then.
+fn next_candidate(walk: ptr<function, Walk>, leaves: ptr<function, Leaves>) -> Hit {
+    var met = (*walk).hit;
+    loop {
+        while count_leaves(*leaves) < 2u && (*walk).next < (*walk).end {
+            let box = load_box((*walk).next);
+            let after = load_box((*walk).next + 1u);
+            let is_leaf = box.link >= LEAF;
+            let is_after_leaf = after.link >= LEAF;
+            let is_met = meets_box(box, *walk);
+            let is_after_met = meets_box(after, *walk);
+            let reaches_after = is_met || is_leaf;
+            (*leaves).first |= (*leaves).second | (*leaves).third;
+            (*leaves).second = select(0u, box.link, is_met && is_leaf);
+            (*leaves).third = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
+            let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
+            (*walk).next = select(box.link, after_next, reaches_after);
+        }
+        while count_leaves(*leaves) != 0u && met.triangle == (*walk).hit.triangle {
+            if (*leaves).first == 0u {
+                (*leaves).first = select((*leaves).third, (*leaves).second, (*leaves).second != 0u);
+                (*leaves).third = select(0u, (*leaves).third, (*leaves).second != 0u);
+                (*leaves).second = 0u;
+            }
+            let leaf = (*leaves).first;
+            met = candidate(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind, false);
+            (*leaves).first = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
+        }
+#ifdef MOVERS
+        if count_leaves(*leaves) == 0u && (*walk).next >= (*walk).end && (*walk).movers != 0u {
+            go_on_with_movers(walk);
+        }
+#endif
+        let is_through = count_leaves(*leaves) == 0u && (*walk).next >= (*walk).end;
+        if is_through || met.triangle != (*walk).hit.triangle {
+            break;
+        }
+    }
+    return met;
+}
+
+// The way along what is not opaque. The loop over boxes knows nothing of alpha and glass here either: both are looked at where
+// it has met a triangle, since adapters that run lanes in lockstep would look at them at every step.
+fn trace_rest(frame: Frame, before: Walk) -> Hit {
+    var walk = begin_rest(frame, before);
+    var leaves = Leaves(0u, 0u, 0u);
+    loop {
+        let met = next_candidate(&walk, &leaves);
+        if met.triangle == walk.hit.triangle {
+            break;
+        }
+        walk.hit = accepted(met, walk.hit, walk.ray, walk.kind);
+        if walk.kind == SHADOW && walk.hit.triangle != NONE {
+            break;
+        }
+    }
+    return walk.hit;
+}
+#endif
+
+// What the ray meets, in a frame that was loaded before. With CLASSES it goes along all that is opaque first.
 fn trace_in(frame: Frame, ray: Ray, t_max: f32, kind: u32) -> Hit {
 #ifdef CLASSES
     var opaque = begin_opaque(frame, ray, t_max, kind);
     while !is_over(opaque) {
         go_along(&opaque, true);
     }
-    var walk = begin_rest(frame, opaque);
+    return trace_rest(frame, opaque);
 #else
     var walk = begin_walk(frame, ray, t_max, kind);
-#endif
     while !is_over(walk) {
         go_on(&walk);
     }
     return walk.hit;
+#endif
 }
 
 fn trace(boxes: u32, ray: Ray, t_max: f32, kind: u32) -> Hit {

@@ -31,6 +31,8 @@
 #import lightwell::walk::{Frame, Walk, load_frame, begin_walk, is_over, go_on, passed, trace, trace_in}
 #ifdef GLASS
 #import lightwell::glass::{glass_at, pass_share}
+#import lightwell::ray_materials::base_color_at
+#import lightwell::ray_textures::coordinates
 #import lightwell::ray_scene::load_triangle
 #import lightwell::rays::SEEN
 #import lightwell::walk::left_by_glass
@@ -388,7 +390,9 @@ fn weaken(path: ptr<function, Path>, hit: Hit) {
 
 // Glass that is not seen was met by chance, and reflects.
 fn met_by_chance(path: ptr<function, Path>, surface: Surface, hit: Hit) {
-    let glass = glass_at(hit.triangle, load_triangle(hit.triangle).material, hit.barycentric);
+    let material = load_triangle(hit.triangle).material;
+    let place = coordinates(hit.triangle, hit.barycentric);
+    let glass = glass_at(material, place, base_color_at(material, place).rgb);
     let cosine = abs(dot(surface.geometric_normal, normalize((*path).ray.direction)));
     (*path).throughput /= max(1.0 - pass_share(glass, cosine), 1e-6);
 }
