@@ -40,7 +40,7 @@ pub use fog::{Fog, FogShape};
 pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
 pub(crate) use hierarchy::clone_onto;
-pub use identity::Identity;
+pub use identity::{Identity, PathIdentities};
 pub use instant_radiosity::*;
 pub use lens::*;
 pub use light_culling::*;

@@ -159,8 +159,8 @@ pub(super) fn fetch(
 fn read(asset: &Path, place: &str, file: PathBuf, beside: &mut Beside) -> Result<Vec<u8>, AssetError> {
     check_location(asset, place, &file)?;
     let bytes = read_file(&file, beside.meter).map_err(|e| match e {
-        AssetError::Io { path, source } => {
-            AssetError::format(asset, place, format!("{}: cannot be read: {source}", path.display()))
+        AssetError::Io { path, reason } => {
+            AssetError::format(asset, place, format!("{}: cannot be read: {reason}", path.display()))
         }
         other => other,
     })?;
