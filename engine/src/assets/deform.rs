@@ -330,8 +330,8 @@ mod tests {
         let up = Affine3A::from_translation(Vec3::Y * 4.0);
         let moved = posed(&mesh, &[], &[Affine3A::IDENTITY, up]);
         let positions: Vec<_> = moved.vertices.iter().map(|v| v.position).collect();
-        // A quarter of four up; the others follow joint 0, which rests.
-        assert_eq!(positions, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        // A quarter of four up; the second follows joint 0, which rests, and the third the joint that it names.
+        assert_eq!(positions, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0]]);
     }
 
     #[test]

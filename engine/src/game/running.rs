@@ -374,7 +374,7 @@ impl Game {
         let mut context = EditContext { library: &mut self.library, options: &self.options, path: &scene };
         let result = files::spawn_prefab_onto(&mut self.world, &mut context, entity, path, place);
         if result.is_err() {
-            let _ = self.world.ecs.try_despawn(entity);
+            crate::world::despawn(&mut self.world.ecs, entity);
         }
         result
     }

@@ -39,7 +39,7 @@ pub use error::WorldError;
 pub use fog::{Fog, FogShape};
 pub(crate) use game_world::UpdateCount;
 pub use game_world::{DespawnQueue, GameWorld};
-pub(crate) use hierarchy::clone_onto;
+pub(crate) use hierarchy::{clone_onto, despawn};
 pub use identity::{Identity, PathIdentities};
 pub use instant_radiosity::*;
 pub use lens::*;

@@ -78,6 +78,7 @@ fn curve(
     let (input, output) = (sampler.input(), sampler.output());
     let times = times(&input, buffers, at, remarks)?;
     let property = channel.target().property();
+    let is_rotation = property == Property::Rotation;
     let values = values(&output, width, property, buffers, at, remarks)?;
     let between = match sampler.interpolation() {
         Interpolation::Step => Between::Step,
@@ -92,10 +93,22 @@ fn curve(
     }
     let of_each = width * per_key(between);
     let (times, values) = in_order(times, &values, of_each, &format!("{at}, {}", place(&input)), remarks);
+    let values = if is_rotation && between != Between::Cubic { unit_turns(values) } else { values };
     if times.is_empty() {
         return Err(AssetError::format(buffers.path, at, "has no key"));
     }
-    Ok(Curve { times, values, width, between, is_rotation: property == Property::Rotation })
+    Ok(Curve { times, values, width, between, is_rotation })
+}
+
+/// Rotations of unit length, between which the shortest arc leads. Those that are so already keep their bits.
+fn unit_turns(mut values: Vec<f32>) -> Vec<f32> {
+    for turn in values.as_chunks_mut::<4>().0 {
+        let squared: f32 = turn.iter().map(|v| v * v).sum();
+        if squared > 0.0 && squared.is_finite() && (squared - 1.0).abs() > 1e-3 {
+            turn.iter_mut().for_each(|v| *v /= squared.sqrt());
+        }
+    }
+    values
 }
 
 /// Values of a key: of a spline it has tangents too.

@@ -144,7 +144,7 @@ fn broken_rigs_cost_their_part() {
     mended("\"joints\":[0,1]", "\"joints\":[0]", &["node 2", "joint 1", "has 1"]);
     mended("\"joints\":[0,1]", "\"joints\":[0,1,3]", &["skin 0", "2 inverse bind matrices for 3"]);
     mended("\"WEIGHTS_0\":3", "\"WEIGHTS_1\":3", &["JOINTS_0 and WEIGHTS_0"]);
-    mended("\"JOINTS_0\":2", "\"JOINTS_0\":5", &["accessor 5", "Mat4"]);
+    mended("\"JOINTS_0\":2", "\"JOINTS_0\":5", &["accessor 5", "2 elements"]);
     mended("\"targets\":[{\"POSITION\":4}]", "\"targets\":[{\"POSITION\":6}]", &["accessor 6"]);
     mended("\"output\":7", "\"output\":6", &["channel 0", "accessor 6", "2 numbers for 2 keys"]);
     mended("\"input\":6", "\"input\":9", &["channel 0", "accessor 9", ""]);

@@ -114,7 +114,7 @@ pub(super) static COLLECTIONS: [Collection; 14] = [
     Collection { check: has_joints, ..plain("skins", "skin", SKIN, r#"{"joints":[]}"#) },
     plain("nodes", "node", NODE, "{}"),
     plain("animations", "animation", ANIMATION, r#"{"channels":[],"samplers":[]}"#),
-    plain("scenes", "scene", SCENE, "{}"),
+    Collection { check: add_nodes, ..plain("scenes", "scene", SCENE, r#"{"nodes":[]}"#) },
 ];
 
 const fn plain(name: &'static str, one: &'static str, fields: &'static [Field], stub: &'static str) -> Collection {
@@ -455,6 +455,14 @@ fn add_cone(light: &mut Value) -> Result<(), String> {
     let is_spot = light.get("type").and_then(Value::as_str) == Some("spot");
     if let Some(light) = light.as_object_mut().filter(|light| is_spot && !light.contains_key("spot")) {
         light.insert("spot".into(), Value::Object(Default::default()));
+    }
+    Ok(())
+}
+
+/// A scene may be without nodes, which the parser does not know.
+fn add_nodes(scene: &mut Value) -> Result<(), String> {
+    if let Some(scene) = scene.as_object_mut().filter(|scene| !scene.contains_key("nodes")) {
+        scene.insert("nodes".into(), Value::Array(Vec::new()));
     }
     Ok(())
 }

@@ -155,11 +155,6 @@ fn formats_of_attributes() {
             Mended(&[], &["accessor 3", "1 elements are not finite"]),
         ),
         (
-            "texture coordinates beyond any image",
-            vec![Bytes(UV, floats(&[0., 1e30, 1., 1., 1., 0., 0., 0.]))],
-            Warned(&[]),
-        ),
-        (
             "colours above one",
             vec![Bytes(
                 COLOR,

@@ -55,7 +55,7 @@ fn nodes() {
             vec![Set("/nodes/2/translation", "[0,0,1,1]")],
             Mended(&[], &["node 2", "4 numbers"]),
         ),
-        ("extensions that are a list", vec![Set("/nodes/2/extensions", "[]")], Mended(&[], &["node 2, extensions"])),
+        ("extensions that are a list", vec![Set("/nodes/2/extensions", "[]")], Mended(&[], &["node 2", "extensions"])),
         ("extensions of nothing", vec![Set("/nodes/2/extensions", "{}")], Read(&[])),
         ("a name that is a number", vec![Set("/cameras/0/name", "5")], Mended(&[], &["camera 0", "text"])),
     ]);

@@ -135,7 +135,7 @@ fn skins_and_morph_targets() {
         (
             "more weights than targets",
             vec![Set("/meshes/0/weights", "[0.5, 0.1]")],
-            Mended(&[], &["node 0", "2 weights for 1"]),
+            Mended(&[], &["body", "2 weights for 1"]),
         ),
         (
             "no weights for the targets",
