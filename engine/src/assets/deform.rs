@@ -43,21 +43,35 @@ pub struct MorphTarget {
 
 impl Influences {
     /// Adds a vertex. Weights that are zero, negative or not finite are left out and the others made to sum to 1; a
-    /// vertex without any follows joint 0.
+    /// vertex without any follows the first joint that it names, or joint 0.
     pub fn push(&mut self, pairs: impl Iterator<Item = (u16, f32)>) {
         if self.starts.is_empty() {
             self.starts.push(0);
         }
         let first = self.pairs.len();
-        self.pairs.extend(pairs.filter(|(_, weight)| *weight > 0.0 && weight.is_finite()));
+        let mut first_joint = None;
+        self.pairs.extend(pairs.filter(|(joint, weight)| {
+            first_joint.get_or_insert(*joint);
+            *weight > 0.0 && weight.is_finite()
+        }));
         let sum: f32 = self.pairs[first..].iter().map(|(_, weight)| weight).sum();
         if sum > 0.0 && sum.is_finite() {
             self.pairs[first..].iter_mut().for_each(|(_, weight)| *weight /= sum);
         } else {
             self.pairs.truncate(first);
-            self.pairs.push((0, 1.0));
+            self.pairs.push((first_joint.unwrap_or(0), 1.0));
         }
         self.starts.push(self.pairs.len() as u32);
+    }
+
+    /// The same without the joints beyond the first `joints`.
+    pub(crate) fn within(&self, joints: usize) -> Self {
+        let mut limited = Self::default();
+        for vertex in 1..self.starts.len() {
+            let pairs = self.of(vertex - 1).iter().copied();
+            limited.push(pairs.filter(|(joint, _)| usize::from(*joint) < joints));
+        }
+        limited
     }
 
     /// Joints and weights of a vertex.
@@ -316,8 +330,8 @@ mod tests {
         let up = Affine3A::from_translation(Vec3::Y * 4.0);
         let moved = posed(&mesh, &[], &[Affine3A::IDENTITY, up]);
         let positions: Vec<_> = moved.vertices.iter().map(|v| v.position).collect();
-        // A quarter of four up; the others follow joint 0, which rests.
-        assert_eq!(positions, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        // A quarter of four up; the second follows joint 0, which rests, and the third the joint that it names.
+        assert_eq!(positions, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0]]);
     }
 
     #[test]

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// A file could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {reason}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
         /// The system's reason.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// A file is there, but its content is not what it should be.
     #[error("{}: {place}: {problem}", path.display())]
@@ -54,7 +54,7 @@ impl AssetError {
     }
 
     /// A failure to read a file.
-    pub(super) fn io(path: &Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.to_path_buf(), source }
+    pub(super) fn io(path: &Path, reason: std::io::Error) -> Self {
+        Self::Io { path: path.to_path_buf(), reason }
     }
 }

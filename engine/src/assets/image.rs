@@ -13,6 +13,9 @@ pub(super) fn decode(path: &Path, place: &str, bytes: &[u8], meter: &Meter) -> R
         return ktx2::decode(path, place, bytes, meter);
     }
     let fail = |e: image::ImageError| AssetError::format(path, place, format!("the image cannot be decoded: {e}"));
+    if bytes.is_empty() {
+        return Err(AssetError::format(path, place, "is empty: export the image again"));
+    }
     let format = image::guess_format(bytes).map_err(|_| {
         AssetError::format(path, place, "is neither PNG, JPEG, WebP nor KTX2: convert the image to one of them")
     })?;

@@ -149,7 +149,7 @@ pub fn spawn_entity(
     let result = with_loader(world, context, |loader, context| loader.entity(file, context, parent, &[]));
     let new = siblings(world, parent).into_iter().find(|sibling| !before.contains(sibling));
     if let (Err(_), Some(half)) = (&result, new) {
-        let _ = world.ecs.try_despawn(half);
+        despawn(world, half);
     }
     result?;
     new.ok_or_else(|| FileError::new(context.path, Kind::BadValue, "the entity leaves nothing"))
@@ -203,8 +203,7 @@ fn surface(
 }
 
 fn despawn(world: &mut GameWorld, entity: Entity) {
-    // Gone already if it stood below another one.
-    let _ = world.ecs.try_despawn(entity);
+    crate::world::despawn(&mut world.ecs, entity);
 }
 
 fn take_away(world: &mut GameWorld, context: &EditContext, entity: Entity, kind: &ComponentKind) {

@@ -62,8 +62,7 @@ impl Change<'_> {
     fn apply(self, world: &mut GameWorld, context: &mut EditContext) -> Result<(), FileError> {
         match self {
             Self::Despawn(entity) => {
-                // Gone already if it stood below another one.
-                let _ = world.ecs.try_despawn(entity);
+                crate::world::despawn(&mut world.ecs, entity);
                 Ok(())
             }
             Self::Spawn { parent, file } => spawn_entity(world, context, parent, file).map(drop),

@@ -188,7 +188,6 @@ impl Names {
 
 pub(super) fn despawn(world: &mut GameWorld, entities: &[Entity]) {
     for entity in entities {
-        // Gone already if it stood below another one.
-        let _ = world.ecs.try_despawn(*entity);
+        crate::world::despawn(&mut world.ecs, *entity);
     }
 }

@@ -10,15 +10,14 @@ use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::{AssetLibrary, LoadBudget};
 use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, Roots, SceneData, SceneFile};
-use crate::scene::SceneId;
-use crate::world::GameWorld;
+use crate::world::{GameWorld, PathIdentities};
 use bevy_ecs::error::FallbackErrorHandler;
 use bevy_ecs::message::{Message, MessageRegistry};
 use bevy_ecs::observer::IntoObserver;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Systems that run when a scene was entered, before its first step.
@@ -64,7 +63,7 @@ pub struct EditedScene {
     /// What that would say, as [`describe_all`](files::describe_all) gives it.
     pub scene: SceneFile,
     /// The identities of its entities by their paths, so that an editor finds them in both worlds.
-    pub identities: HashMap<String, SceneId>,
+    pub identities: PathIdentities,
 }
 
 impl EditedScene {
@@ -197,7 +196,7 @@ impl Game {
     /// Enters this scene, whenever it is entered, as an editor has it and not as its file says. Assets that are loaded
     /// already are in the library.
     pub fn set_edited(&mut self, edited: EditedScene, library: AssetLibrary) {
-        self.world.reserve(edited.identities.values().copied());
+        self.world.reserve(edited.identities.ids());
         (self.edited, self.library) = (Some(edited), library);
     }
 
@@ -375,7 +374,7 @@ impl Game {
         let mut context = EditContext { library: &mut self.library, options: &self.options, path: &scene };
         let result = files::spawn_prefab_onto(&mut self.world, &mut context, entity, path, place);
         if result.is_err() {
-            let _ = self.world.ecs.try_despawn(entity);
+            crate::world::despawn(&mut self.world.ecs, entity);
         }
         result
     }

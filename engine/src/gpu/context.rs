@@ -79,12 +79,12 @@ pub enum GpuError {
         found: String,
     },
     /// The driver refused.
-    #[error("adapter `{adapter}` gave no device: {source}")]
+    #[error("adapter `{adapter}` gave no device: {reason}")]
     Device {
         /// The adapter's name.
         adapter: String,
         /// The driver's reason.
-        source: wgpu::RequestDeviceError,
+        reason: wgpu::RequestDeviceError,
     },
     /// The environment asks for a layout that there is not.
     #[error("LIGHTWELL_RAY_NODES is `{wanted}`: it can be `lists` or `wide`, or leave it out")]
@@ -93,12 +93,12 @@ pub enum GpuError {
         wanted: String,
     },
     /// The WGSL files cannot be read.
-    #[error("cannot read shader folder {path}: {source}")]
+    #[error("cannot read shader folder {path}: {reason}")]
     ReadShaders {
         /// The folder.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
 }
 
@@ -213,7 +213,7 @@ impl Gpu {
         let given = Some(&options.shader_dir).filter(|dir| !dir.as_os_str().is_empty()).cloned();
         let shaders = match given.or_else(default_shader_dir) {
             Some(path) => {
-                ShaderLibrary::open(&path).map_err(|source| GpuError::ReadShaders { path: path.clone(), source })?
+                ShaderLibrary::open(&path).map_err(|reason| GpuError::ReadShaders { path: path.clone(), reason })?
             }
             None => ShaderLibrary::built_in(),
         };
@@ -232,7 +232,7 @@ impl Gpu {
             ..Default::default()
         });
         let (device, queue) =
-            pollster::block_on(request).map_err(|source| GpuError::Device { adapter: info.name.clone(), source })?;
+            pollster::block_on(request).map_err(|reason| GpuError::Device { adapter: info.name.clone(), reason })?;
         let reported = Arc::new(Mutex::new(Reported::default()));
         listen(&device, &reported);
         Ok(Self {

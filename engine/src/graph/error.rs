@@ -116,12 +116,12 @@ pub enum GraphError {
         input: String,
     },
     /// A pass failed. What it was writing is no longer in the cache.
-    #[error("pass `{pass}` failed: {source}")]
+    #[error("pass `{pass}` failed: {reason}")]
     Pass {
         /// The pass.
         pass: String,
         /// Why.
-        source: PassError,
+        reason: PassError,
     },
     /// The device refused commands. Nothing that the frame wrote is in the cache.
     #[error("the device refused {place}: {message}")]

@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ImageFileError {
     /// The file system refused.
-    #[error("{path}: {source}", path = .path.display())]
+    #[error("{path}: {reason}", path = .path.display())]
     Io {
         /// The file.
         path: PathBuf,
         /// The error of the system.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// The content is not an image that can be read, or could not be encoded.
     #[error("{path}: {message}", path = .path.display())]
@@ -47,7 +47,7 @@ fn extension(path: &Path) -> String {
 /// # Errors
 /// If the file cannot be read, is broken, or an EXR has no channels R, G and B.
 pub fn read_image(path: &Path) -> Result<Image, ImageFileError> {
-    let bytes = std::fs::read(path).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })?;
+    let bytes = std::fs::read(path).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })?;
     match extension(path).as_str() {
         "exr" => decode_exr(&bytes).map_err(|e| content_error(path, e)),
         "png" | "jpg" | "jpeg" => {
@@ -87,7 +87,7 @@ pub fn write_png_rgb8(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), Ima
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageFileError> {
-    crate::files::replace_file(path, bytes).map_err(|source| ImageFileError::Io { path: path.to_owned(), source })
+    crate::files::replace_file(path, bytes).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })
 }
 
 fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {

@@ -189,7 +189,6 @@ impl GameWorld {
 
 fn despawn_queued(world: &mut World) {
     for entity in std::mem::take(&mut world.resource_mut::<DespawnQueue>().0) {
-        // Gone already if it stood below another of the queue.
-        let _ = world.try_despawn(entity);
+        super::hierarchy::despawn(world, entity);
     }
 }

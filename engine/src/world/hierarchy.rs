@@ -119,6 +119,23 @@ pub(crate) fn clone_onto(ecs: &mut World, entity: Entity, clone: Entity) -> Resu
     Ok(())
 }
 
+/// Despawns an entity with all below it, whatever the depth: bevy goes down by recursion, so that deep hierarchies are taken away
+/// in pieces, the lowest first. What is gone already is left alone.
+pub(crate) fn despawn(ecs: &mut World, entity: Entity) {
+    const DEPTH: usize = 64;
+    let (mut level, mut tops, mut depth) = (vec![entity], Vec::new(), 0);
+    while !level.is_empty() {
+        if depth % DEPTH == 0 {
+            tops.extend(&level);
+        }
+        level = level.into_iter().flat_map(|entity| children(ecs, entity)).collect();
+        depth += 1;
+    }
+    for top in tops.into_iter().rev() {
+        let _ = ecs.try_despawn(top);
+    }
+}
+
 fn children(ecs: &World, entity: Entity) -> Vec<Entity> {
     ecs.get::<Children>(entity).map(|c| c.to_vec()).unwrap_or_default()
 }

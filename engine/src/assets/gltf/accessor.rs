@@ -44,6 +44,15 @@ pub(super) fn place(accessor: &Accessor) -> String {
     }
 }
 
+fn view_place(view: &View) -> String {
+    format!("buffer view {}", view.index())
+}
+
+fn beyond_end(view: &View, found: usize) -> String {
+    let (offset, length, buffer) = (view.offset(), view.length(), view.buffer().index());
+    format!("bytes {offset} + {length} lie beyond the end of buffer {buffer} ({found} bytes)")
+}
+
 impl<'a> Buffers<'a> {
     /// Buffers of which nothing is compressed.
     pub fn new(path: &'a Path, data: Vec<Cow<'a, [u8]>>) -> Self {
@@ -63,12 +72,21 @@ impl Buffers<'_> {
         }
         let (buffer, offset, length) = (view.buffer().index(), view.offset(), view.length());
         let data = self.data.get(buffer).map_or(&[] as &[u8], |d| d.as_ref());
-        match offset.checked_add(length).and_then(|end| data.get(offset..end)) {
+        // What lies beyond the end is missed by the accessors that need it.
+        let end = offset.checked_add(length).map(|end| end.min(data.len()));
+        match end.and_then(|end| data.get(offset..end)).filter(|bytes| !bytes.is_empty() || length == 0) {
             Some(bytes) => Ok(bytes),
-            None => self.fail(
-                &format!("buffer view {}", view.index()),
-                format!("bytes {offset} + {length} lie beyond the end of buffer {buffer} ({} bytes)", data.len()),
-            ),
+            None => self.fail(&view_place(view), beyond_end(view, data.len())),
+        }
+    }
+
+    /// Checks that a buffer view ends within its buffer.
+    pub fn check_length(&self, view: &View) -> Result<(), AssetError> {
+        let found = self.data.get(view.buffer().index()).map_or(0, |data| data.len());
+        let is_inside = view.offset().checked_add(view.length()).is_some_and(|end| end <= found);
+        match is_inside || self.decoded.contains_key(&view.index()) {
+            true => Ok(()),
+            false => self.fail(&view_place(view), beyond_end(view, found)),
         }
     }
 
@@ -82,8 +100,8 @@ impl Buffers<'_> {
     ) -> Result<Elements<'_>, AssetError> {
         let bytes = self.view(view)?;
         let stride = view.stride().unwrap_or(size);
-        if stride < size || stride > 252 {
-            return self.fail(place, format!("stride {stride} of its buffer view must lie between {size} and 252"));
+        if stride < size {
+            return self.fail(place, format!("stride {stride} of its buffer view is less than its {size} bytes"));
         }
         let end = count.checked_sub(1).and_then(|n| n.checked_mul(stride)).and_then(|n| n.checked_add(size));
         let range = end.and_then(|n| n.checked_add(offset)).and_then(|end| bytes.get(offset..end));
@@ -99,9 +117,23 @@ impl Buffers<'_> {
         }
     }
 
-    /// Checks that all data the accessor refers to is there.
-    pub fn check(&self, accessor: &Accessor) -> Result<(), AssetError> {
-        let (place, count, size) = (place(accessor), accessor.count(), accessor.size());
+    /// Checks that all data the accessor refers to is there, and what reading passes over.
+    pub fn check_all(&self, accessor: &Accessor) -> Result<(), AssetError> {
+        let count = accessor.count();
+        self.check(accessor, count)?;
+        let Some(sparse) = accessor.sparse() else { return Ok(()) };
+        let (place, indices) = (place(accessor), sparse.indices());
+        let at =
+            self.elements(&place, &indices.view(), indices.offset(), sparse.count(), indices.index_type().size())?;
+        match at.iter().map(unsigned).find(|index| *index as usize >= count) {
+            Some(index) => self.fail(&place, format!("sparse index {index} of {count} elements")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that so many elements of an accessor are there.
+    fn check(&self, accessor: &Accessor, count: usize) -> Result<(), AssetError> {
+        let (place, size) = (place(accessor), accessor.size());
         if count == 0 {
             return self.fail(&place, "has no elements");
         }
@@ -132,12 +164,21 @@ impl Buffers<'_> {
         Ok(())
     }
 
-    /// Reads all elements, sparse ones put in, each decoded by `decode`.
-    fn read<T: Clone>(&self, accessor: &Accessor, zero: T, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>, AssetError> {
-        self.check(accessor)?;
-        let (place, count, size) = (place(accessor), accessor.count(), accessor.size());
+    /// Reads the first `count` elements, sparse ones put in, each decoded by `decode`. A count beyond that of the accessor reads
+    /// on in its buffer view.
+    fn read<T: Clone>(
+        &self,
+        accessor: &Accessor,
+        count: usize,
+        zero: T,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, AssetError> {
+        self.check(accessor, count)?;
+        let (place, size) = (place(accessor), accessor.size());
         if let Some(bytes) = self.replaced.get(&accessor.index()) {
-            return Ok(bytes.chunks_exact(size).map(decode).collect());
+            let elements: Vec<T> = bytes.chunks_exact(size).take(count).map(decode).collect();
+            let is_whole = elements.len() == count;
+            return if is_whole { Ok(elements) } else { self.fail(&place, format!("has less than {count} elements")) };
         }
         let mut out: Vec<T> = match accessor.view() {
             Some(view) => self.elements(&place, &view, accessor.offset(), count, size)?.iter().map(&decode).collect(),
@@ -151,11 +192,9 @@ impl Buffers<'_> {
         let at = self.elements(&place, &indices.view(), indices.offset(), sparse.count(), index_size)?;
         let values = self.elements(&place, &values.view(), values.offset(), sparse.count(), size)?;
         for (index, value) in at.iter().map(unsigned).zip(values.iter()) {
-            match out.get_mut(index as usize) {
-                Some(slot) => *slot = decode(value),
-                None => {
-                    return self.fail(&place, format!("sparse index {index} of {count} elements"));
-                }
+            // One beyond the end is noted when all is checked.
+            if let Some(slot) = out.get_mut(index as usize) {
+                *slot = decode(value);
             }
         }
         Ok(out)
@@ -163,29 +202,67 @@ impl Buffers<'_> {
 
     /// Reads vectors of `N` components as floats; integers are normalised where the accessor says so.
     pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>, AssetError> {
-        if accessor.dimensions().multiplicity() != N || matches!(accessor.dimensions(), Dimensions::Mat2) {
-            return self
-                .fail(&place(accessor), format!("holds {:?} where vectors of {N} are wanted", accessor.dimensions()));
+        let found = accessor.dimensions();
+        if found.multiplicity() != N || matches!(found, Dimensions::Mat2) {
+            return self.fail(&place(accessor), format!("holds {found:?} where vectors of {N} are wanted"));
         }
-        let zero = [0.0; N];
-        if accessor.data_type() == DataType::F32 {
-            return self.read(accessor, zero, |b| std::array::from_fn(|i| float(&b[4 * i..])));
-        }
-        let (kind, normalized, size) = (accessor.data_type(), accessor.normalized(), accessor.data_type().size());
-        self.read(accessor, zero, |b| std::array::from_fn(|i| component(&b[size * i..], kind, normalized)))
+        self.components(accessor, accessor.count(), [0.0; N], accessor.normalized())
     }
 
-    /// Reads vertex indices.
+    /// Reads `count` vectors of at least `least` components. Those beyond `N` are dropped, and those that are missing are taken
+    /// from `usual`.
+    pub fn loose_vectors<const N: usize>(
+        &self,
+        accessor: &Accessor,
+        count: usize,
+        least: usize,
+        usual: [f32; N],
+        normalized: bool,
+    ) -> Result<Vec<[f32; N]>, AssetError> {
+        let found = accessor.dimensions();
+        if found.multiplicity() < least || matches!(found, Dimensions::Mat2 | Dimensions::Mat3 | Dimensions::Mat4) {
+            return self.fail(&place(accessor), format!("holds {found:?} where vectors of {N} are wanted"));
+        }
+        self.components(accessor, count, usual, normalized)
+    }
+
+    fn components<const N: usize>(
+        &self,
+        accessor: &Accessor,
+        count: usize,
+        usual: [f32; N],
+        normalized: bool,
+    ) -> Result<Vec<[f32; N]>, AssetError> {
+        let (kind, found) = (accessor.data_type(), accessor.dimensions().multiplicity());
+        let size = kind.size();
+        if kind == DataType::F32 && found >= N {
+            return self.read(accessor, count, [0.0; N], |b| std::array::from_fn(|i| float(&b[4 * i..])));
+        }
+        let one = |b: &[u8], i: usize| if i < found { component(&b[size * i..], kind, normalized) } else { usual[i] };
+        self.read(accessor, count, [0.0; N], |b| std::array::from_fn(|i| one(b, i)))
+    }
+
+    /// Reads vertex indices. Those that are no unsigned integers are taken as such; what is none becomes one that no mesh has.
     pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, AssetError> {
         let kind = accessor.data_type();
-        let unsigned_kind = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
-        if accessor.dimensions() != Dimensions::Scalar || !unsigned_kind || accessor.normalized() {
+        if accessor.dimensions() != Dimensions::Scalar {
             let problem =
                 format!("indices must be unsigned integer scalars, not {:?} of {kind:?}", accessor.dimensions());
             return self.fail(&place(accessor), problem);
         }
-        self.read(accessor, 0, unsigned)
+        if is_index(kind) {
+            return self.read(accessor, accessor.count(), 0, unsigned);
+        }
+        self.read(accessor, accessor.count(), 0, |b| {
+            let value = component(b, kind, false);
+            if value >= 0.0 && value.fract() == 0.0 && value < u32::MAX as f32 { value as u32 } else { u32::MAX }
+        })
     }
+}
+
+/// Whether vertex indices may be of a type.
+pub(super) fn is_index(kind: DataType) -> bool {
+    matches!(kind, DataType::U8 | DataType::U16 | DataType::U32)
 }
 
 fn float(b: &[u8]) -> f32 {

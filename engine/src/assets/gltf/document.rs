@@ -11,7 +11,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
-const SUPPORTED: [&str; 21] = [
+const SUPPORTED: [&str; 22] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -23,6 +23,7 @@ const SUPPORTED: [&str; 21] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -38,8 +39,10 @@ const SUPPORTED: [&str; 21] = [
 /// Parses and mends the document. Returns whether it uses `KHR_mesh_quantization` too.
 pub(super) fn parse(path: &Path, json: &[u8], remarks: &mut Remarks) -> Result<(Document, bool), AssetError> {
     let mend::Parsed { mut value, text } = mend::parse(path, json, remarks)?;
-    check_version(path, &value)?;
     let before = value.clone();
+    mend::version(&mut value, remarks);
+    check_version(path, &value)?;
+    mend::move_misplaced(&mut value, remarks);
     mend::ignore_targetless(&mut value, remarks);
     mend::mend(&mut value, remarks);
     let root = match value == before {
@@ -57,8 +60,8 @@ pub(super) fn parse(path: &Path, json: &[u8], remarks: &mut Remarks) -> Result<(
     Ok((Document::from_json_without_validation(root), quantized))
 }
 
-/// What the parser relies on is checked once more by the parser itself. It asks for positions, their bounds, and a buffer view
-/// for every accessor, without which the reader gets along.
+/// What the parser relies on is checked once more by the parser itself. It asks for positions, their bounds, strides that suit
+/// vertices, and a buffer view for every accessor, without which the reader gets along.
 fn check(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
     use gltf::json::validation::{Error as Kind, Validate};
     let mut faults = Vec::new();
@@ -66,7 +69,7 @@ fn check(path: &Path, root: &gltf::json::Root) -> Result<(), AssetError> {
     let is_needed = |(place, kind): &&(gltf::json::Path, Kind)| {
         let ends = |fields: &[&str]| fields.iter().any(|field| place.as_str().ends_with(field));
         let is_dispensable = *kind == Kind::Missing && ends(&["bufferView", "POSITION", "\"POSITION\"]"]);
-        !is_dispensable && !ends(&[".min", ".max"])
+        !is_dispensable && !ends(&[".min", ".max", ".byteStride"])
     };
     let Some((place, kind)) = faults.iter().find(is_needed) else { return Ok(()) };
     let problem = match kind {
@@ -147,13 +150,20 @@ pub(super) fn load_buffers<'a>(
 ) -> Result<BufferData<'a>, AssetError> {
     let mut data = BufferData::new();
     let needed = buffers_of_geometry(document);
-    for (i, buffer) in document.as_json().buffers.iter().enumerate() {
+    let buffers = &document.as_json().buffers;
+    // The first buffer, if it does not name a file; some exporters have it elsewhere in the list.
+    let of_chunk = buffers.iter().position(|buffer| buffer.uri.is_none()).unwrap_or(0);
+    if of_chunk > 0 && bin.is_some() {
+        remarks.fault(format!("buffer {of_chunk}: has no URI and is not the first; read from the file's binary chunk"));
+    }
+    for (i, buffer) in buffers.iter().enumerate() {
         if meshopt::is_fallback(buffer) {
             // What refers to it is decoded from other buffers.
             data.push(Cow::Borrowed(&[][..]));
             continue;
         }
-        match load_buffer(path, i, buffer, bin, beside, remarks) {
+        let chunk = bin.filter(|_| i == of_chunk);
+        match load_buffer(path, i, buffer, chunk, beside, remarks) {
             Err(error) if needed.contains(&i) => return Err(error),
             result => data.push(remarks.part(result, "what it holds is left out")?.unwrap_or_default()),
         }
@@ -165,21 +175,28 @@ fn load_buffer<'a>(
     path: &Path,
     index: usize,
     buffer: &gltf::json::Buffer,
-    bin: Option<&'a [u8]>,
+    chunk: Option<&'a [u8]>,
     beside: &mut source::Beside,
     remarks: &mut Remarks,
 ) -> Result<Cow<'a, [u8]>, AssetError> {
     let (place, wanted) = (format!("buffer {index}"), buffer.byte_length.0);
-    let bytes = match (&buffer.uri, bin) {
-        (Some(uri), _) => Cow::Owned(source::fetch(path, &place, uri, beside)?),
-        (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
-        (None, _) => {
+    let (bytes, is_chunk) = match (&buffer.uri, chunk) {
+        (None, Some(chunk)) => (Cow::Borrowed(chunk), true),
+        (None, None) => {
             return Err(AssetError::format(path, place, "has no URI, and the file has no binary chunk for it"));
         }
+        (Some(uri), chunk) => match (source::fetch(path, &place, uri, beside, remarks), chunk) {
+            (Ok(bytes), _) => (Cow::Owned(bytes), false),
+            (Err(error @ AssetError::Budget { .. }), _) | (Err(error), None) => return Err(error),
+            (Err(error), Some(chunk)) => {
+                remarks.broken(&error, "the binary chunk of the file is read in its place");
+                (Cow::Borrowed(chunk), true)
+            }
+        },
     };
     let found = bytes.len() as u64;
     // A binary chunk is padded to a multiple of four.
-    let padding = if buffer.uri.is_none() { 3 } else { 0 };
+    let padding = if is_chunk { 3 } else { 0 };
     if wanted == 0 || found < wanted {
         // What lies beyond the end is missed by those that need it.
         remarks.fault(format!("{place}: has {found} bytes, and its byteLength is {wanted}; what is there is read"));
@@ -201,23 +218,24 @@ fn truncate(bytes: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
     }
 }
 
-/// Checks all buffer views and accessors. Those that no part has missed are noted.
+/// Checks all buffer views and accessors. Faults that no part has noted are noted.
 pub(super) fn check_data(document: &Document, buffers: &Buffers, remarks: &mut Remarks) {
     for view in document.views() {
         let stride = view.stride().unwrap_or(4);
         let problem = if !(4..=252).contains(&stride) || stride % 4 != 0 {
-            format!("stride {stride} must be a multiple of 4 between 4 and 252")
+            Some(format!("stride {stride} must be a multiple of 4 between 4 and 252"))
         } else if view.stride().is_some_and(|s| s > view.length()) {
-            format!("stride {stride} is larger than the view ({} bytes)", view.length())
-        } else if let Err(error) = buffers.view(&view) {
-            remarks.unused(&error);
-            continue;
+            Some(format!("stride {stride} is larger than the view ({} bytes)", view.length()))
         } else {
-            continue;
+            None
         };
-        remarks.unused(&AssetError::format(buffers.path, format!("buffer view {}", view.index()), problem));
+        let problem = problem.map(|p| AssetError::format(buffers.path, format!("buffer view {}", view.index()), p));
+        let error = problem.or_else(|| buffers.view(&view).err()).or_else(|| buffers.check_length(&view).err());
+        if let Some(error) = error {
+            remarks.unused(&error);
+        }
     }
-    for error in document.accessors().filter_map(|accessor| buffers.check(&accessor).err()) {
+    for error in document.accessors().filter_map(|accessor| buffers.check_all(&accessor).err()) {
         remarks.unused(&error);
     }
 }

@@ -26,12 +26,17 @@ const TEXTURES: [(&str, &str, bool); 8] = [
 ];
 
 /// A field of an extension of a material.
-fn field<'m>(m: &'m gltf::Material, extension: &str, name: &str) -> Option<&'m Value> {
+pub(super) fn field<'m>(m: &'m gltf::Material, extension: &str, name: &str) -> Option<&'m Value> {
     m.extension_value(extension)?.get(name)
 }
 
-fn number(value: Option<&Value>, usual: f32) -> f32 {
+pub(super) fn number(value: Option<&Value>, usual: f32) -> f32 {
     value.and_then(Value::as_f64).map_or(usual, |value| value as f32)
+}
+
+/// Numbers of an array; the usual ones where it has none.
+pub(super) fn numbers<const N: usize>(value: Option<&Value>, usual: [f32; N]) -> [f32; N] {
+    std::array::from_fn(|i| number(value.and_then(|value| value.get(i)), usual[i]))
 }
 
 /// The textures that the layers of a material use. References to what is not there were taken away before.
@@ -50,10 +55,8 @@ pub(super) fn add(material: &mut Material, m: &gltf::Material, textures: &Textur
         normal_scale: number(field(m, CLEARCOAT, "clearcoatNormalTexture").and_then(|info| info.get("scale")), 1.0),
     };
     let color = field(m, SHEEN, "sheenColorFactor");
-    material.sheen = Sheen {
-        color: Vec3::from([0, 1, 2].map(|channel| number(color.and_then(|color| color.get(channel)), 0.0))),
-        roughness: value(SHEEN, "sheenRoughnessFactor", 0.0),
-    };
+    material.sheen =
+        Sheen { color: Vec3::from(numbers(color, [0.0; 3])), roughness: value(SHEEN, "sheenRoughnessFactor", 0.0) };
     material.anisotropy = Anisotropy {
         strength: value(ANISOTROPY, "anisotropyStrength", 0.0),
         rotation: value(ANISOTROPY, "anisotropyRotation", 0.0),
@@ -77,7 +80,7 @@ pub(super) fn add(material: &mut Material, m: &gltf::Material, textures: &Textur
 }
 
 /// A texture, and where it lies.
-fn used(
+pub(super) fn used(
     m: &gltf::Material,
     textures: &Textures,
     (extension, name, srgb): (&str, &str, bool),

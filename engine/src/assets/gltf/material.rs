@@ -1,6 +1,7 @@
 //! Materials and the textures they use.
 
 use super::remarks::Remarks;
+use super::specular_glossiness::{self, RoughnessMaps};
 use super::{layers, source};
 use crate::assets::{
     AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap,
@@ -18,23 +19,23 @@ use std::sync::Arc;
 pub(super) struct UvSource {
     /// The file's sets that become sets 0 and 1 of the mesh.
     pub sets: [u32; 2],
-    /// Whether any texture lies by the second.
-    pub uses_second: bool,
+    /// Whether any texture lies by them.
+    pub uses: [bool; 2],
     /// Where what needs tangents lies, a normal map or stretched highlights; none: there is nothing of it.
     pub normal: Option<UvMap>,
 }
 
 impl Default for UvSource {
     fn default() -> Self {
-        Self { sets: [0, 1], uses_second: false, normal: None }
+        Self { sets: [0, 1], uses: [false; 2], normal: None }
     }
 }
 
 impl UvSource {
     /// Bits for use in keys.
-    pub fn key(&self) -> ([u32; 2], bool, Option<[u32; 8]>) {
+    pub fn key(&self) -> ([u32; 2], [bool; 2], Option<[u32; 8]>) {
         let rows = self.normal.map(|map| map.rows());
-        (self.sets, self.uses_second, rows.map(|rows| std::array::from_fn(|i| rows[i / 4][i % 4].to_bits())))
+        (self.sets, self.uses, rows.map(|rows| std::array::from_fn(|i| rows[i / 4][i % 4].to_bits())))
     }
 }
 
@@ -79,9 +80,11 @@ pub(super) fn load(
         let transmission = m.transmission().and_then(|t| t.transmission_texture());
         wanted.extend(transmission.map(|t| (t.texture().index(), false)));
         wanted.extend(layers::textures(&m));
+        wanted.extend(specular_glossiness::textures(&m));
     }
     let textures = load_textures(path, document, &wanted, image_bytes, beside, remarks)?;
-    let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, remarks)).collect();
+    let roughness = specular_glossiness::roughness_maps(document, &textures);
+    let mut all: Vec<_> = document.materials().map(|m| convert(&m, &textures, &roughness, remarks)).collect();
     all.push((Arc::new(Material { metallic: 1.0, ..Material::new("default") }), UvSource::default()));
     Ok(Materials { all })
 }
@@ -108,13 +111,17 @@ fn load_textures(
         let json = &document.as_json().images[*index];
         let label = json.name.as_deref().or(json.uri.as_deref().filter(|u| !u.starts_with("data:")));
         let place = label.map_or(format!("image {index}"), |l| format!("image {index} \"{l}\""));
-        let bytes = match (&json.uri, json.buffer_view) {
-            (Some(uri), _) => source::fetch(path, &place, uri, beside),
-            (None, Some(view)) => match document.views().nth(view.value()) {
-                Some(view) => image_bytes(&view),
-                None => Err(AssetError::format(path, &place, "its buffer view is not there")),
-            },
+        let embedded = json.buffer_view.and_then(|view| document.views().nth(view.value())).map(|v| image_bytes(&v));
+        let bytes = match (&json.uri, embedded) {
+            (None, Some(bytes)) => bytes,
             (None, None) => Err(AssetError::format(path, &place, "has neither a URI nor a buffer view")),
+            (Some(uri), embedded) => match (source::fetch(path, &place, uri, beside, remarks), embedded) {
+                (Err(error @ AssetError::Format { .. }), Some(Ok(bytes))) => {
+                    remarks.broken(&error, "its buffer view is read in its place");
+                    Ok(bytes)
+                }
+                (result, _) => result,
+            },
         };
         let Some(bytes) = remarks.part(bytes, "drawn without it")? else { continue };
         encoded.push((place, label.map_or(format!("image {index}"), str::to_string), bytes, uses));
@@ -186,7 +193,12 @@ fn minification(filter: MinFilter) -> Minification {
     Minification { nearest, levels }
 }
 
-fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Remarks) -> (Arc<Material>, UvSource) {
+fn convert(
+    m: &gltf::Material,
+    textures: &Textures,
+    roughness: &RoughnessMaps,
+    warnings: &mut Remarks,
+) -> (Arc<Material>, UvSource) {
     let index = m.index().unwrap_or(0);
     let name = m.name().map_or(format!("material {index}"), str::to_string);
     let pbr = m.pbr_metallic_roughness();
@@ -235,7 +247,9 @@ fn convert(m: &gltf::Material, textures: &Textures, warnings: &mut Remarks) -> (
         ..Material::new(name.clone())
     };
     layers::add(&mut material, m, textures);
-    if m.unlit() {
+    if !m.unlit() {
+        specular_glossiness::apply(&mut material, m, textures, roughness);
+    } else {
         make_unlit(&mut material);
     }
     make_finite(&mut material, &name, warnings);
@@ -262,9 +276,9 @@ fn choose_sets(m: &mut Material, warnings: &mut Remarks) -> UvSource {
     for map in m.uv.all_mut() {
         map.set = u32::from(map.set == sets[1]);
     }
-    let uses_second = m.textures().iter().any(|(texture, map)| texture.is_some() && map.set == 1);
+    let uses = [0, 1].map(|set| m.textures().iter().any(|(texture, map)| texture.is_some() && map.set == set));
     let normal = m.normal_texture.is_some().then_some(m.uv.normal).or_else(|| layers::tangents_of(m));
-    UvSource { sets, uses_second, normal }
+    UvSource { sets, uses, normal }
 }
 
 /// `KHR_materials_specular`: factor and colour.

@@ -6,6 +6,7 @@
 
 mod accessor;
 mod animation;
+mod attribute;
 mod document;
 mod draco;
 mod face_normal;
@@ -26,11 +27,13 @@ mod remarks;
 pub(crate) mod rig_tests;
 mod skin;
 mod source;
+mod specular_glossiness;
 mod tangents;
 #[cfg(test)]
 mod tests;
 mod thin;
 mod units;
+mod uri;
 
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 pub use units::{LightConversion, LightUnits};

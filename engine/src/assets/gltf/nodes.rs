@@ -20,8 +20,8 @@ pub(super) fn read(path: &Path, document: &Document, remarks: &mut Remarks) -> (
     let mut nodes = Vec::new();
     for node in document.nodes() {
         let name = node.name().map_or(format!("node {}", node.index()), str::to_string);
-        let local = transform(&place(node.index(), &name), node.transform(), remarks);
         let json = &document.as_json().nodes[node.index()];
+        let local = transform(&place(node.index(), &name), placed(json, &node, &name, remarks), remarks);
         nodes.push(GltfNode {
             local,
             children: json.children.iter().flatten().map(|c| c.value()).collect(),
@@ -48,6 +48,26 @@ fn each<J, T>(
 
 fn place(index: usize, name: &str) -> String {
     format!("node {index} \"{name}\"")
+}
+
+/// The transform of a node. Of a matrix and parts, which exclude each other, the matrix counts unless it does nothing.
+fn placed(json: &gltf::json::Node, node: &gltf::Node, name: &str, remarks: &mut Remarks) -> gltf::scene::Transform {
+    let has_parts = json.translation.is_some() || json.rotation.is_some() || json.scale.is_some();
+    let Some(matrix) = json.matrix.filter(|_| has_parts) else { return node.transform() };
+    let is_identity = matrix == Mat4::IDENTITY.to_cols_array();
+    let outcome = if is_identity { "the matrix does nothing, so that the others count" } else { "the matrix counts" };
+    remarks.fault(format!(
+        "{}: has a matrix, and translation, rotation or scale too; {outcome}",
+        place(node.index(), name)
+    ));
+    if !is_identity {
+        return node.transform();
+    }
+    gltf::scene::Transform::Decomposed {
+        translation: json.translation.unwrap_or([0.0; 3]),
+        rotation: json.rotation.map_or([0.0, 0.0, 0.0, 1.0], |rotation| rotation.0),
+        scale: json.scale.unwrap_or([1.0; 3]),
+    }
 }
 
 /// Notes the parents. Each node has at most one, and none is its own ancestor: what says otherwise is cut.
@@ -111,7 +131,7 @@ fn cut(nodes: &mut [GltfNode], on_cycle: usize, remarks: &mut Remarks) {
 /// The top nodes of the scene that is shown.
 fn roots(document: &Document, nodes: &[GltfNode], remarks: &mut Remarks) -> Vec<usize> {
     let json = document.as_json();
-    let scene = json.scene.map_or(0, |s| s.value());
+    let scene = shown_scene(json, remarks);
     let Some(listed) = json.scenes.get(scene) else {
         return (0..nodes.len()).filter(|i| nodes[*i].parent.is_none()).collect();
     };
@@ -142,6 +162,19 @@ fn roots(document: &Document, nodes: &[GltfNode], remarks: &mut Remarks) -> Vec<
         !is_below
     });
     roots
+}
+
+/// The scene that is shown: the default one, or the first one. Where it is empty, and nodes are there, one that is not.
+fn shown_scene(json: &gltf::json::Root, remarks: &mut Remarks) -> usize {
+    let scene = json.scene.map_or(0, |s| s.value());
+    let is_empty = json.scenes.get(scene).is_some_and(|scene| scene.nodes.is_empty());
+    if !is_empty || json.nodes.is_empty() {
+        return scene;
+    }
+    let other = json.scenes.iter().position(|scene| !scene.nodes.is_empty());
+    let outcome = other.map_or("all nodes are shown".into(), |other| format!("scene {other} is shown"));
+    remarks.fault(format!("scene {scene}: has no nodes; {outcome}"));
+    other.unwrap_or(json.scenes.len())
 }
 
 fn transform(place: &str, transform: gltf::scene::Transform, remarks: &mut Remarks) -> Transform {

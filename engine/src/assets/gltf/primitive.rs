@@ -1,13 +1,14 @@
 //! Mesh primitives: triangles of any topology as indexed lists, with normals and tangents for every vertex.
 
-use super::accessor::{Buffers, place};
+use super::accessor::{Buffers, is_index, place};
+use super::attribute::{self, Format};
 use super::face_normal::face_normal;
 use super::material::UvSource;
 use super::remarks::Remarks;
 use super::{tangents, thin};
 use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
 use glam::Vec3;
-use gltf::accessor::{Accessor, DataType, Dimensions};
+use gltf::accessor::{Accessor, DataType};
 use gltf::mesh::{Mode, Primitive, Semantic};
 use std::sync::Arc;
 
@@ -50,25 +51,31 @@ impl Reader<'_> {
             return Err(self.wrong(job, "has no positions and is not drawn".into()));
         };
         let mut attributes = self.attributes(job, &positions, &mut warnings)?;
-        let corners = self.corners(job, attributes.positions.len())?;
-        self.note_restarts(job, &corners, &mut warnings);
+        let strips = self.strips(job, attributes.positions.len(), &mut warnings)?;
         let (corners, each) = match mode {
-            Mode::Lines => (corners, 2),
-            mode if thin::is_thin(mode) => (corners, 1),
-            mode => (triangles(mode, corners, &mut warnings, &job.place), 3),
+            Mode::Points => (strips.concat(), 1),
+            mode if thin::is_thin(mode) => {
+                (strips.iter().flat_map(|strip| thin::segments(mode, strip)).flatten().collect(), 2)
+            }
+            mode => {
+                let lists = strips.into_iter().map(|strip| triangles(mode, strip, &mut warnings, &job.place));
+                (lists.flatten().collect(), 3)
+            }
         };
         let mut indices = self.sound_corners(job, &attributes.positions, corners, each, &mut warnings);
         // No corner reads them any more.
         attributes.positions.iter_mut().filter(|p| !Vec3::from(**p).is_finite()).for_each(|p| *p = [0.0; 3]);
         if thin::is_thin(mode) {
-            return self.load_thin(job, attributes, &indices, warnings);
+            let mode = if mode == Mode::Points { mode } else { Mode::Lines };
+            return self.load_thin(job, mode, attributes, &indices, warnings);
         }
         if indices.is_empty() {
             warnings.push(format!("{}: has no triangle and is not drawn", job.place));
             return Ok((None, warnings));
         }
         let flat = attributes.normals.is_none();
-        let given_tangents = attributes.tangents.is_some() && !flat;
+        let has_tangents = attributes.tangents.is_some() && !flat;
+        let given_tangents = has_tangents && !self.lost_tangents(job, &attributes, &indices, &mut warnings);
         let mut own = Mesh::new("", Vec::new(), Vec::new());
         own.extras = extras(&attributes).map(Arc::new);
         own.deform =
@@ -101,6 +108,7 @@ impl Reader<'_> {
     fn load_thin(
         &self,
         job: &Job,
+        mode: Mode,
         attributes: Attributes,
         corners: &[u32],
         mut warnings: Remarks,
@@ -109,7 +117,7 @@ impl Reader<'_> {
         own.extras = extras(&attributes).map(Arc::new);
         own.deform =
             self.deform(job, attributes.positions.len(), &mut warnings)?.map(|d| Arc::new(Deform { flat: true, ..d }));
-        let (mut vertices, origins) = thin::solids(job.primitive.mode(), &weave(attributes), corners);
+        let (mut vertices, origins) = thin::solids(mode, &weave(attributes), corners);
         if vertices.is_empty() {
             warnings.push(format!("{}: its lines have no length and are not drawn", job.place));
             return Ok((None, warnings));
@@ -129,87 +137,48 @@ impl Reader<'_> {
         remarks: &mut Remarks,
     ) -> Result<Attributes, AssetError> {
         let count = positions.count();
-        self.note_quantized(job, positions, remarks);
-        let [first, second] = job.uv.sets.map(Semantic::TexCoords);
-        let second = if job.uv.uses_second { self.uvs(job, second, count) } else { Ok(None) };
-        let normals = self.directions(job, Semantic::Normals, count, remarks);
-        let tangents = self.directions(job, Semantic::Tangents, count, remarks);
-        let ignored = "ignored";
+        let read = |semantic: Semantic, format: &Format<4>, remarks: &mut Remarks| {
+            let values = self.attribute(job, semantic, count, format, remarks);
+            Ok::<_, AssetError>(remarks.part(values, "ignored")?.flatten())
+        };
+        let normals = self.attribute(job, Semantic::Normals, count, &attribute::NORMAL, remarks);
+        let mut colors = read(Semantic::Colors(0), &attribute::COLOR, remarks)?;
+        if let Some(colors) = &mut colors {
+            colors.as_flattened_mut().iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
+        }
         Ok(Attributes {
-            positions: self.buffers.vectors(positions)?,
-            normals: remarks.part(normals, ignored)?.flatten(),
-            tangents: remarks.part(tangents, ignored)?.flatten(),
-            uvs: [
-                remarks.part(self.uvs(job, first, count), ignored)?.flatten(),
-                remarks.part(second, ignored)?.flatten(),
-            ],
-            colors: remarks.part(self.colors(job, count), ignored)?.flatten(),
+            positions: self.formatted(job, positions, count, &attribute::POSITION, remarks)?,
+            normals: remarks.part(normals, "ignored")?.flatten(),
+            tangents: read(Semantic::Tangents, &attribute::TANGENT, remarks)?,
+            uvs: self.uvs(job, count, remarks)?,
+            colors,
         })
     }
 
-    fn directions<const N: usize>(
-        &self,
-        job: &Job,
-        semantic: Semantic,
-        count: usize,
-        remarks: &mut Remarks,
-    ) -> Result<Option<Vec<[f32; N]>>, AssetError> {
-        let Some(accessor) = self.counted(job, semantic, count)? else { return Ok(None) };
-        self.note_quantized(job, &accessor, remarks);
-        self.buffers.vectors(&accessor).map(Some)
-    }
-
-    /// Integers are read whether or not the file says that it has them.
-    fn note_quantized(&self, job: &Job, accessor: &Accessor, remarks: &mut Remarks) {
-        if accessor.data_type() != DataType::F32 && !self.quantized {
-            let problem = format!("{:?} components need the extension KHR_mesh_quantization", accessor.data_type());
-            remarks.broken(&self.fail(job, accessor, problem), "read all the same");
-        }
-    }
-
-    fn uvs(&self, job: &Job, semantic: Semantic, count: usize) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
-        let Some(a) = self.counted(job, semantic, count)? else { return Ok(None) };
-        if !is_float_or_unit(&a) && !self.quantized {
-            return Err(self.fail(
-                job,
-                &a,
-                "texture coordinates must be floats or normalised unsigned integers".into(),
-            ));
-        }
-        let values = self.buffers.vectors(&a)?;
-        self.finite(job, &a, &values)?;
-        Ok(Some(values))
-    }
-
-    /// Colours of three or four components, clamped to 0 to 1.
-    fn colors(&self, job: &Job, count: usize) -> Result<Option<Vec<[f32; 4]>>, AssetError> {
-        let Some(accessor) = &self.counted(job, Semantic::Colors(0), count)? else { return Ok(None) };
-        if !is_float_or_unit(accessor) {
-            return Err(self.fail(job, accessor, "colours must be floats or normalised unsigned integers".into()));
-        }
-        let mut colors: Vec<[f32; 4]> = match accessor.dimensions() {
-            Dimensions::Vec3 => self.buffers.vectors::<3>(accessor)?.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
-            _ => self.buffers.vectors::<4>(accessor)?,
+    /// The sets of texture coordinates that the material uses. One that is not there is taken from the other one.
+    fn uvs(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<[Option<Vec<[f32; 2]>>; 2], AssetError> {
+        let [first, second] = job.uv.sets.map(|set| (set, Semantic::TexCoords(set)));
+        let read = |(_, semantic): (u32, Semantic), remarks: &mut Remarks| {
+            let uvs = self.attribute(job, semantic, count, &attribute::UV, remarks);
+            Ok::<_, AssetError>(remarks.part(uvs, "ignored")?.flatten())
         };
-        self.finite(job, accessor, &colors)?;
-        colors.as_flattened_mut().iter_mut().for_each(|c| *c = c.clamp(0.0, 1.0));
-        Ok(Some(colors))
-    }
-
-    /// An attribute, if it is there, with as many elements as there are vertices.
-    pub(super) fn counted<'a>(
-        &self,
-        job: &Job<'a>,
-        semantic: Semantic,
-        count: usize,
-    ) -> Result<Option<Accessor<'a>>, AssetError> {
-        let accessor = job.primitive.get(&semantic);
-        match &accessor {
-            Some(a) if a.count() != count => {
-                Err(self.fail(job, a, format!("{} elements, but {count} positions", a.count())))
+        let sets = [first.0, second.0];
+        let mut uvs = [read(first, remarks)?, if job.uv.uses[1] { read(second, remarks)? } else { None }];
+        for i in 0..2 {
+            if !job.uv.uses[i] || uvs[i].is_some() {
+                continue;
             }
-            _ => Ok(accessor),
+            let other = uvs[1 - i].clone().map(|uvs| (sets[1 - i], uvs));
+            let other = match other {
+                None if sets[i] != 0 => read((0, Semantic::TexCoords(0)), remarks)?.map(|uvs| (0, uvs)),
+                other => other,
+            };
+            let outcome = other.as_ref().map_or("it has none".into(), |(set, _)| format!("TEXCOORD_{set} is taken"));
+            remarks
+                .fault(format!("{}: its material needs TEXCOORD_{}, which is missing; {outcome}", job.place, sets[i]));
+            uvs[i] = other.map(|(_, uvs)| uvs);
         }
+        Ok(uvs)
     }
 
     pub(super) fn wrong(&self, job: &Job, problem: String) -> AssetError {
@@ -220,38 +189,51 @@ impl Reader<'_> {
         AssetError::format(self.buffers.path, format!("{}, {}", job.place, place(accessor)), problem)
     }
 
-    pub(super) fn finite<const N: usize>(
-        &self,
-        job: &Job,
-        accessor: &Accessor,
-        values: &[[f32; N]],
-    ) -> Result<(), AssetError> {
-        match values.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
-            Some(i) => Err(self.fail(job, accessor, format!("element {i} is {:?}: not a finite number", values[i]))),
-            None => Ok(()),
+    /// The vertices of the corners, in order: one list, or several where the largest index of the type begins a new strip, which
+    /// it does elsewhere, and not in glTF.
+    fn strips(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<Vec<Vec<u32>>, AssetError> {
+        let Some(accessor) = job.primitive.indices() else { return Ok(vec![(0..count as u32).collect()]) };
+        let corners = self.buffers.indices(&accessor)?;
+        if !is_index(accessor.data_type()) || accessor.normalized() {
+            let problem = format!("indices must be unsigned integers, not {:?}", accessor.data_type());
+            remarks.broken(&self.fail(job, &accessor, problem), "taken as such");
         }
-    }
-
-    /// The vertex of each corner, in order.
-    fn corners(&self, job: &Job, count: usize) -> Result<Vec<u32>, AssetError> {
-        match job.primitive.indices() {
-            Some(accessor) => self.buffers.indices(&accessor),
-            None => Ok((0..count as u32).collect()),
-        }
-    }
-
-    /// The largest index of a type begins a new strip elsewhere, and not in glTF.
-    fn note_restarts(&self, job: &Job, corners: &[u32], remarks: &mut Remarks) {
-        let Some(accessor) = job.primitive.indices() else { return };
         let largest = match accessor.data_type() {
             DataType::U8 => u32::from(u8::MAX),
             DataType::U16 => u32::from(u16::MAX),
             _ => u32::MAX,
         };
-        if corners.contains(&largest) {
-            let problem = format!("index {largest} is the largest of its type, which glTF does not allow");
-            remarks.broken(&self.fail(job, &accessor, problem), "taken for a vertex");
+        if !corners.contains(&largest) {
+            return Ok(vec![corners]);
         }
+        let has_strips = !matches!(job.primitive.mode(), Mode::Points | Mode::Lines | Mode::Triangles);
+        let begins_strip = has_strips && largest as usize >= count;
+        let problem = format!("index {largest} is the largest of its type, which glTF does not allow");
+        let outcome = if begins_strip { "taken for the beginning of a strip" } else { "taken for a vertex" };
+        remarks.broken(&self.fail(job, &accessor, problem), outcome);
+        match begins_strip {
+            true => Ok(corners.split(|corner| *corner == largest).map(<[u32]>::to_vec).collect()),
+            false => Ok(vec![corners]),
+        }
+    }
+
+    /// Whether tangents are missing where there should be some, so that all are computed.
+    fn lost_tangents(&self, job: &Job, attributes: &Attributes, corners: &[u32], remarks: &mut Remarks) -> bool {
+        let Some(tangents) = attributes.tangents.as_ref().filter(|_| job.uv.normal.is_some()) else { return false };
+        let is_lost = |corner: &&u32| {
+            let [x, y, z, _] = tangents[**corner as usize];
+            let direction = Vec3::new(x, y, z);
+            !direction.is_finite() || direction.try_normalize().is_none()
+        };
+        let lost = corners.iter().filter(is_lost).count();
+        if lost > 0 {
+            let of = corners.len();
+            remarks.fault(format!(
+                "{}: tangents of {lost} of {of} corners have no direction; all are computed",
+                job.place
+            ));
+        }
+        lost > 0
     }
 
     /// The corners without those groups of which a vertex is not there or lies nowhere. `each`: corners of a group.
@@ -279,8 +261,7 @@ impl Reader<'_> {
         };
         let at = accessor.map_or_else(|| job.place.clone(), |a| format!("{}, {}", job.place, place(&a)));
         let what = format!("{at}: {what}");
-        remarks
-            .fault(format!("{what}; {lost} of {before} {} left out", if each == 3 { "triangles" } else { "corners" }));
+        remarks.fault(format!("{what}; {lost} of {before} {} left out", ["corners", "lines", "triangles"][each - 1]));
         corners
     }
 }
@@ -301,10 +282,6 @@ fn triangles(mode: Mode, mut corners: Vec<u32>, warnings: &mut Remarks, place: &
             corners
         }
     }
-}
-
-fn is_float_or_unit(a: &Accessor) -> bool {
-    a.data_type() == DataType::F32 || (a.normalized() && matches!(a.data_type(), DataType::U8 | DataType::U16))
 }
 
 /// Second texture coordinates and colours, if there are any.

@@ -81,7 +81,7 @@ pub(crate) fn rigged() -> (File, String) {
     let positions = file.floats("VEC3", 3, &[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
     let normals = file.floats("VEC3", 3, &[0., 0., 1., 0., 0., 1., 0., 0., 1.]);
     let joints = file.accessor(5121, "VEC4", 4, &[0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0], "");
-    let weights = file.accessor(5121, "VEC4", 4, &[51, 204, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0], ",\"normalized\":true");
+    let weights = file.accessor(5121, "VEC4", 4, &[51, 204, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0], ",\"normalized\":true");
     let target = file.floats("VEC3", 3, &[0., 0., 1., 0., 0., 1., 0., 0., 1.]);
     let bind: Vec<f32> = [[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.]; 2].concat();
     let bind = file.floats("MAT4", 16, &bind);
@@ -144,7 +144,7 @@ fn broken_rigs_cost_their_part() {
     mended("\"joints\":[0,1]", "\"joints\":[0]", &["node 2", "joint 1", "has 1"]);
     mended("\"joints\":[0,1]", "\"joints\":[0,1,3]", &["skin 0", "2 inverse bind matrices for 3"]);
     mended("\"WEIGHTS_0\":3", "\"WEIGHTS_1\":3", &["JOINTS_0 and WEIGHTS_0"]);
-    mended("\"JOINTS_0\":2", "\"JOINTS_0\":0", &["accessor 0", "joints must be"]);
+    mended("\"JOINTS_0\":2", "\"JOINTS_0\":5", &["accessor 5", "2 elements"]);
     mended("\"targets\":[{\"POSITION\":4}]", "\"targets\":[{\"POSITION\":6}]", &["accessor 6"]);
     mended("\"output\":7", "\"output\":6", &["channel 0", "accessor 6", "2 numbers for 2 keys"]);
     mended("\"input\":6", "\"input\":9", &["channel 0", "accessor 9", ""]);

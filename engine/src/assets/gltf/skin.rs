@@ -3,13 +3,17 @@
 use super::accessor::{Buffers, place};
 use super::primitive::{Job, Reader};
 use super::remarks::Remarks;
-use super::{GltfNode, GltfSkin};
-use crate::assets::{AssetError, Deform, Influences, MorphTarget};
+use super::{GltfNode, GltfSkin, attribute};
+use crate::assets::{AssetError, Deform, Influences, Mesh, MorphTarget};
 use glam::{Affine3A, Mat4};
 use gltf::Document;
 use gltf::accessor::{Accessor, DataType, Dimensions};
 use gltf::mesh::Semantic;
+use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// Deviation of the sum of a vertex's weights from 1 beyond which they are taken for a fault.
+const UNEVEN: f32 = 0.05;
 
 /// Reads all skins. One that is broken has no joints.
 pub(super) fn read(
@@ -58,31 +62,50 @@ fn matrices(accessor: &Accessor, buffers: &Buffers, at: &str) -> Result<Vec<Mat4
     Ok(buffers.vectors::<16>(accessor)?.iter().map(Mat4::from_cols_array).collect())
 }
 
-/// Checks that the joints that meshes refer to are there, for each node with a skin. A node without them is drawn as it stands.
+/// Checks that the joints that meshes refer to are there, for each node with a skin. Vertices lose those that are not. A node of
+/// whose skin nothing is left is drawn as it stands.
 pub(super) fn check(nodes: &mut [GltfNode], skins: &[Arc<GltfSkin>], remarks: &mut Remarks) {
     for (i, node) in nodes.iter_mut().enumerate() {
         let Some(skin) = node.skin.and_then(|skin| skins.get(skin)) else { continue };
         let at = format!("node {i} \"{}\"", node.name);
-        for (mesh, _) in &node.primitives {
+        for (mesh, _) in &mut node.primitives {
             let Some(influences) = mesh.deform.as_ref().and_then(|d| d.skin.as_ref()) else {
                 remarks.push(format!("{at}: has a skin, but its mesh \"{}\" has no joints and weights", mesh.name));
                 continue;
             };
             let (highest, count) = (influences.highest_joint(), skin.joints.len());
-            if highest >= count {
-                let problem = format!("mesh \"{}\" refers to joint {highest}, but the skin has {count}", mesh.name);
+            if highest < count {
+                continue;
+            }
+            let problem = format!("mesh \"{}\" refers to joint {highest}, but the skin has {count}", mesh.name);
+            if count == 0 {
                 remarks.fault(format!("{at}: {problem}; drawn without the skin"));
                 node.skin = None;
                 break;
             }
+            remarks.fault(format!("{at}: {problem}; the weights of those that are not there are left out"));
+            *mesh = Arc::new(within(mesh, count));
         }
     }
+}
+
+/// The mesh with the first `joints` joints alone.
+fn within(mesh: &Mesh, joints: usize) -> Mesh {
+    let mut limited = Mesh::new(mesh.name.clone(), mesh.vertices.clone(), mesh.indices.clone());
+    limited.extras = mesh.extras.clone();
+    let limit = |deform: &Arc<Deform>| {
+        let skin = deform.skin.as_ref().map(|skin| skin.within(joints));
+        Arc::new(Deform { skin, ..(**deform).clone() })
+    };
+    limited.deform = mesh.deform.as_ref().map(limit);
+    limited
 }
 
 impl Reader<'_> {
     /// Data for posing the primitive's vertices; none if it is rigid.
     pub(super) fn deform(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<Option<Deform>, AssetError> {
-        let skin = remarks.part(self.influences(job, count), "drawn without the skin")?.flatten();
+        let skin = self.influences(job, count, remarks);
+        let skin = remarks.part(skin, "drawn without the skin")?.flatten();
         let targets = self.targets(job, count, remarks)?;
         if skin.is_none() && targets.is_empty() {
             return Ok(None);
@@ -90,36 +113,57 @@ impl Reader<'_> {
         Ok(Some(Deform { skin, targets, flat: false }))
     }
 
-    fn influences(&self, job: &Job, count: usize) -> Result<Option<Influences>, AssetError> {
+    fn influences(&self, job: &Job, count: usize, remarks: &mut Remarks) -> Result<Option<Influences>, AssetError> {
         let mut sets = Vec::new();
-        for set in 0.. {
-            let joints = self.counted(job, Semantic::Joints(set), count)?;
-            let weights = self.counted(job, Semantic::Weights(set), count)?;
-            let (joints, weights) = match (joints, weights) {
-                (Some(joints), Some(weights)) => (joints, weights),
-                (None, None) => break,
-                _ => return Err(self.wrong(job, format!("JOINTS_{set} and WEIGHTS_{set} must be there together"))),
-            };
-            let unsigned = matches!(joints.data_type(), DataType::U8 | DataType::U16) && !joints.normalized();
-            if !unsigned || joints.dimensions() != Dimensions::Vec4 {
-                return Err(self.fail(job, &joints, "joints must be four unsigned bytes or shorts".into()));
-            }
-            let unit = weights.normalized() && matches!(weights.data_type(), DataType::U8 | DataType::U16);
-            if weights.data_type() != DataType::F32 && !unit {
-                return Err(self.fail(job, &weights, "weights must be floats or normalised bytes or shorts".into()));
-            }
-            sets.push((self.buffers.vectors::<4>(&joints)?, self.buffers.vectors::<4>(&weights)?));
+        let numbers = job.primitive.attributes().filter_map(|(semantic, _)| match semantic {
+            Semantic::Joints(set) | Semantic::Weights(set) => Some(set),
+            _ => None,
+        });
+        for set in numbers.collect::<BTreeSet<u32>>() {
+            let set = self.influences_of(job, set, count, remarks);
+            sets.extend(remarks.part(set, "left out")?);
         }
         if sets.is_empty() {
             return Ok(None);
         }
         let mut influences = Influences::default();
+        let mut uneven = 0;
         for vertex in 0..count {
-            influences.push(sets.iter().flat_map(|(joints, weights)| {
-                joints[vertex].iter().zip(weights[vertex]).map(|(joint, weight)| (*joint as u16, weight))
-            }));
+            let pairs = || {
+                sets.iter().flat_map(|(joints, weights)| {
+                    joints[vertex].iter().zip(weights[vertex]).map(|(joint, weight)| (*joint as u16, weight))
+                })
+            };
+            let sum: f32 = pairs().map(|(_, weight)| weight).sum();
+            uneven += usize::from((sum - 1.0).abs().is_nan() || (sum - 1.0).abs() > UNEVEN);
+            influences.push(pairs());
+        }
+        if uneven > 0 {
+            let problem = format!("the weights of {uneven} of {count} vertices do not sum to 1");
+            remarks
+                .fault(format!("{}: {problem}; made to, and a vertex without any follows its first joint", job.place));
         }
         Ok(Some(influences))
+    }
+
+    /// The joints and weights of one set.
+    fn influences_of(
+        &self,
+        job: &Job,
+        set: u32,
+        count: usize,
+        remarks: &mut Remarks,
+    ) -> Result<(Vec<[f32; 4]>, Vec<[f32; 4]>), AssetError> {
+        let joints = self.attribute(job, Semantic::Joints(set), count, &attribute::JOINTS, remarks)?;
+        let weights = self.attribute(job, Semantic::Weights(set), count, &attribute::WEIGHTS, remarks)?;
+        let (Some(joints), Some(weights)) = (joints, weights) else {
+            return Err(self.wrong(job, format!("JOINTS_{set} and WEIGHTS_{set} must be there together")));
+        };
+        let is_joint = |joint: &f32| joint.fract() == 0.0 && (0.0..=f32::from(u16::MAX)).contains(joint);
+        match joints.as_flattened().iter().find(|joint| !is_joint(joint)) {
+            Some(joint) => Err(self.wrong(job, format!("JOINTS_{set}: {joint} is the number of no joint"))),
+            None => Ok((joints, weights)),
+        }
     }
 
     /// Morph targets; attributes of them that are broken move nothing.
@@ -127,23 +171,13 @@ impl Reader<'_> {
         let mut targets = Vec::new();
         for target in job.primitive.morph_targets() {
             let mut offsets = [target.positions(), target.normals(), target.tangents()].into_iter().map(|accessor| {
-                let offsets = self.offsets(job, accessor, count);
+                let Some(accessor) = accessor else { return Ok(Vec::new()) };
+                let offsets = self.formatted(job, &accessor, count, &attribute::OFFSET, remarks);
                 Ok::<_, AssetError>(remarks.part(offsets, "it moves nothing")?.unwrap_or_default())
             });
             let mut next = || offsets.next().unwrap_or_else(|| Ok(Vec::new()));
             targets.push(MorphTarget { positions: next()?, normals: next()?, tangents: next()? });
         }
         Ok(targets)
-    }
-
-    fn offsets(&self, job: &Job, accessor: Option<Accessor>, count: usize) -> Result<Vec<[f32; 3]>, AssetError> {
-        let Some(a) = accessor else { return Ok(Vec::new()) };
-        if a.count() != count {
-            let problem = format!("{} elements of a morph target, but {count} positions", a.count());
-            return Err(self.fail(job, &a, problem));
-        }
-        let values = self.buffers.vectors(&a)?;
-        self.finite(job, &a, &values)?;
-        Ok(values)
     }
 }

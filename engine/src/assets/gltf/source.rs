@@ -1,9 +1,9 @@
-//! Bytes of a glTF asset: the GLB container, data URIs, and files beside it.
+//! Bytes of a glTF asset: the GLB container, and files beside it.
 
 use super::remarks::Remarks;
+use super::uri::{self, Target};
 use crate::assets::{AssetError, Meter, read_file};
-use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 const CHUNK_JSON: u32 = 0x4E4F_534A;
 const CHUNK_BIN: u32 = 0x004E_4942;
@@ -20,106 +20,110 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// Splits a file into JSON and binary chunk (glTF 2.0, section 4.4). A file without the GLB magic is all JSON.
 pub(super) fn split<'a>(path: &Path, bytes: &'a [u8], remarks: &mut Remarks) -> Result<Container<'a>, AssetError> {
-    let glb = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
-    if !bytes.starts_with(b"glTF") {
-        if glb {
-            return Err(AssetError::format(
-                path,
-                "GLB header",
-                "the file does not begin with \"glTF\": it is no GLB file",
-            ));
-        }
-        return Ok(Container { json: bytes, bin: None });
+    if bytes.starts_with(b"glTF") {
+        return split_glb(path, bytes, remarks);
     }
-    split_glb(path, bytes, remarks)
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb")) {
+        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        if !text.trim_ascii_start().starts_with(b"{") {
+            let problem = "the file does not begin with \"glTF\": it is no GLB file";
+            return Err(AssetError::format(path, "GLB header", problem));
+        }
+        remarks.fault("GLB header: there is none; the file is read as JSON text".into());
+    }
+    Ok(Container { json: bytes, bin: None })
 }
 
 fn split_glb<'a>(path: &Path, bytes: &'a [u8], remarks: &mut Remarks) -> Result<Container<'a>, AssetError> {
-    let fail = |place: String, problem: &str| Err(AssetError::format(path, place, problem));
-    let header = || "GLB header".to_string();
+    let fail = |problem: &str| Err(AssetError::format(path, "GLB header", problem));
     let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
-        return fail(header(), "the file ends within the header");
+        return fail("the file ends within the header");
     };
     if version != 2 {
-        return fail(header(), &format!("version {version} is not supported, only 2"));
+        return fail(&format!("version {version} is not supported, only 2"));
     }
-    let length = length as usize;
-    if length > bytes.len() {
-        return fail(header(), &format!("length {length} is beyond the end of the file ({} bytes)", bytes.len()));
-    }
-    if length < 20 {
-        return fail(header(), &format!("length {length} leaves no room for a JSON chunk"));
-    }
-    let body = &bytes[..length];
-    let (mut json, mut bin, mut at, mut index) = (None, None, 12, 0);
-    while at < length {
-        let place = || format!("GLB chunk {index}");
-        let (Some(size), Some(kind)) = (word(body, at), word(body, at + 4)) else {
-            return fail(place(), "the file ends within the chunk's header");
-        };
-        if size % 4 != 0 {
-            remarks.fault(format!("{}: length {size} is not a multiple of 4", place()));
+    let (length, mut at, mut index) = (length as usize, 12, 0);
+    let mut found = Container { json: &[], bin: None };
+    // Chunks say themselves how long they are, so that a wrong length of the whole is no harm. What comes after it counts
+    // only where something is still missing.
+    while at < bytes.len() && (at < length || found.json.is_empty() || found.bin.is_none()) {
+        if at >= length && chunk(bytes, at).is_none() {
+            break;
         }
-        let Some(data) = (at + 8).checked_add(size as usize).and_then(|end| body.get(at + 8..end)) else {
-            return fail(place(), &format!("length {size} is beyond the end of the file"));
-        };
-        match (index, kind) {
-            (0, CHUNK_JSON) if data.is_empty() => return fail(place(), "the JSON chunk is empty"),
-            (0, CHUNK_JSON) => json = Some(data),
-            (0, _) => return fail(place(), "the first chunk must be the JSON chunk"),
-            (1, CHUNK_BIN) => bin = Some(data),
-            (_, CHUNK_BIN) => {
-                return fail(place(), "the binary chunk must be the second and only one");
+        match add_chunk(path, bytes, at, index, &mut found, remarks) {
+            Ok(end) => at = end,
+            Err(error) if found.json.is_empty() || found.bin.is_none() => return Err(error),
+            Err(error) => {
+                remarks.broken(&error, "ignored");
+                break;
             }
-            (_, CHUNK_JSON) => return fail(place(), "a second JSON chunk"),
-            _ => {}
         }
-        at += 8 + size as usize;
         index += 1;
     }
-    let surplus = bytes.len() - length;
-    if surplus > 0 {
-        remarks.push(format!("{surplus} bytes after the end of the GLB content are ignored"));
+    if found.json.is_empty() {
+        return fail("there is no JSON chunk, or it is empty");
     }
-    match json {
-        Some(json) => Ok(Container { json, bin }),
-        None => fail(header(), "there is no JSON chunk"),
+    if length < at || length > bytes.len() {
+        let size = bytes.len();
+        remarks
+            .fault(format!("GLB header: length {length} is wrong: chunks end at {at}, and the file at {size} bytes"));
     }
+    if at < bytes.len() {
+        remarks.push(format!("{} bytes after the end of the GLB content are ignored", bytes.len() - at));
+    }
+    Ok(found)
 }
 
-/// Where a URI leads.
-pub(super) enum Target<'a> {
-    /// Content within the URI.
-    Data(Cow<'a, [u8]>),
-    /// A file beside the asset or below its folder.
-    File(PathBuf),
+/// Kind and content of the chunk at a place; `None` if it is not there as a whole, or of no known kind.
+fn chunk(bytes: &[u8], at: usize) -> Option<(u32, &[u8])> {
+    let (size, kind) = (word(bytes, at)? as usize, word(bytes, at.checked_add(4)?)?);
+    let data = bytes.get(at + 8..(at + 8).checked_add(size)?)?;
+    [CHUNK_JSON, CHUNK_BIN].contains(&kind).then_some((kind, data))
 }
 
-/// Resolves a URI of the asset. Only data URIs and relative paths within the asset's folder are followed.
-pub(super) fn resolve(asset: &Path, place: &str, uri: &str) -> Result<Target<'static>, AssetError> {
-    let fail = |problem: String| Err(AssetError::format(asset, place, problem));
-    if let Some(rest) = uri.strip_prefix("data:") {
-        let Some((_, data)) = rest.split_once(";base64,").filter(|(kind, _)| !kind.ends_with(';')) else {
-            return fail("the data URI is not base64-encoded, or its media type is malformed".into());
-        };
-        return match base64(data.as_bytes()) {
-            Some(bytes) => Ok(Target::Data(Cow::Owned(bytes))),
-            None => fail("the data URI holds invalid base64".into()),
-        };
-    }
-    let shown: String = uri.chars().take(80).collect();
-    let colon = uri.find(':').unwrap_or(usize::MAX);
-    if colon < uri.find('/').unwrap_or(usize::MAX) {
-        return fail(format!("URI \"{shown}\" has a scheme; only data URIs and relative paths are read"));
-    }
-    let Some(decoded) = percent_decode(uri) else {
-        return fail(format!("URI \"{shown}\" has a broken percent escape"));
+/// Takes the chunk at a place, if it is the first of its kind. Returns where the next one begins.
+fn add_chunk<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    at: usize,
+    index: usize,
+    found: &mut Container<'a>,
+    remarks: &mut Remarks,
+) -> Result<usize, AssetError> {
+    let place = || format!("GLB chunk {index}");
+    let fail = |problem: &str| Err(AssetError::format(path, place(), problem));
+    let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
+        return fail("the file ends within the chunk's header");
     };
-    if decoded.contains(['\\', '\0']) || !stays_inside(Path::new(&decoded)) {
-        return fail(format!("URI \"{shown}\" leads out of the asset's folder"));
+    let Some(end) = (at + 8).checked_add(size as usize).filter(|end| *end <= bytes.len()) else {
+        return fail(&format!("length {size} is beyond the end of the file"));
+    };
+    let data = &bytes[at + 8..end];
+    match kind {
+        CHUNK_JSON if data.is_empty() => return fail("the JSON chunk is empty"),
+        CHUNK_JSON if found.json.is_empty() => {
+            found.json = data;
+            if index > 0 {
+                remarks.fault(format!("{}: is the JSON chunk, which must be the first", place()));
+            }
+        }
+        CHUNK_BIN if found.bin.is_none() => {
+            found.bin = Some(data);
+            if index != 1 {
+                remarks.fault(format!("{}: is the binary chunk, which must be the second", place()));
+            }
+        }
+        CHUNK_JSON | CHUNK_BIN => remarks.fault(format!("{}: is the second of its kind; ignored", place())),
+        _ => {}
     }
-    let folder = asset.parent().unwrap_or(Path::new(""));
-    Ok(Target::File(folder.join(decoded)))
+    if size % 4 == 0 {
+        return Ok(end);
+    }
+    remarks.fault(format!("{}: length {size} is not a multiple of 4", place()));
+    // Some exporters fill a chunk up without counting the filling.
+    let aligned = end.next_multiple_of(4);
+    let is_filled = chunk(bytes, end).is_none() && (chunk(bytes, aligned).is_some() || aligned >= bytes.len());
+    Ok(if is_filled { aligned.min(bytes.len()) } else { end })
 }
 
 /// The files beside an asset, and what reading them may take.
@@ -130,22 +134,38 @@ pub(super) struct Beside<'a> {
     pub meter: &'a Meter,
 }
 
-/// Reads what a URI refers to; files are noted.
-pub(super) fn fetch(asset: &Path, place: &str, uri: &str, beside: &mut Beside) -> Result<Vec<u8>, AssetError> {
-    match resolve(asset, place, uri)? {
-        Target::Data(bytes) => Ok(bytes.into_owned()),
-        Target::File(file) => {
-            check_location(asset, place, &file)?;
-            let bytes = read_file(&file, beside.meter).map_err(|e| match e {
-                AssetError::Io { path, source } => {
-                    AssetError::format(asset, place, format!("{}: cannot be read: {source}", path.display()))
-                }
-                other => other,
-            })?;
-            beside.files.push(file);
-            Ok(bytes)
+/// Reads what a URI refers to; files are noted. Where the URI leads to no file, the one that it most likely means is read, which
+/// is noted as a fault.
+pub(super) fn fetch(
+    asset: &Path,
+    place: &str,
+    uri: &str,
+    beside: &mut Beside,
+    remarks: &mut Remarks,
+) -> Result<Vec<u8>, AssetError> {
+    let result = match uri::resolve(asset, place, uri) {
+        Ok(Target::Data(bytes)) => return Ok(bytes),
+        Ok(Target::File(file)) => read(asset, place, file, beside),
+        Err(error) => Err(error),
+    };
+    let Err(error @ AssetError::Format { .. }) = result else { return result };
+    let Some(file) = uri::guess(asset, uri) else { return Err(error) };
+    let bytes = read(asset, place, file.clone(), beside)?;
+    let found = file.strip_prefix(asset.parent().unwrap_or(Path::new(""))).unwrap_or(&file);
+    remarks.fault(format!("{place}: URI \"{}\" leads to no file; {} is read", uri::shown(uri), found.display()));
+    Ok(bytes)
+}
+
+fn read(asset: &Path, place: &str, file: PathBuf, beside: &mut Beside) -> Result<Vec<u8>, AssetError> {
+    check_location(asset, place, &file)?;
+    let bytes = read_file(&file, beside.meter).map_err(|e| match e {
+        AssetError::Io { path, reason } => {
+            AssetError::format(asset, place, format!("{}: cannot be read: {reason}", path.display()))
         }
-    }
+        other => other,
+    })?;
+    beside.files.push(file);
+    Ok(bytes)
 }
 
 /// Links must not lead out of the asset's folder either.
@@ -158,100 +178,4 @@ pub(super) fn check_location(asset: &Path, place: &str, file: &Path) -> Result<(
         return Ok(());
     }
     Err(AssetError::format(asset, place, format!("{} is a link that leads out of the asset's folder", file.display())))
-}
-
-fn stays_inside(path: &Path) -> bool {
-    let mut depth = 0i64;
-    !path.as_os_str().is_empty()
-        && path.components().all(|c| {
-            depth += match c {
-                Component::Normal(_) => 1,
-                Component::CurDir => 0,
-                Component::ParentDir => -1,
-                Component::RootDir | Component::Prefix(_) => return false,
-            };
-            depth >= 0
-        })
-}
-
-fn percent_decode(text: &str) -> Option<String> {
-    let mut out = Vec::with_capacity(text.len());
-    let mut bytes = text.bytes();
-    while let Some(b) = bytes.next() {
-        if b != b'%' {
-            out.push(b);
-            continue;
-        }
-        let digit = |b: u8| char::from(b).to_digit(16);
-        let value = digit(bytes.next()?)? * 16 + digit(bytes.next()?)?;
-        out.push(u8::try_from(value).ok()?);
-    }
-    String::from_utf8(out).ok()
-}
-
-/// Decodes standard base64 (RFC 4648); padding may be left out.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let padding = text.iter().rev().take_while(|b| **b == b'=').count();
-    let text = &text[..text.len() - padding];
-    if padding > 2 || text.len() % 4 == 1 {
-        return None;
-    }
-    let mut out = Vec::with_capacity(text.len() * 3 / 4);
-    for group in text.chunks(4) {
-        let mut value = 0u32;
-        for b in group {
-            let digit = match b {
-                b'A'..=b'Z' => b - b'A',
-                b'a'..=b'z' => b - b'a' + 26,
-                b'0'..=b'9' => b - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return None,
-            };
-            value = value << 6 | u32::from(digit);
-        }
-        value <<= 6 * (4 - group.len());
-        out.extend_from_slice(&value.to_be_bytes()[1..group.len()]);
-    }
-    Some(out)
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    #[test]
-    fn base64_follows_the_rfc() {
-        for (text, bytes) in
-            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmFy", "foobar"), ("Zm8", "fo")]
-        {
-            assert_eq!(base64(text.as_bytes()).unwrap(), bytes.as_bytes());
-        }
-        for bad in ["Z", "Zm9v!", "Zm 9v", "Zg===", "=Zm9"] {
-            assert!(base64(bad.as_bytes()).is_none(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn uris_stay_in_the_folder() {
-        let asset = Path::new("models/a.gltf");
-        for bad in [
-            "http://a/b.bin",
-            "file:///etc/passwd",
-            "/etc/passwd",
-            "../x.bin",
-            "a/../../x",
-            "%2e%2e/x",
-            "a\\b",
-            "",
-            "a%zz",
-            "C:x",
-        ] {
-            assert!(resolve(asset, "buffer 0", bad).is_err(), "{bad}");
-        }
-        for good in ["x.bin", "a/../x.bin", "./x%20y.bin"] {
-            assert!(matches!(resolve(asset, "buffer 0", good), Ok(Target::File(_))), "{good}");
-        }
-    }
 }

@@ -53,7 +53,7 @@ pub(super) fn solids(mode: Mode, vertices: &[Vertex], corners: &[u32]) -> (Vec<V
 }
 
 /// Ends of the lines; a point is a line without length.
-fn segments(mode: Mode, corners: &[u32]) -> Vec<[u32; 2]> {
+pub(super) fn segments(mode: Mode, corners: &[u32]) -> Vec<[u32; 2]> {
     let strip = || corners.windows(2).map(|pair| [pair[0], pair[1]]);
     match (mode, corners) {
         (Mode::Points, _) => corners.iter().map(|i| [*i, *i]).collect(),

@@ -457,3 +457,25 @@ fn many_nodes_load_in_linear_time() {
         assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
     }
 }
+
+/// So do they when they are read again, and the entities keep their identities.
+#[test]
+fn many_nodes_reload_in_linear_time() {
+    const COUNT: usize = 100_000;
+    let node = |i: usize| match i + 1 < COUNT {
+        true => format!("{{\"name\":\"n{i}\",\"children\":[{}]}}", i + 1),
+        false => "{\"name\":\"end\"}".into(),
+    };
+    let nodes = (0..COUNT).map(node).collect::<Vec<_>>().join(",");
+    let folder = Folder::new(&[]);
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}]}}"#);
+    folder.write("m.gltf", json.as_bytes());
+    let mut world = folder.load("m.gltf").unwrap_or_else(|e| panic!("{e}"));
+    let before = world.identities();
+    let start = std::time::Instant::now();
+    let (mut library, options) = (AssetLibrary::new(), LoadOptions::default());
+    crate::files::reenter_scene(&mut world, &mut library, &options, &folder.path("m.gltf")).unwrap();
+    eprintln!("{COUNT} nodes again: {:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+    assert!(before == world.identities() && before.ids().count() > COUNT);
+}

@@ -92,3 +92,14 @@ fn compare_wants_exact_darkness() {
     let past = lightwell(&["compare", faint, dark, "--max", "rmse=1"]);
     assert_eq!(past.status.code(), Some(1), "{}", out(&past));
 }
+
+/// A file that is not there is named once, and so is the reason.
+#[test]
+fn compare_says_once_what_is_missing() {
+    let output = lightwell(&["compare", "gone.exr", "gone too.exr"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    for word in ["gone.exr", "os error 2"] {
+        assert_eq!(message.matches(word).count(), 1, "{message}");
+    }
+}

@@ -5,9 +5,11 @@
 //! becomes one that means nothing and keeps its number, and what refers to it is treated as if it were not there.
 //! Collections come in the order in which they refer to each other, so that one pass finds all.
 
+mod misplaced;
 mod schema;
 mod text;
 
+pub(super) use misplaced::move_misplaced;
 pub(super) use text::{Parsed, parse};
 
 use super::remarks::Remarks;
@@ -26,6 +28,20 @@ pub(super) fn mend(root: &mut Value, remarks: &mut Remarks) {
     }
     // Messages about the document as a whole begin with the name of the field.
     let _ = mender.fields(root, schema::ROOT, "");
+}
+
+/// The version as glTF writes it: some write a number, or leave the fraction out.
+pub(super) fn version(root: &mut Value, remarks: &mut Remarks) {
+    let Some(version) = root.get_mut("asset").and_then(|asset| asset.get_mut("version")) else { return };
+    let number = match &*version {
+        Value::Number(number) => number.as_f64(),
+        Value::String(text) if !text.contains('.') || text.trim() != text => text.trim().parse().ok(),
+        _ => None,
+    };
+    if let Some(number) = number.filter(|number: &f64| (0.0..100.0).contains(number)) {
+        remarks.fault(format!("asset.version: is {version} and must be a text such as \"2.0\"; taken as {number:.1}"));
+        *version = Value::from(format!("{number:.1}"));
+    }
 }
 
 /// Takes channels away that move no node: the specification says to ignore them. Extensions give them other targets.
@@ -125,6 +141,12 @@ impl Mender<'_> {
     fn fields(&mut self, object: &mut Value, fields: &[Field], at: &str) -> Result<(), String> {
         let Some(object) = object.as_object_mut() else { return Err(": must be an object".into()) };
         for field in fields {
+            let here = || if at.is_empty() { field.name.to_owned() } else { format!("{at}, {}", field.name) };
+            let is_required = matches!(field.need, Need::Required);
+            let is_none = object.get(field.name).is_some_and(|value| !is_required && stands_for_none(value, &field.is));
+            if is_none && let Some(value) = object.remove(field.name) {
+                self.remarks.fault(format!("{}: is {value}; taken for none", here()));
+            }
             let Some(value) = object.get_mut(field.name).filter(|value| !value.is_null()) else {
                 object.remove(field.name);
                 match field.need {
@@ -132,7 +154,7 @@ impl Mender<'_> {
                     _ => continue,
                 }
             };
-            let here = if at.is_empty() { field.name.to_owned() } else { format!("{at}, {}", field.name) };
+            let here = here();
             let Err(problem) = self.value(value, &field.is, &here) else { continue };
             match field.need {
                 Need::Optional => {
@@ -152,21 +174,20 @@ impl Mender<'_> {
     fn value(&mut self, value: &mut Value, is: &Is, at: &str) -> Result<(), String> {
         match is {
             Is::Flag if value.is_boolean() => Ok(()),
-            Is::Flag => Err(": must be true or false".into()),
+            Is::Flag => self.flag(value, at),
             Is::Text if value.is_string() => Ok(()),
             Is::Text => Err(": must be a text".into()),
-            Is::Word(words) => match value.as_str().is_some_and(|word| words.contains(&word)) {
-                true => Ok(()),
-                false => Err(format!(": is {}, and none of {}", shown(value), words.join(", "))),
-            },
+            Is::Word(words) => self.word(value, words, at),
             Is::Number => number(value).map(drop),
-            Is::Numbers(count) => {
-                let Some(items) = value.as_array() else { return Err(": must be an array of numbers".into()) };
-                if count.is_some_and(|count| count != items.len()) {
-                    return Err(format!(": has {} numbers", items.len()));
+            Is::Numbers(count) => self.numbers(value, *count, at),
+            Is::ColorAndAlpha => {
+                if let Some(color) = value.as_array_mut().filter(|color| color.len() == 3) {
+                    self.remarks.fault(format!("{at}: has no alpha; taken as 1"));
+                    color.push(Value::from(1));
                 }
-                items.iter().try_for_each(|item| number(item).map(drop))
+                self.numbers(value, Some(4), at)
             }
+            Is::Stride => self.whole(value, 1, 1 << 16, at).map(drop),
             Is::Whole(least, most) => self.whole(value, *least, *most, at).map(drop),
             Is::Code(codes) => match self.whole(value, 0, u64::from(u32::MAX), at)? {
                 code if codes.contains(&code) => Ok(()),
@@ -182,6 +203,46 @@ impl Mender<'_> {
             Is::Attributes => self.attributes(value, at),
             Is::Part(fields) => self.fields(value, fields, at),
         }
+    }
+
+    /// True or false. Some exporters write 1 and 0, or texts.
+    fn flag(&mut self, value: &mut Value, at: &str) -> Result<(), String> {
+        let meant = match (value.as_f64(), value.as_str()) {
+            (Some(1.0), _) | (_, Some("true" | "True")) => true,
+            (Some(0.0), _) | (_, Some("false" | "False")) => false,
+            _ => return Err(": must be true or false".into()),
+        };
+        self.remarks.fault(format!("{at}: is {}; taken as {meant}", shown(value)));
+        *value = Value::from(meant);
+        Ok(())
+    }
+
+    /// One of some texts. Some exporters write them in another case.
+    fn word(&mut self, value: &mut Value, words: &[&str], at: &str) -> Result<(), String> {
+        let found = value.as_str().unwrap_or_default();
+        if words.contains(&found) {
+            return Ok(());
+        }
+        let Some(meant) = words.iter().find(|word| word.eq_ignore_ascii_case(found)) else {
+            return Err(format!(": is {}, and none of {}", shown(value), words.join(", ")));
+        };
+        self.remarks.fault(format!("{at}: is {}; taken as {meant}", shown(value)));
+        *value = Value::from(*meant);
+        Ok(())
+    }
+
+    /// An array of numbers. Those beyond the wanted count, such as the alpha of a colour that has none, are dropped.
+    fn numbers(&mut self, value: &mut Value, count: Option<usize>, at: &str) -> Result<(), String> {
+        let Some(items) = value.as_array_mut() else { return Err(": must be an array of numbers".into()) };
+        let found = items.len();
+        if let Some(count) = count.filter(|count| *count < found) {
+            self.remarks.fault(format!("{at}: has {found} numbers; the first {count} are taken"));
+            items.truncate(count);
+        }
+        if count.is_some_and(|count| count != items.len()) {
+            return Err(format!(": has {found} numbers"));
+        }
+        items.iter().try_for_each(|item| number(item).map(drop))
     }
 
     /// A number without a fraction. Some exporters write such ones as `12.0`.
@@ -269,6 +330,15 @@ impl Mender<'_> {
             problem.is_ok()
         });
         Ok(())
+    }
+}
+
+/// Whether a value is a way to say that there is nothing: a reference to −1, or a stride of 0.
+fn stands_for_none(value: &Value, is: &Is) -> bool {
+    match is {
+        Is::To(_) => value.as_f64() == Some(-1.0),
+        Is::Stride => value.as_f64() == Some(0.0),
+        _ => false,
     }
 }
 

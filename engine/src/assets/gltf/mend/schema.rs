@@ -12,6 +12,10 @@ pub(super) enum Is {
     Number,
     /// So many of them; none: any number.
     Numbers(Option<usize>),
+    /// Four numbers of a colour, of which the last one may be missing.
+    ColorAndAlpha,
+    /// Bytes from one element to the next.
+    Stride,
     /// A number without a fraction, of this range.
     Whole(u64, u64),
     /// One of some numbers.
@@ -110,7 +114,7 @@ pub(super) static COLLECTIONS: [Collection; 14] = [
     Collection { check: has_joints, ..plain("skins", "skin", SKIN, r#"{"joints":[]}"#) },
     plain("nodes", "node", NODE, "{}"),
     plain("animations", "animation", ANIMATION, r#"{"channels":[],"samplers":[]}"#),
-    plain("scenes", "scene", SCENE, "{}"),
+    Collection { check: add_nodes, ..plain("scenes", "scene", SCENE, r#"{"nodes":[]}"#) },
 ];
 
 const fn plain(name: &'static str, one: &'static str, fields: &'static [Field], stub: &'static str) -> Collection {
@@ -140,7 +144,7 @@ const BUFFER_VIEW: &[Field] = &[
     required("buffer", Is::To("buffers")),
     required("byteLength", BYTES),
     vital("byteOffset", BYTES),
-    vital("byteStride", Is::Whole(1, 1 << 16)),
+    vital("byteStride", Is::Stride),
     optional("target", Is::Code(&[34962, 34963])),
     NAME,
     ANY_OBJECT,
@@ -231,7 +235,7 @@ const MATERIAL: &[Field] = &[
     optional(
         "pbrMetallicRoughness",
         Is::Part(&[
-            optional("baseColorFactor", Is::Numbers(Some(4))),
+            optional("baseColorFactor", Is::ColorAndAlpha),
             optional("baseColorTexture", MAP),
             optional("metallicFactor", FACTOR),
             optional("roughnessFactor", FACTOR),
@@ -281,6 +285,16 @@ const MATERIAL_EXTENSIONS: &[Field] = &[
             optional("iridescenceThicknessMinimum", FACTOR),
             optional("iridescenceThicknessMaximum", FACTOR),
             optional("iridescenceThicknessTexture", MAP),
+        ]),
+    ),
+    optional(
+        "KHR_materials_pbrSpecularGlossiness",
+        Is::Part(&[
+            optional("diffuseFactor", Is::ColorAndAlpha),
+            optional("diffuseTexture", MAP),
+            optional("specularFactor", COLOR),
+            optional("glossinessFactor", FACTOR),
+            optional("specularGlossinessTexture", MAP),
         ]),
     ),
     optional(
@@ -441,6 +455,14 @@ fn add_cone(light: &mut Value) -> Result<(), String> {
     let is_spot = light.get("type").and_then(Value::as_str) == Some("spot");
     if let Some(light) = light.as_object_mut().filter(|light| is_spot && !light.contains_key("spot")) {
         light.insert("spot".into(), Value::Object(Default::default()));
+    }
+    Ok(())
+}
+
+/// A scene may be without nodes, which the parser does not know.
+fn add_nodes(scene: &mut Value) -> Result<(), String> {
+    if let Some(scene) = scene.as_object_mut().filter(|scene| !scene.contains_key("nodes")) {
+        scene.insert("nodes".into(), Value::Array(Vec::new()));
     }
     Ok(())
 }

@@ -26,8 +26,9 @@ pub(in crate::assets::gltf) fn parse<'a>(
     if result.is_err() {
         let mended = mended(&text);
         if let Ok(value) = gltf::json::deserialize::from_slice::<Value>(&mended) {
-            remarks
-                .fault("JSON: has texts that are not UTF-8, or NaN or Infinity, which are taken for no number".into());
+            let what = "texts that are not UTF-8 or hold lone backslashes or control characters, NaN or Infinity, or \
+                commas before a bracket";
+            remarks.fault(format!("JSON: has what JSON does not allow ({what}); mended"));
             (text, result) = (Cow::Owned(mended), Ok(value));
         }
     }
@@ -57,26 +58,76 @@ fn trimmed<'a>(bytes: &'a [u8], remarks: &mut Remarks) -> &'a [u8] {
     &text[..end]
 }
 
-/// Valid UTF-8, with `null` for the numbers that JSON does not have.
+/// JSON in place of what exporters write that is none: texts that are not UTF-8 or hold control characters or lone
+/// backslashes, numbers that JSON does not have (`null` stands for them), and a comma before a closing bracket.
 fn mended(text: &[u8]) -> Vec<u8> {
     let text = String::from_utf8_lossy(text);
     let mut out = String::with_capacity(text.len());
     let (mut rest, mut is_text) = (&*text, false);
     while let Some(next) = rest.chars().next() {
-        let word = ["-Infinity", "Infinity", "-NaN", "NaN"].into_iter().find(|word| !is_text && rest.starts_with(word));
-        if let Some(word) = word {
-            out.push_str("null");
-            rest = &rest[word.len()..];
-            continue;
-        }
         let mut length = next.len_utf8();
-        if is_text && next == '\\' {
-            length += rest[length..].chars().next().map_or(0, char::len_utf8);
-        } else if next == '"' {
-            is_text = !is_text;
+        match next {
+            '"' => {
+                is_text = !is_text;
+                out.push(next);
+            }
+            '\\' if is_text => match escape_length(rest) {
+                Some(escape) => {
+                    length = escape;
+                    out.push_str(&rest[..length]);
+                }
+                None => out.push_str("\\\\"),
+            },
+            control if is_text && control < ' ' => out.push_str(&format!("\\u{:04x}", u32::from(control))),
+            ',' if !is_text && rest[1..].trim_start().starts_with([']', '}']) => {}
+            _ => match no_number(rest).filter(|_| !is_text) {
+                Some(word) => {
+                    length = word;
+                    out.push_str("null");
+                }
+                None => out.push(next),
+            },
         }
-        out.push_str(&rest[..length]);
         rest = &rest[length..];
     }
     out.into_bytes()
+}
+
+/// Length of the escape that a text begins with; `None` if the backslash stands for itself, as in a path.
+fn escape_length(text: &str) -> Option<usize> {
+    match text.as_bytes().get(1)? {
+        b'"' | b'\\' | b'/' | b'b' | b'f' | b'n' | b'r' | b't' => Some(2),
+        b'u' => text.as_bytes().get(2..6)?.iter().all(u8::is_ascii_hexdigit).then_some(6),
+        _ => None,
+    }
+}
+
+/// Length of the infinity or "not a number" that a text begins with, as JavaScript, Python and the C libraries write it.
+fn no_number(text: &str) -> Option<usize> {
+    let unsigned = text.strip_prefix('-').unwrap_or(text);
+    let is_one = |word: &&str| unsigned.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+    let word = ["infinity", "inf", "nan", "1.#inf", "1.#ind", "1.#qnan", "1.#snan"].into_iter().find(is_one)?;
+    let tail = unsigned[word.len()..].find(|c: char| !(c.is_ascii_alphanumeric() || c == '(' || c == ')'));
+    Some(text.len() - unsigned.len() + tail.map_or(unsigned.len(), |tail| word.len() + tail))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_of_exporters_is_mended() {
+        for (written, meant) in [
+            ("[1,]", "[1]"),
+            ("{\"a\":1 ,\n }", "{\"a\":1 \n }"),
+            ("[NaN,-Infinity,nan,-nan(ind),inf,1.#QNAN0,-1.#IND]", "[null,null,null,null,null,null,null]"),
+            ("\"NaN,]\"", "\"NaN,]\""),
+            (r#""C:\Models\a.png""#, r#""C:\\Models\\a.png""#),
+            (r#""a\"b\\c\u00e9""#, r#""a\"b\\c\u00e9""#),
+            ("\"a\tb\"", "\"a\\u0009b\""),
+            ("[true,null,-1e3]", "[true,null,-1e3]"),
+        ] {
+            assert_eq!(String::from_utf8_lossy(&mended(written.as_bytes())), meant);
+        }
+    }
 }

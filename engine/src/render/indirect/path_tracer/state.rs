@@ -12,12 +12,12 @@ const MAGIC: &[u8; 8] = b"LWTRACE1";
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
     /// The file cannot be read or written.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {reason}", file.display())]
     File {
         /// The file.
         file: PathBuf,
         /// What the system says.
-        source: io::Error,
+        reason: io::Error,
     },
     /// The file holds something else.
     #[error("{}: this is no half-done trace, or it is cut off: remove it to restart", .0.display())]
@@ -40,7 +40,7 @@ impl PathTracer {
         let Some(progress) = &self.progress else { return Ok(()) };
         let sums: Vec<f32> =
             gpu::read_buffer(gpu, &progress.sums).map_err(|error| StateError::Device(error.to_string()))?;
-        let file = |source| StateError::File { file: path.into(), source };
+        let file = |reason| StateError::File { file: path.into(), reason };
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut part = tempfile::NamedTempFile::new_in(folder).map_err(file)?;
         let mut header = MAGIC.to_vec();
@@ -61,7 +61,7 @@ impl PathTracer {
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(0),
-            Err(source) => return Err(StateError::File { file: path.into(), source }),
+            Err(reason) => return Err(StateError::File { file: path.into(), reason }),
         };
         let format = || StateError::Format(path.into());
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(format)?;
