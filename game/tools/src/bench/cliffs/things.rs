@@ -31,7 +31,7 @@ enum Content {
 }
 
 /// All things, the plain room first.
-pub const THINGS: [Thing; 14] = [
+pub const THINGS: [Thing; 15] = [
     Thing { name: "plain", content: Content::Nothing },
     Thing { name: "opaque card", content: Content::Card(|| json!({})) },
     Thing {
@@ -77,6 +77,12 @@ pub const THINGS: [Thing; 14] = [
         name: "fog",
         content: Content::Text(
             "(name: \"Fog\", transform: (translation: (-2.6, 0.3, -2.6)), fog: (shape: Sphere(radius: 0.2), extinction: 0.5)),\n",
+        ),
+    },
+    Thing {
+        name: "particles",
+        content: Content::Text(
+            "(name: \"Sparks\", transform: (translation: (-2.6, 0.3, -2.6)), particles: (rate: 5, velocity: (0, 0.1, 0), gravity: (0, 0, 0))),\n",
         ),
     },
 ];
