@@ -53,7 +53,7 @@ const LAYER: u32 = TOTAL;
 @group(0) @binding(15) var lobe_object: texture_2d<u32>;
 #endif
 #ifdef PARTICLES
-// Light of particles, as it arrives at the eye.
+// Particles: premultiplied radiance, and how much they hide of what lies behind.
 @group(0) @binding(16) var particles: texture_2d<f32>;
 #endif
 // What surfaces reflect of the sky, where the indirect method has no light of it.
@@ -130,7 +130,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     seen = seen * between.passing + between.added;
 #endif
 #ifdef PARTICLES
-    seen += textureLoad(particles, thread.xy, 0).rgb;
+    let discs = textureLoad(particles, thread.xy, 0);
+    seen = seen * (1.0 - discs.a) + discs.rgb;
 #endif
     let all = seen * (1.0 - over.a) + over.rgb;
     textureStore(radiance, thread.xy, vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0));

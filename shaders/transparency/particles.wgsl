@@ -1,6 +1,6 @@
-// Light-emitting particles: a disc for each that faces the eye, brightest in the middle, added to what lies behind. A disc of
-// radius R with the profile L·(1 − q²)², q from its middle to its border, has the radiant intensity L·πR²/3: that of a
-// sphere of radius R/√3.
+// Light-emitting particles: a disc for each that faces the eye, that hides most in the middle, over what lies behind. A disc
+// of radius R that hides (1 − q²)² of it, q from its middle to its border, and shines as much with radiance L, has the radiant
+// intensity L·πR²/3: that of a sphere of radius R/√3.
 //   HAZE  media are in the way
 
 #import lightwell::gbuffer::world_position
@@ -25,6 +25,8 @@ struct Disc {
     // From the middle, where the border is at 1.
     @location(0) place: vec2f,
     @location(1) @interpolate(flat) radiance: vec3f,
+    // Share of what lies behind that its middle hides.
+    @location(4) @interpolate(flat) cover: f32,
     @location(2) @interpolate(flat) middle: vec3f, // world [m]
     @location(3) @interpolate(flat) radius: f32,   // of the disc [m]
 }
@@ -46,7 +48,8 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) index: u3
     let true_radius = ROOT_OF_THREE * ball.radius;
     disc.radius = max(true_radius, LEAST_RADIUS * pixel_width(view, ball.position));
     let dimmed = true_radius / disc.radius;
-    disc.radiance = ball.radiance * (dimmed * dimmed);
+    disc.radiance = ball.radiance;
+    disc.cover = dimmed * dimmed;
     disc.middle = ball.position;
     // Two triangles: corners 0, 1, 2 and 2, 1, 3 of a square.
     let number = array(0u, 1u, 2u, 2u, 1u, 3u)[corner];
@@ -66,16 +69,17 @@ fn fragment(disc: Disc) -> @location(0) vec4f {
     if q >= 1.0 {
         discard;
     }
-    var light = disc.radiance * ((1.0 - q) * (1.0 - q));
+    var cover = disc.cover * ((1.0 - q) * (1.0 - q));
     let pixel = vec2u(disc.position.xy);
     let z = textureLoad(depth, pixel, 0);
     if z > 0.0 {
         // A surface through its middle hides half of it.
         let before = eye_distance(view, world_position(pixel, view.size, z, view.world_from_clip)) - eye_distance(view, disc.middle);
-        light *= saturate(0.5 + 0.5 * before / disc.radius);
+        cover *= saturate(0.5 + 0.5 * before / disc.radius);
     }
+    var light = disc.radiance;
 #ifdef HAZE
     light *= veil(view, disc.position.xy, disc.middle, false).passing;
 #endif
-    return vec4f(min(light, vec3f(MAX_RADIANCE)), 0.0);
+    return vec4f(min(light * cover, vec3f(MAX_RADIANCE)), cover);
 }

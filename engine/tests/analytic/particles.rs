@@ -1,7 +1,7 @@
 //! Light-emitting particles: how bright they are, and what they light in every method, against formulas and lights.
 
 use crate::support::{Stage, gpu, rgb};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::measure::Image;
@@ -51,11 +51,13 @@ fn add(stage: &mut Stage, particles: Particles, at: Vec3, seconds: f64) {
     stage.scene.revisions.materials += 1;
 }
 
-/// A floor below particles that are out of view.
+/// A floor below particles that are out of view, and a black ceiling.
 fn floor() -> Stage {
     let mut stage = Stage::new(Vec3::new(0.0, 0.7, 1.0), Vec3::new(0.0, 0.0, 0.3), 32);
     let plane = Shape::Plane { size: [8.0, 8.0], subdivisions: [1, 1] };
-    stage.add(plane, Vec3::splat(FLOOR), Affine3A::IDENTITY);
+    stage.add(plane.clone(), Vec3::splat(FLOOR), Affine3A::IDENTITY);
+    let turn = Quat::from_rotation_x(PI);
+    stage.add(plane, Vec3::ZERO, Affine3A::from_rotation_translation(turn, Vec3::Y * 2.4));
     stage
 }
 
@@ -183,7 +185,7 @@ fn surfaces_hide_particles_softly() {
     let gpu = gpu();
     let sum = |wall: f32| {
         let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 64);
-        let turn = glam::Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+        let turn = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
         let plane = Shape::Plane { size: [9.0, 9.0], subdivisions: [1, 1] };
         stage.add(plane, Vec3::ZERO, Affine3A::from_rotation_translation(turn, Vec3::NEG_Z * wall));
         let particles = Particles { rate: 1.0, source: Vec3::ZERO, radius: 0.1, end_radius: 0.1, ..cloud() };

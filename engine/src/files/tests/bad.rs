@@ -202,7 +202,7 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
     ("(entities: [(name: \"A\", particles: (source: ‸(0, -1, 0)))])", Kind::BadValue, "`source`", "0 is a point"),
     ("(entities: [(name: \"A\", particles: (end_color: ‸(0, 2, 0)))])", Kind::BadValue, "`end_color`", "use 0 to 1"),
     ("(entities: [(name: \"A\", particles: (radiance: ‸-1))])", Kind::BadValue, "`radiance` is -1", "W/(m² sr)"),
-    ("(entities: [(name: \"A\", particles: (‸size: 1))])", Kind::UnknownField, "`size`", "`radius`"),
+    ("(entities: [(name: \"A\", particles: (‸radus: 1))])", Kind::UnknownField, "`radus`", "`radius`"),
     (
         "(entities: [(name: \"A\", animation: (tracks: [Spin(axis: (0, 1, 0), degrees_per_second: 9), Spin(axis: ‸(0, 0, 0), degrees_per_second: 1)]))])",
         Kind::BadValue,

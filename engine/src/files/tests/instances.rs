@@ -190,7 +190,7 @@ fn particles_of_a_prefab_are_overridden_and_taken_away() {
     world.ecs.entity_mut(b).remove::<Particles>();
     save_scene(&world, &folder.path("s.scene.ron")).unwrap();
     let text = folder.read("s.scene.ron");
-    assert!(text.contains(r#"overrides: {"Sparks": (particles: (rate: 9.0, seed: 4))}"#), "{text}");
+    assert!(text.contains(r#"overrides: {"Sparks": (particles: (rate: 9, seed: 4))}"#), "{text}");
     assert!(text.contains(r#"overrides: {"Sparks": (without: [Particles])}"#), "{text}");
     let again = folder.load("s.scene.ron").unwrap();
     let seed = |path| again.ecs.get::<Particles>(at(&again, path).unwrap()).map(|particles| particles.seed);

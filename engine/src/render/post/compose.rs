@@ -37,7 +37,7 @@ pub(in crate::render) struct Lights {
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
     pub blended: Option<Handle<Texture>>,
-    /// Light of particles, as it arrives at the eye.
+    /// Particles: premultiplied radiance, and how much they hide of what lies behind.
     pub particles: Option<Handle<Texture>>,
     /// What media scatter on the way to the eye.
     pub haze: Option<Haze>,

@@ -1,6 +1,6 @@
-//! Light-emitting particles as the camera sees them: soft discs that add their light to what lies behind.
+//! Light-emitting particles as the camera sees them: soft discs, from the farthest to the nearest.
 //!
-//! Each disc sends as much light to the eye as its sphere: radiance L over πr². Rays and methods of light meet the mesh that
+//! Each disc sends as much light to the eye as its sphere, radiance L over πr², and hides as much of what lies behind. Rays and methods of light meet the mesh that
 //! stands for the particles instead, see [`Mesh::balls`](crate::assets::Mesh::balls).
 
 use super::blend::color_format;
@@ -17,7 +17,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, TextureUsage
 
 const SHADER: &str = "transparency/particles.wgsl";
 
-/// Declares the pass; the result is radiance that is added to the opaque image. None if no particle is in view, without a word
+/// Declares the pass; the result is premultiplied radiance, and in alpha how much is hidden of the opaque image. None if no particle is in view, without a word
 /// where the scene has none.
 pub(in crate::render) fn declare<'a>(
     graph: &mut Graph<'a>,
@@ -60,7 +60,7 @@ struct Work<'a> {
 impl Work<'_> {
     fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
         let gpu = cx.gpu;
-        let balls: Vec<Ball> = self.frame.scene.primitives.iter().flat_map(in_world).collect();
+        let balls = self.balls();
         let (light, depth) = (cx.view(self.light), cx.view(self.depth));
         let pipeline = gpu.pipelines.raster(gpu, &self.raster_key(color_format(gpu)))?;
         let Some(raster) = pipeline.raster() else {
@@ -97,10 +97,19 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// All balls in world space, from the farthest to the nearest.
+    fn balls(&self) -> Vec<Ball> {
+        let axis = self.frame.view.axis();
+        let depth = |ball: &Ball| axis.dot(Vec3::from(ball.position).extend(1.0));
+        let mut balls: Vec<Ball> = self.frame.scene.primitives.iter().flat_map(in_world).collect();
+        balls.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
+        balls
+    }
+
     fn raster_key(&self, format: wgpu::TextureFormat) -> RasterKey {
-        let add = BlendComponent {
+        let over = BlendComponent {
             src_factor: BlendFactor::One,
-            dst_factor: BlendFactor::One,
+            dst_factor: BlendFactor::OneMinusSrcAlpha,
             operation: BlendOperation::Add,
         };
         RasterKey {
@@ -113,7 +122,7 @@ impl Work<'_> {
             depth: None,
             targets: vec![Some(wgpu::ColorTargetState {
                 format,
-                blend: Some(BlendState { color: add, alpha: add }),
+                blend: Some(BlendState { color: over, alpha: over }),
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }
