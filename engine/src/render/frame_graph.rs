@@ -6,7 +6,7 @@
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      ├─ haze scatter ─ haze integrate (where there are media) ─┤
-//!      ├─ particles (where there are any) ─┤
+//!      ├─ particle discs (where there are any) ─┤
 //!      ├─ second lobe ─ direct and mirror again (clear coats and stretched highlights) ─┤
 //!      ├─ compose opaque ─ glass (where there is any: what is seen through it and in it) ─┤
 //!      └─ blend (blended surfaces and glass, over all others) ─────────┘

@@ -2,14 +2,17 @@
 
 use crate::support::{Stage, gpu, rgb};
 use glam::{Affine3A, Quat, Vec3};
-use lightwell::assets::Shape;
+use lightwell::assets::{Material, Shape};
 use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
-use lightwell::scene::{Extractor, LightShape, Scene};
-use lightwell::world::{Clpv, GameWorld, GatherRays, InstantRadiosity, Particles, Transform, Transport};
+use lightwell::scene::{Extractor, LightShape, Scene, SceneView};
+use lightwell::world::{
+    Camera, Clpv, GameWorld, GatherRays, InstantRadiosity, Light, MeshRenderer, Particles, Transform, Transport,
+};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 const FLOOR: f32 = 0.5;
 const HEIGHT: f32 = 1.2;
@@ -210,7 +213,41 @@ fn no_particles_no_pass() {
         let (_, report) = stage.render_with(&gpu, &mut renderer, &settings);
         report.passes.iter().map(|pass| pass.name.clone()).collect::<Vec<_>>()
     };
-    assert!(names(&stage).iter().all(|name| name != "particles"));
+    assert!(names(&stage).iter().all(|name| name != "particle discs"));
     add(&mut stage, cloud(), Vec3::Y * HEIGHT, 0.0);
-    assert!(names(&stage).iter().any(|name| name == "particles"));
+    assert!(names(&stage).iter().any(|name| name == "particle discs"));
+}
+
+/// Time moves particles alone: what cameras and lights see of surfaces stays as it is.
+#[test]
+fn time_draws_no_surface_again() {
+    let gpu = gpu();
+    let mut world = GameWorld::new();
+    let mut add = |name: &str, at: Vec3, component: &mut dyn FnMut(&mut bevy_ecs::world::EntityWorldMut)| {
+        let entity = world.spawn(name, None);
+        let mut entity = world.ecs.entity_mut(entity);
+        entity.insert(Transform::from_translation(at));
+        component(&mut entity);
+    };
+    let mesh = Arc::new(Shape::Plane { size: [4.0, 4.0], subdivisions: [1, 1] }.mesh().expect("a valid shape"));
+    let material = Arc::new(Material::diffuse("floor", Vec3::splat(0.5)));
+    let floor = MeshRenderer { mesh, material, casts_shadow: true, visible: true };
+    add("floor", Vec3::NEG_Y, &mut |entity| drop(entity.insert(floor.clone())));
+    add("lamp", Vec3::Y, &mut |entity| drop(entity.insert(Light { indirect: false, ..Light::default() })));
+    add("eye", Vec3::Z * 2.0, &mut |entity| drop(entity.insert(Camera::default())));
+    add("fire", Vec3::ZERO, &mut |entity| drop(entity.insert(Particles::default())));
+    let (mut extractor, mut scene, mut renderer) = (Extractor::new(), Scene::default(), Renderer::new(&gpu));
+    let mut ran = |seconds: f64| {
+        world.set_seconds(seconds);
+        world.update();
+        extractor.extract(&mut world, &mut scene);
+        let view = SceneView { camera: scene.cameras[0].clone(), size: [16, 16], jitter: [0.0; 2] };
+        let settings = RenderSettings { gi: GiMethod::NONE, ..RenderSettings::default() };
+        let report = renderer.render(&gpu, &scene, &view, &settings).unwrap_or_else(|error| panic!("{error}"));
+        let of = |name: &str| report.passes.iter().any(|pass| pass.name.starts_with(name) && report.ran(&pass.name));
+        ["gbuffer", "shadow", "particle discs"].map(of)
+    };
+    assert_eq!(ran(0.0), [true, true, true]);
+    assert_eq!(ran(0.1), [false, false, true]);
+    assert_eq!(ran(0.1), [false, false, false]);
 }

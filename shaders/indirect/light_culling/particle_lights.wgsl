@@ -7,6 +7,7 @@ struct ParticleLight {
     position: vec3f,       // world [m]
     area: f32,             // [m²]
     normal: vec3f,         // unit
+    lit: f32,              // part of the surfaces around that it lights [m²]
     flux: vec3f,           // π·L·A [W]
 }
 
@@ -30,7 +31,8 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     let light = particle_lights[index];
     var result: VirtualLight;
     result.position = light.position;
-    result.area = light.area;
+    // The error bound is relative to the mean irradiance, which is far less than what leaves particles.
+    result.area = light.lit;
     result.spread = light.area * 0.318309886;
     result.to_light = light.normal;
     result.alpha = 1.0;

@@ -31,14 +31,14 @@ pub(in crate::render) fn declare<'a>(
         return None;
     }
     if !matches!(frame.settings.only, Layer::Total | Layer::Direct) {
-        graph.skip("particles", "the layer that is shown holds no emitted light");
+        graph.skip("particle discs", "the layer that is shown holds no emitted light");
         return None;
     }
     let [width, height] = frame.view.size;
     let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, color_format(gpu), usage);
     let light = graph.retained_texture("light of particles", desc);
-    let mut pass = graph.pass("particles");
+    let mut pass = graph.pass("particle discs");
     pass.read(gbuffer.depth);
     haze.iter().for_each(|haze| pass.read(haze.buffer()));
     let light = pass.write(light);
@@ -82,7 +82,7 @@ impl Work<'_> {
         counts.triangles += 2 * balls.len() as u64;
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
         let mut pass = cx.render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("particles"),
+            label: Some("particle discs"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &light,
                 depth_slice: None,

@@ -19,10 +19,11 @@ pub(crate) struct ParticleLight {
     /// Of the surface that it stands for \[m²\].
     area: f32,
     normal: [f32; 3],
-    padding_a: u32,
+    /// Part of the surfaces around that it lights \[m²\], for the error bound: flux over area is irradiance there.
+    lit: f32,
     /// Φ = π·L·area \[W\].
     flux: [f32; 3],
-    padding_b: u32,
+    padding: u32,
 }
 
 /// `Placing` of `indirect/light_culling/particle_lights.wgsl`.
@@ -39,9 +40,12 @@ pub(super) fn count(scene: &Scene) -> u32 {
     if sources(scene).next().is_some() { LIGHTS } else { 0 }
 }
 
-/// Changes with the particles.
-pub(super) fn key(scene: &Scene) -> Vec<[u64; 3]> {
-    sources(scene).map(|p| [p.id.0, p.geometry_revision, p.material_revision]).collect()
+/// Changes with the particles, and with the box around what they light.
+pub(super) fn key(scene: &Scene) -> Option<(Vec<[u64; 3]>, [u32; 6])> {
+    let revisions: Vec<_> = sources(scene).map(|p| [p.id.0, p.geometry_revision, p.material_revision]).collect();
+    let bounds = scene.bounds();
+    let corners = [bounds.min, bounds.max].map(|corner| corner.to_array());
+    (!revisions.is_empty()).then(|| (revisions, std::array::from_fn(|i| corners[i / 3][i % 3].to_bits())))
 }
 
 fn sources(scene: &Scene) -> impl Iterator<Item = &Primitive> {
@@ -84,6 +88,9 @@ struct Emitter {
 fn sample(scene: &Scene, count: u32) -> Vec<ParticleLight> {
     let emitters = emitters(scene);
     let total = emitters.last().map_or(0.0, |last| last.until);
+    // Particles light all sides of the scene.
+    let size = scene.bounds().size().max(Vec3::ZERO);
+    let lit = 2.0 * size.dot(Vec3::new(size.y, size.z, size.x)) / count as f32;
     let light = |index: u32| {
         // The middles of equal parts, and of their triangles another point for each (R₂ sequence: Roberts 2018).
         let at = (f64::from(index) + 0.5) / f64::from(count) * total;
@@ -99,6 +106,7 @@ fn sample(scene: &Scene, count: u32) -> Vec<ParticleLight> {
             position: (a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v)).to_array(),
             area,
             normal: (b - a).cross(c - a).normalize_or_zero().to_array(),
+            lit: if lit.is_finite() { lit.max(area) } else { area },
             flux: (emitter.radiance * (std::f32::consts::PI * area)).to_array(),
             ..ParticleLight::zeroed()
         }
