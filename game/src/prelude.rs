@@ -14,5 +14,5 @@ pub use lightwell::game::{
     LightProbe, MouseButton, NonSolid, OnSceneEnter, PadButton, Persistent, SpatialQuery, Stick, Time, Timer, Update,
 };
 pub use lightwell::world::{
-    Camera, Fog, FogShape, GlobalTransform, Light, LightKind, MeshRenderer, Name, Projection, Transform,
+    Camera, Fog, FogShape, GlobalTransform, Light, LightKind, MeshRenderer, Name, Particles, Projection, Transform,
 };

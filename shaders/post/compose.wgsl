@@ -52,6 +52,10 @@ const LAYER: u32 = TOTAL;
 @group(0) @binding(14) var lobe_normal: texture_2d<u32>;
 @group(0) @binding(15) var lobe_object: texture_2d<u32>;
 #endif
+#ifdef PARTICLES
+// Particles: premultiplied radiance, and how much they hide of what lies behind.
+@group(0) @binding(16) var particles: texture_2d<f32>;
+#endif
 // What surfaces reflect of the sky, where the indirect method has no light of it.
 @group(0) @binding(11) var sky_light: texture_2d<f32>;
 // Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
@@ -124,6 +128,10 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let position = world_position(thread.xy, view.size, max(z, 1e-30), view.world_from_clip);
     let between = veil(view, vec2f(thread.xy) + 0.5, position, z <= 0.0);
     seen = seen * between.passing + between.added;
+#endif
+#ifdef PARTICLES
+    let discs = textureLoad(particles, thread.xy, 0);
+    seen = seen * (1.0 - discs.a) + discs.rgb;
 #endif
     let all = seen * (1.0 - over.a) + over.rgb;
     textureStore(radiance, thread.xy, vec4f(min(all, vec3f(MAX_RADIANCE)), 1.0));

@@ -269,6 +269,7 @@ fn finished(rest: &Arc<Mesh>, pose: &Pose, (mut vertices, is_mirrored): Vertices
         deform: None,
         rest: Some(rest.clone()),
         winding,
+        balls: None,
         hierarchy: OnceLock::new(),
     })
 }

@@ -1,6 +1,6 @@
 //! Triangle meshes on the CPU side.
 
-use super::{AssetId, Deform};
+use super::{AssetId, Ball, Deform};
 use crate::bvh::MeshBvh;
 use crate::scene::Aabb;
 use glam::Vec3;
@@ -61,6 +61,9 @@ pub struct Mesh {
     pub rest: Option<Arc<Mesh>>,
     /// Key of the triangles that wind the other way than in [`Self::rest`], since joints mirror them; 0: none.
     pub winding: u64,
+    /// The balls of light that it stands for, in the order of its triangles. Rays and light meet its triangles; cameras see soft
+    /// discs in their place.
+    pub balls: Option<Arc<Vec<Ball>>>,
     pub(in crate::assets) hierarchy: OnceLock<MeshBvh>,
 }
 
@@ -78,6 +81,7 @@ impl Mesh {
             deform: None,
             rest: None,
             winding: 0,
+            balls: None,
             hierarchy: OnceLock::new(),
         }
     }

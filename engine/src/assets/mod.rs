@@ -1,6 +1,7 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
 pub(crate) mod atmosphere;
+mod balls;
 mod budget;
 mod clip;
 mod cube_table;
@@ -39,6 +40,8 @@ pub use self::gltf::{
 };
 pub use self::pixels::MAX_IMAGE_SIZE;
 pub use atmosphere::{Atmosphere, AtmosphereTables};
+pub use balls::Ball;
+pub(crate) use balls::{material_of_balls, mesh_of_balls};
 pub use cube_table::CubeTable;
 pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use library::AssetLibrary;

@@ -65,6 +65,7 @@ impl EntityFile {
             vpl: self.vpl.clone(),
             slc: self.slc.clone(),
             fog: self.fog,
+            particles: self.particles,
             animation: self.animation.clone(),
             components: self.components.clone(),
             ..Default::default()
@@ -87,6 +88,7 @@ impl EntityFile {
             vpl: c.vpl,
             slc: c.slc,
             fog: c.fog,
+            particles: c.particles,
             animation: c.animation,
             components: c.components,
             ..Default::default()
@@ -97,7 +99,22 @@ impl EntityFile {
 /// Calls the macro with the names of all component fields.
 macro_rules! for_components {
     ($each:ident) => {
-        $each!(transform, mesh, model, material, casts_shadow, visible, light, camera, clpv, vpl, slc, fog, animation)
+        $each!(
+            transform,
+            mesh,
+            model,
+            material,
+            casts_shadow,
+            visible,
+            light,
+            camera,
+            clpv,
+            vpl,
+            slc,
+            fog,
+            particles,
+            animation
+        )
     };
 }
 
@@ -129,6 +146,7 @@ impl OverrideFile {
             (ComponentKind::Vpl, base.vpl.is_some() && self.vpl.is_none()),
             (ComponentKind::Slc, base.slc.is_some() && self.slc.is_none()),
             (ComponentKind::Fog, base.fog.is_some() && self.fog.is_none()),
+            (ComponentKind::Particles, base.particles.is_some() && self.particles.is_none()),
             (ComponentKind::Animation, base.animation.is_some() && self.animation.is_none()),
         ];
         changes.without = gone.into_iter().filter(|(_, gone)| *gone).map(|(kind, _)| kind).collect();
@@ -186,6 +204,7 @@ impl OverrideFile {
             ComponentKind::Vpl => self.vpl = None,
             ComponentKind::Slc => self.slc = None,
             ComponentKind::Fog => self.fog = None,
+            ComponentKind::Particles => self.particles = None,
             ComponentKind::Animation => self.animation = None,
             ComponentKind::Own(name) => drop(self.components.remove(name)),
         }

@@ -2,7 +2,7 @@
 
 /// Texts of the source files whose documentation comments describe components and their fields: one place for help,
 /// units and ranges, whether they are read in the documentation or in an inspector.
-pub const DESCRIBED: [&str; 11] = [
+pub const DESCRIBED: [&str; 12] = [
     include_str!("format.rs"),
     include_str!("parts.rs"),
     include_str!("../assets/shape.rs"),
@@ -14,4 +14,5 @@ pub const DESCRIBED: [&str; 11] = [
     include_str!("../world/instant_radiosity.rs"),
     include_str!("../world/light_culling.rs"),
     include_str!("../world/fog.rs"),
+    include_str!("../world/particles.rs"),
 ];

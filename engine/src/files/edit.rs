@@ -16,7 +16,8 @@ use super::tree::Step;
 use super::validate::Validator;
 use crate::assets::Material;
 use crate::world::{
-    Animation, Camera, Clpv, Fog, GameWorld, InstantRadiosity, Light, MeshRenderer, StochasticLightCulling, Transform,
+    Animation, Camera, Clpv, Fog, GameWorld, InstantRadiosity, Light, MeshRenderer, Particles, StochasticLightCulling,
+    Transform,
 };
 use bevy_ecs::prelude::Entity;
 use std::rc::Rc;
@@ -101,6 +102,7 @@ fn put(
         ("vpl", changes.vpl.is_some()),
         ("slc", changes.slc.is_some()),
         ("fog", changes.fog.is_some()),
+        ("particles", changes.particles.is_some()),
     ];
     for name in own.chain(given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name)) {
         world.release_fields(entity, name);
@@ -219,6 +221,7 @@ fn take_away(world: &mut GameWorld, context: &EditContext, entity: Entity, kind:
         ComponentKind::Vpl => entity.remove::<InstantRadiosity>(),
         ComponentKind::Slc => entity.remove::<StochasticLightCulling>(),
         ComponentKind::Fog => entity.remove::<Fog>(),
+        ComponentKind::Particles => entity.remove::<Particles>(),
         ComponentKind::Animation => entity.remove::<Animation>(),
         ComponentKind::Own(_) => &mut entity,
     };

@@ -6,7 +6,9 @@ pub use super::custom_components::CustomComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
-use crate::world::{Animation, Camera, Clpv, Fog, InstantRadiosity, Light, SceneSettings, StochasticLightCulling};
+use crate::world::{
+    Animation, Camera, Clpv, Fog, InstantRadiosity, Light, Particles, SceneSettings, StochasticLightCulling,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -110,6 +112,9 @@ pub struct EntityFile {
     /// Haze, fog or smoke.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fog: Option<Fog>,
+    /// Light-emitting particles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub particles: Option<Particles>,
     /// Animation of the transform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -173,6 +178,9 @@ pub struct OverrideFile {
     /// Haze, fog or smoke.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fog: Option<Fog>,
+    /// Light-emitting particles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub particles: Option<Particles>,
     /// Animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Animation>,
@@ -204,6 +212,8 @@ pub enum ComponentKind {
     Slc,
     /// The haze, fog or smoke.
     Fog,
+    /// The light-emitting particles.
+    Particles,
     /// The animation.
     Animation,
     /// A component of the game, by its name.

@@ -12,7 +12,7 @@ use super::tree::Step;
 use super::validate::Validator;
 use super::write::{to_text, write_atomically};
 use crate::world::{
-    Animation, Clpv, Fog, GameWorld, InstantRadiosity, MeshRenderer, Name, StochasticLightCulling, Transform,
+    Animation, Clpv, Fog, GameWorld, InstantRadiosity, MeshRenderer, Name, Particles, StochasticLightCulling, Transform,
 };
 use bevy_ecs::prelude::{Entity, World};
 use std::borrow::Cow;
@@ -257,6 +257,7 @@ impl<'a> Writer<'a> {
             vpl: self.world.rest_component::<InstantRadiosity>(entity, "vpl"),
             slc: self.world.rest_component::<StochasticLightCulling>(entity, "slc"),
             fog: self.world.rest_component::<Fog>(entity, "fog"),
+            particles: self.world.rest_component::<Particles>(entity, "particles"),
             animation: self.ecs().get::<Animation>(entity).cloned(),
             model: described.model.clone().map(|model| self.model(model)),
             ..Default::default()

@@ -67,6 +67,9 @@ impl Loader<'_> {
         if let Some(fog) = c.fog {
             target.insert(fog);
         }
+        if let Some(particles) = c.particles {
+            target.insert(particles);
+        }
         if let Some(animation) = &c.animation {
             target.insert(animation.clone());
         }

@@ -142,6 +142,7 @@ impl FieldTrack<'_> {
             "vpl" => file.vpl = Some(parsed(text)?),
             "slc" => file.slc = Some(parsed(text)?),
             "fog" => file.fog = Some(parsed(text)?),
+            "particles" => file.particles = Some(parsed(text)?),
             own => {
                 let types = self.world.ecs.get_resource::<ComponentTypes>();
                 let known = types.and_then(|types| types.get(own));

@@ -7,7 +7,7 @@ use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
 use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
 use crate::world::{
-    Animation, Bloom, Camera, Clpv, DepthOfField, Fog, InstantRadiosity, Lens, Light, SceneSettings,
+    Animation, Bloom, Camera, Clpv, DepthOfField, Fog, InstantRadiosity, Lens, Light, Particles, SceneSettings,
     StochasticLightCulling,
 };
 use serde::Serialize;
@@ -55,6 +55,7 @@ impl Defaults {
             ("vpl", node(&InstantRadiosity::default())?),
             ("slc", node(&StochasticLightCulling::default())?),
             ("fog", node(&Fog::default())?),
+            ("particles", node(&Particles::default())?),
             ("animation", node(&Animation::default())?),
             ("import", node(&ImportSettings::default())?),
             ("settings", node(&SceneSettings::default())?),

@@ -6,6 +6,7 @@
 //!      ├─ what the method of indirect light declares ─ accumulate, mirror average ─┤
 //!      ├─ sky sweep ─ relight, gloss (for methods that have no light of the sky) ┤
 //!      ├─ haze scatter ─ haze integrate (where there are media) ─┤
+//!      ├─ particle discs (where there are any) ─┤
 //!      ├─ second lobe ─ direct and mirror again (clear coats and stretched highlights) ─┤
 //!      ├─ compose opaque ─ glass (where there is any: what is seen through it and in it) ─┤
 //!      └─ blend (blended surfaces and glass, over all others) ─────────┘
@@ -31,6 +32,7 @@ use super::settings::{Beside, Layer, RenderSettings};
 use super::sky::sky_light;
 use super::transparency::blend::{self, Behind, Source};
 use super::transparency::glass;
+use super::transparency::particles;
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
 use crate::scene::SceneView;
@@ -75,7 +77,9 @@ pub(super) fn declare<'a>(
     let sky_field = sky.and_then(|sky| sky.field);
     let lamps = Lamps::of(graph, frame).filter(|_| shows_direct);
     let haze = haze::declare(graph, frame, &gbuffer, lamps, field.clone().or_else(|| sky_field.clone()));
-    let mut lights = Lights { direct, indirect, mirrored, second_lobe, sky: sky_radiance, blended: None, haze };
+    let particles = particles::declare(graph, frame, &gbuffer, gpu, haze);
+    let mut lights =
+        Lights { direct, indirect, mirrored, second_lobe, sky: sky_radiance, blended: None, particles, haze };
     if has_blended {
         let source = scattered.patches.map(Source::Patches);
         let source = source.or_else(|| source_of_blended(graph, &gbuffer, [field, sky_field], &lights));
@@ -96,7 +100,8 @@ pub(super) fn declare<'a>(
     Ok(Drawn { gbuffer, radiance, has_blended })
 }
 
-/// Declares what is seen through glass, and before it the image of what is opaque, without haze: rays find that anew.
+/// Declares what is seen through glass, and before it the image of what is opaque, without haze and particles: rays find them
+/// anew.
 fn declare_glass<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -105,7 +110,8 @@ fn declare_glass<'a>(
     scattered: Scattered,
 ) -> Option<Handle<Texture>> {
     let region = glass::region(graph, frame)?;
-    let opaque = compose::declare(graph, frame, gbuffer, Lights { haze: None, ..lights }, Purpose::Opaque);
+    let opaque =
+        compose::declare(graph, frame, gbuffer, Lights { haze: None, particles: None, ..lights }, Purpose::Opaque);
     Some(glass::declare(graph, frame, gbuffer.depth, opaque, scattered, region))
 }
 

@@ -12,7 +12,9 @@ use super::indirect::accumulate::AverageUniform;
 use super::indirect::instant_radiosity::{
     LetterUniform, MainLightUniform, MapPlaceUniform, NearUniform, ShadeUniform, VirtualLight,
 };
-use super::indirect::light_culling::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
+use super::indirect::light_culling::{
+    ChancesUniform, CullingUniform, DeltaUniform, ParticleLight, PlaceUniform, PlacingUniform,
+};
 use super::indirect::light_volumes::sweep::{
     CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, MirrorFilterUniform,
     MirrorUniform, ReachUniform, SumUniform, UpsampleUniform,
@@ -41,6 +43,7 @@ use super::shadows::shadow_map::{ShadowUniform, ShadowViewUniform};
 use super::shadows::through_glass::ThroughGlassUniform;
 use super::transparency::blend::BlendUniform;
 use super::transparency::glass::SeenThroughUniform;
+use crate::assets::Ball;
 use crate::gpu::{Gpu, GpuOptions, default_shader_dir};
 use crate::scene::Surfel;
 use encase::ShaderType;
@@ -116,6 +119,10 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, UpsampleUniform::min_size().get(), "indirect/light_volumes/sweep/gather_upsample.wgsl", "Upsample");
     check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/rsm_samples.wgsl", "Draw");
     check(&gpu, ResolveUniform::min_size().get(), "indirect/path_tracer/resolve.wgsl", "Resolve");
+    let particle_lights = "indirect/light_culling/particle_lights.wgsl";
+    check(&gpu, PlacingUniform::min_size().get(), particle_lights, "Placing");
+    check(&gpu, size_of::<ParticleLight>() as u64, particle_lights, "ParticleLight");
+    check(&gpu, size_of::<Ball>() as u64, "transparency/particles.wgsl", "Ball");
     let rays = "indirect/path_tracer/path_trace.wgsl";
     check(&gpu, size_of::<RayMaterial>() as u64, rays, "Material");
     check(&gpu, size_of::<Emitter>() as u64, rays, "Emitter");

@@ -58,6 +58,11 @@ impl Primitive {
     pub fn blocks_light(&self) -> bool {
         self.casts_shadow && !self.material.is_glass()
     }
+
+    /// Whether it stands for light-emitting particles, which cameras see as soft discs and lights not at all.
+    pub fn is_particles(&self) -> bool {
+        self.mesh.balls.is_some()
+    }
 }
 
 /// Counter values of the last change of each kind, anywhere in the scene.
@@ -154,8 +159,9 @@ pub struct SettingsNames {
 }
 
 impl Scene {
-    /// World bounds of all primitives.
+    /// World bounds of all primitives but particles, which volumes of light and cameras are not to follow.
     pub fn bounds(&self) -> Aabb {
-        self.primitives.iter().fold(Aabb::EMPTY, |b, p| b.union(&p.bounds))
+        let fixed = self.primitives.iter().filter(|primitive| !primitive.is_particles());
+        fixed.fold(Aabb::EMPTY, |bounds, primitive| bounds.union(&primitive.bounds))
     }
 }

@@ -3,8 +3,8 @@
 use super::fields::{self, FieldTypes};
 use super::identity::{Identities, Identity, RootOrder, identify};
 use super::{
-    Animation, Camera, Clock, Clpv, Fog, Light, MeshRenderer, Name, SceneSettings, StochasticLightCulling, Transform,
-    WorldError, animate, deform, descendants, hierarchy, propagate,
+    Animation, Camera, Clock, Clpv, Fog, Light, MeshRenderer, Name, Particles, SceneSettings, StochasticLightCulling,
+    Transform, WorldError, animate, deform, descendants, hierarchy, propagate,
 };
 use crate::scene::SceneId;
 use bevy_ecs::prelude::*;
@@ -64,6 +64,7 @@ impl GameWorld {
         ecs.register_component::<Clpv>();
         ecs.register_component::<StochasticLightCulling>();
         ecs.register_component::<Fog>();
+        ecs.register_component::<Particles>();
         ecs.register_component::<Animation>();
         ecs.init_resource::<Identities>();
         ecs.init_resource::<DespawnQueue>();

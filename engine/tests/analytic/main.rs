@@ -21,6 +21,7 @@ mod light_volumes;
 mod lpv_transport;
 mod media;
 mod orthographic;
+mod particles;
 mod path_tracer;
 mod probes;
 mod radiosity;

@@ -6,7 +6,7 @@ use crate::files::{
     ComponentType, ComponentTypes, EditContext, LoadOptions, SceneData, describe_scene, edit_scene, follow_scene,
     read_scene,
 };
-use crate::world::{Clpv, Environment, Fog, FogShape, Light, SceneSettings};
+use crate::world::{Clpv, Environment, Fog, FogShape, Light, Particles, SceneSettings};
 use bevy_ecs::prelude::Component;
 use glam::Vec3;
 
@@ -192,4 +192,33 @@ fn what_is_wrong_is_told_with_its_place_and_what_there_is() {
         &["`light` of `Lamp`", "did you mean `rsm_size`?"],
     );
     wrong(&format!("node: \"Lamp\", {}", field("light.rsm_size")), "(0, 2)", &["cannot be 2", "`rsm_size` is 2"]);
+}
+
+#[test]
+fn particles_are_keyed_and_saved_at_rest() {
+    let track = |target: &str, keys: &str| format!("Keys(target: Field(\"particles.{target}\"), keys: [{keys}])");
+    let tracks = [
+        track("radiance", "(0, 0), (2, 100)"),
+        track("velocity", "(0, (0, 0, 0)), (2, (0, 4, 0))"),
+        track("rate", "(0, 10), (2, 30)"),
+    ];
+    let fire = "particles: (rate: 40, radiance: 7)";
+    let scene = format!(r#"(entities: [(name: "Fire", {fire}, animation: (tracks: [{}]))])"#, tracks.join(", "));
+    let folder = Folder::new(&[("s.scene.ron", &scene)]);
+    let mut world = load(&folder).unwrap();
+    go(&mut world, 1.0);
+    let velocity = Vec3::new(0.0, 2.0, 0.0);
+    let expected = Particles { rate: 20.0, radiance: 50.0, velocity, ..Particles::default() };
+    assert_eq!(world.ecs.get::<Particles>(at(&world, "Fire").unwrap()), Some(&expected));
+    let saved = scene_text(&world, &folder.path("s.scene.ron")).unwrap();
+    assert!(saved.contains("rate: 40") && saved.contains("radiance: 7"), "{saved}");
+    for (right, wrong, said) in [
+        ("particles.radiance", "particles.radience", "did you mean `radiance`?"),
+        ("(2, 30)])", "(2, 1e9)])", "`particles.rate` cannot be 1000000000"),
+        ("(0, 10), (2, 30)])", "(0, 10), (2, 1e6)])", "a second that live for 2 s each are 2000000 particles at once"),
+    ] {
+        folder.write("s.scene.ron", scene.replacen(right, wrong, 1).as_bytes());
+        let error = load(&folder).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(said), "{wrong}: {error}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::assets::Mesh;
-use crate::world::{Fog, Light, MeshRenderer, Transform};
+use crate::world::{Fog, Light, MeshRenderer, Particles, Transform};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
@@ -177,4 +177,22 @@ fn a_mesh_made_by_code_cannot_be_saved_and_leaves_the_file_alone() {
     world.ecs.entity_mut(entity).insert(Light { intensity: f32::NAN, ..Default::default() });
     let error = save_scene(&world, &folder.path("street.scene.ron")).unwrap_err();
     assert!(error.message.contains("`Code`, light, intensity"), "{error}");
+}
+
+#[test]
+fn particles_of_a_prefab_are_overridden_and_taken_away() {
+    let scene = r#"(entities: [(name: "A", prefab: "fire.prefab.ron"), (name: "B", prefab: "fire.prefab.ron")])"#;
+    let fire = r#"Prefab(entities: [(name: "Sparks", particles: (rate: 9))])"#;
+    let folder = Folder::new(&[("fire.prefab.ron", fire), ("s.scene.ron", scene)]);
+    let mut world = folder.load("s.scene.ron").unwrap();
+    let [a, b] = ["A/Sparks", "B/Sparks"].map(|path| at(&world, path).unwrap());
+    world.ecs.get_mut::<Particles>(a).unwrap().seed = 4;
+    world.ecs.entity_mut(b).remove::<Particles>();
+    save_scene(&world, &folder.path("s.scene.ron")).unwrap();
+    let text = folder.read("s.scene.ron");
+    assert!(text.contains(r#"overrides: {"Sparks": (particles: (rate: 9, seed: 4))}"#), "{text}");
+    assert!(text.contains(r#"overrides: {"Sparks": (without: [Particles])}"#), "{text}");
+    let again = folder.load("s.scene.ron").unwrap();
+    let seed = |path| again.ecs.get::<Particles>(at(&again, path).unwrap()).map(|particles| particles.seed);
+    assert_eq!((seed("A/Sparks"), seed("B/Sparks")), (Some(4), None));
 }

@@ -8,7 +8,7 @@ use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
     Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, Fog, FogShape,
     GatherRays, Lens, Light, LightBounds, LightChances, LightCulling, LightKind, LightLobes, LightVisibility,
-    Precision, Projection, Quality, SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
+    Particles, Precision, Projection, Quality, SceneSettings, StochasticLightCulling, ToneMap, Transform, Transport,
 };
 use glam::{Quat, Vec3};
 use proptest::collection::vec;
@@ -123,11 +123,12 @@ fn a_failed_write_leaves_the_file() {
 }
 
 /// Scenes that need no models of others.
-pub(super) const SHIPPED: [&str; 17] = [
+pub(super) const SHIPPED: [&str; 18] = [
     "bleeding_gloss",
     "cathedral",
     "cornell",
     "courtyard",
+    "embers",
     "gallery",
     "glasshouse",
     "glossy_ring",
@@ -154,8 +155,8 @@ fn places<T: bevy_ecs::prelude::Component>(world: &mut GameWorld) -> Vec<[u32; 1
 #[test]
 fn everything_moves_in_shipped_scenes() {
     use crate::world::{Light, MeshRenderer, SceneSettings};
-    // These show one thing: how prefabs are written, and reflections on a ring.
-    for name in SHIPPED.into_iter().filter(|name| !["prefabs", "glossy_ring"].contains(name)) {
+    // These show one thing: how prefabs are written, reflections on a ring, and particles, which are no lights.
+    for name in SHIPPED.into_iter().filter(|name| !["prefabs", "glossy_ring", "embers"].contains(name)) {
         let path = shipped(&format!("scenes/{name}.scene.ron"));
         let mut world = load_scene(&path, &mut AssetLibrary::new(), &LoadOptions::default()).unwrap();
         let settings = world.ecs.resource::<SceneSettings>();
@@ -322,6 +323,26 @@ fn fog() -> impl Strategy<Value = Fog> {
     )
 }
 
+fn particles() -> impl Strategy<Value = Particles> {
+    let color = || [0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0].prop_map(Vec3::from);
+    let motion = ([-9.0f32..9.0, -9.0f32..9.0, -9.0f32..9.0], 0.0f32..180.0, 0.0f32..1.0);
+    (0.0f32..1e3, 0.01f32..10.0, motion, (0.0f32..1.0, 0.0f32..1.0), (color(), color()), 0.0f32..1e6, any::<u32>())
+        .prop_map(|(rate, life, (velocity, spread, speed_variation), radii, colors, radiance, seed)| Particles {
+            rate,
+            life,
+            velocity: velocity.into(),
+            spread,
+            speed_variation,
+            radius: radii.0,
+            end_radius: radii.1,
+            color: colors.0,
+            end_color: colors.1,
+            radiance,
+            seed,
+            ..Default::default()
+        })
+}
+
 fn animation() -> impl Strategy<Value = Animation> {
     let axis = vector().prop_filter("an axis has a direction", |a| a.length() > 0.1);
     let spin = (axis, -90.0f64..90.0).prop_map(|(axis, speed)| Track::Spin { axis, degrees_per_second: speed.round() });
@@ -414,11 +435,11 @@ pub(super) fn entity() -> impl Strategy<Value = EntityFile> {
         of((mesh, of(material()), of(any::<bool>()))),
         of(light()),
         of(camera),
-        (of(clpv()), of(slc()), of(fog())),
+        (of(clpv()), of(slc()), of(fog()), of(particles())),
         of(animation()),
     );
     let leaf = leaf.prop_filter("a name is not blank", |l| !l.0.trim().is_empty()).prop_map(
-        |(name, transform, surface, light, camera, (clpv, slc, fog), animation)| {
+        |(name, transform, surface, light, camera, (clpv, slc, fog, particles), animation)| {
             let (mesh, material, casts_shadow) = surface.map_or((None, None, None), |(m, r, c)| (Some(m), r, c));
             EntityFile {
                 name,
@@ -431,6 +452,7 @@ pub(super) fn entity() -> impl Strategy<Value = EntityFile> {
                 clpv,
                 slc,
                 fog,
+                particles,
                 animation,
                 ..Default::default()
             }

@@ -1,4 +1,4 @@
-//! What values transforms, animations, lights, cameras, fog and the settings of light methods may have.
+//! What values transforms, animations, lights, cameras, fog, particles and the settings of light methods may have.
 
 use super::{Checked, Validator};
 use crate::files::error::FileErrorKind as Kind;
@@ -7,8 +7,10 @@ use crate::files::tree::Step;
 use crate::world::animation::AnimationError;
 use crate::world::{
     Animation, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, Fog, FogShape, GatherRays, InstantRadiosity,
-    Light, LightKind, Projection, StochasticLightCulling,
+    Light, LightKind, Particles, Projection, StochasticLightCulling,
 };
+use glam::Vec3;
+use std::ops::RangeInclusive;
 
 impl Validator {
     pub(super) fn animation(&mut self, a: &Animation) -> Checked {
@@ -148,6 +150,40 @@ impl Validator {
             format!("`falloff` is {}", f.falloff),
             "use 0 to 1e6 [1/m]; 0 is as dense at all heights",
         )
+    }
+
+    pub(super) fn particles(&mut self, p: &Particles) -> Checked {
+        self.within("rate", p.rate, Particles::RATES, "use 0 to 1e6 [1/s]")?;
+        self.within("life", p.life, Particles::LIVES, "use 0.001 to 1e4 s")?;
+        self.require(
+            p.count() <= Particles::MOST,
+            "rate",
+            format!("{} in a second that live for {} s each are {} particles at once", p.rate, p.life, p.count()),
+            &format!(
+                "a source has at most {}: use a `rate` of at most {}, or a shorter `life`",
+                Particles::MOST,
+                (Particles::MOST as f32 / p.life).floor()
+            ),
+        )?;
+        self.all_within("source", p.source, Particles::SOURCES, "use edges of 0 to 1e6 m; 0 is a point")?;
+        self.all_within("velocity", p.velocity, Particles::SPEEDS, "use -1e4 to 1e4 m/s along each axis")?;
+        self.within("spread", p.spread, Particles::SPREADS, "use 0 to 180 degrees; 180 is all directions alike")?;
+        self.within("speed_variation", p.speed_variation, 0.0..=1.0, "use 0 to 1; 0 is the same speed for all")?;
+        self.all_within("gravity", p.gravity, Particles::SPEEDS, "use -1e4 to 1e4 m/s² along each axis")?;
+        self.within("radius", p.radius, Particles::RADII, "use 0 to 1e3 m")?;
+        self.within("end_radius", p.end_radius, Particles::RADII, "use 0 to 1e3 m")?;
+        self.color("color", p.color, 1.0)?;
+        self.color("end_color", p.end_color, 1.0)?;
+        self.within("radiance", p.radiance, Particles::RADIANCES, "use 0 to 1e12 W/(m² sr)")
+    }
+
+    fn within(&self, field: &str, value: f32, range: RangeInclusive<f32>, help: &str) -> Checked {
+        self.require(range.contains(&value), field, format!("`{field}` is {value}"), help)
+    }
+
+    fn all_within(&self, field: &str, value: Vec3, range: RangeInclusive<f32>, help: &str) -> Checked {
+        let is_valid = value.to_array().iter().all(|v| range.contains(v));
+        self.require(is_valid, field, format!("`{field}` is ({}, {}, {})", value.x, value.y, value.z), help)
     }
 
     pub(super) fn camera(&mut self, c: &Camera) -> Checked {

@@ -333,6 +333,9 @@ impl Validator {
         if let Some(fog) = &c.fog {
             self.field("fog", |v| v.fog(fog))?;
         }
+        if let Some(particles) = &c.particles {
+            self.field("particles", |v| v.particles(particles))?;
+        }
         if let Some(animation) = &c.animation {
             self.field("animation", |v| v.animation(animation))?;
         }

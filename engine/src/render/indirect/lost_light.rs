@@ -3,7 +3,7 @@
 use super::light_volumes::sweep::gather;
 use crate::render::frame::Frame;
 use crate::render::settings::GiMethod;
-use crate::scene::Scene;
+use crate::scene::{Primitive, Scene};
 use crate::world::{CellSize, ClpvPlacement, Transport, VirtualPlacement, VirtualShading};
 use glam::Vec3;
 
@@ -88,14 +88,15 @@ fn of_virtual_lights(scene: &Scene) -> Vec<String> {
     lost
 }
 
-/// Light culling has the light of reflective shadow maps alone.
+/// Light culling has the light of reflective shadow maps and of particles alone.
 fn of_light_culling(scene: &Scene) -> Vec<String> {
-    let Some(primitive) = scene.primitives.iter().find(|primitive| primitive.material.emissive != Vec3::ZERO) else {
+    let emits = |primitive: &&Primitive| primitive.material.emissive != Vec3::ZERO && !primitive.is_particles();
+    let Some(primitive) = scene.primitives.iter().find(emits) else {
         return Vec::new();
     };
     vec![format!(
         "{}: surfaces that emit, as `{}`, light nothing, since stochastic light culling has the lights of reflective shadow \
-         maps alone; `clpv` and `vpl` take them",
+         maps and of particles alone; `clpv` and `vpl` take them",
         entity(&scene.settings_names.slc, "slc"),
         primitive.material.name
     )]

@@ -37,6 +37,8 @@ pub(in crate::render) struct Lights {
     pub sky: Option<Handle<Texture>>,
     /// Blended surfaces: premultiplied radiance, and how much they hide of what lies behind.
     pub blended: Option<Handle<Texture>>,
+    /// Particles: premultiplied radiance, and how much they hide of what lies behind.
+    pub particles: Option<Handle<Texture>>,
     /// What media scatter on the way to the eye.
     pub haze: Option<Haze>,
 }
@@ -88,7 +90,7 @@ pub(in crate::render) fn declare<'a>(
     };
     let mut pass = graph.pass(name);
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended];
+    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended, lights.particles];
     inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
     lights.haze.iter().for_each(|haze| pass.read(haze.buffer()));
     lights.second_lobe.iter().flat_map(SecondLobe::textures).for_each(|input| pass.read(input));
@@ -122,6 +124,7 @@ pub(in crate::render) fn declare<'a>(
         let second_lobe = lights.second_lobe.map(|lobe| lobe.textures().map(|handle| cx.view(handle)));
         let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
         let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
+        let particles = lights.particles.map(|handle| cx.view(handle));
         let target = cx.view(radiance);
         let (sun_toward, sun_radiance) = (toward.into(), sun.into());
         let uniform = ComposeUniform { sky, sky_turn, sun_toward, sun_cosine: cosine, sun_radiance };
@@ -154,6 +157,10 @@ pub(in crate::render) fn declare<'a>(
             key = key.def("SECOND_LOBE", ShaderDef::Flag(true));
             let names = ["second_lobe", "lobe_normal", "lobe_object"];
             group.extend(names.into_iter().zip(textures).map(|(name, view)| (name, Binding::Texture(view))));
+        }
+        if let Some(particles) = &particles {
+            key = key.def("PARTICLES", ShaderDef::Flag(true));
+            group.push(("particles", Binding::Texture(particles)));
         }
         group.extend(haze.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
         cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])

@@ -111,9 +111,9 @@ fn write<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, first: u32, values:
     gpu.write_buffer(buffer, u64::from(first) * size_of::<T>() as u64, bytemuck::cast_slice(values));
 }
 
-/// Whether there is anything of it to draw.
+/// Whether there is anything of it to draw. Balls of light are drawn as what they are, not as the triangles that stand for them.
 pub(super) fn is_drawable(mesh: &Mesh) -> bool {
-    !mesh.indices.is_empty() && !mesh.vertices.is_empty()
+    !mesh.indices.is_empty() && !mesh.vertices.is_empty() && mesh.balls.is_none()
 }
 
 fn counts(mesh: &Mesh) -> [u32; 2] {

@@ -72,10 +72,12 @@ impl GpuScene {
         self.synced = Some(now);
     }
 
-    /// Bounds of all primitives of the scene that it was brought up to date with.
+    /// Bounds of all primitives but particles of the scene that it was brought up to date with.
     pub fn bounds(&self, scene: &Scene) -> Aabb {
         let moving = self.movers.iter().filter_map(|mover| scene.primitives.get(mover.primitive));
-        moving.fold(self.still_bounds, |bounds, primitive| bounds.union(&primitive.bounds))
+        moving
+            .filter(|primitive| !primitive.is_particles())
+            .fold(self.still_bounds, |bounds, primitive| bounds.union(&primitive.bounds))
     }
 
     /// Changes with any static object.

@@ -115,7 +115,7 @@ pub(in crate::render) fn declare<'a>(
 }
 
 /// Half floats where the adapter cannot blend whole ones: radiance above 65504 is cut off.
-fn color_format(gpu: &Gpu) -> TextureFormat {
+pub(super) fn color_format(gpu: &Gpu) -> TextureFormat {
     if gpu.features.contains(wgpu::Features::FLOAT32_BLENDABLE) {
         TextureFormat::Rgba32Float
     } else {

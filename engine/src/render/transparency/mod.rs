@@ -4,3 +4,4 @@
 pub(in crate::render) mod blend;
 pub(in crate::render) mod glass;
 mod glass_depth;
+pub(in crate::render) mod particles;

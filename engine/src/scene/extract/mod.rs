@@ -9,6 +9,7 @@ mod lights;
 mod media;
 mod motion;
 mod origin;
+mod particles;
 mod primitives;
 mod sky;
 mod slc;
@@ -40,6 +41,7 @@ struct Source {
     updates: u64,
     anchor: origin::Anchor,
     primitives: primitives::Primitives,
+    particles: particles::Sources,
     lights: lights::Lights,
     media: media::Media,
     cameras: cameras::Cameras,
@@ -56,6 +58,7 @@ impl Source {
             updates: updates(world),
             anchor: origin::Anchor::new(world),
             primitives: primitives::Primitives::new(world),
+            particles: particles::Sources::new(world),
             lights: lights::Lights::new(world),
             media: media::Media::new(world),
             cameras: cameras::Cameras::new(world),
@@ -86,6 +89,7 @@ impl Counter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Primitive,
+    Particles,
     Light,
     Medium,
     Camera,
@@ -209,6 +213,7 @@ impl Extractor {
         source.updates = now;
         let context = &mut Context { log: &mut self.log, revisions: &mut self.revisions, is_late };
         source.primitives.extract(world, scene, context);
+        source.particles.extract(world, scene, context);
         source.sky.find_sun(world);
         source.lights.extract(world, scene, context, source.sky.air());
         source.media.extract(world, scene, context);

@@ -8,6 +8,9 @@ use crate::scene::Primitive;
 use glam::{Mat3A, Vec3, Vec4};
 use std::sync::Arc;
 
+/// Surfels of balls of light, however small they are.
+const LEAST_OF_BALLS: usize = 512;
+
 /// The surfels of an object as it is modelled, and where on its triangles they lie.
 #[derive(Debug)]
 pub(super) struct Samples {
@@ -62,15 +65,28 @@ impl Samples {
             let area_at_rest = world_area(&rest, &at_rest.corners);
             let grown = if area_at_rest > 0.0 { world_area(&posed, &corners) / area_at_rest } else { 1.0 };
             let normal = front(&now.corners) * if origin.is_back { -1.0 } else { 1.0 };
+            let emissive =
+                if member.mesh.balls.is_some() { glow(member, &now, origin.weights) } else { surfel.emissive };
             Surfel {
                 position: weighted(corners, origin.weights).to_array(),
                 area: if grown.is_finite() { surfel.area * grown } else { surfel.area },
                 normal: normal.to_array(),
+                emissive,
                 ..*surfel
             }
         };
         self.surfels.iter().zip(&self.origins).map(pose).collect()
     }
+}
+
+/// Surfels that a mesh has at least: many balls shine from many places and to all sides, however small they are.
+fn least_count(mesh: &Mesh) -> usize {
+    mesh.balls.as_ref().map_or(1, |balls| (8 * balls.len()).clamp(1, LEAST_OF_BALLS))
+}
+
+/// Emitted radiance of a point of a triangle of balls, which have colours that change over their lives.
+fn glow(member: &Primitive, now: &Triangle, weights: [f32; 3]) -> [f32; 3] {
+    surface(member, &member.mesh, now, weights).map_or([0.0; 3], |(_, emissive, _)| emissive.to_array())
 }
 
 fn weighted(corners: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
@@ -100,7 +116,7 @@ impl Spread<'_> {
         if !(whole > 0.0) {
             return;
         }
-        let count = (whole * f64::from(self.fineness.density)).ceil().max(1.0);
+        let count = (whole * f64::from(self.fineness.density)).ceil().max(least_count(self.mesh) as f64);
         let area = (whole / count) as f32;
         let wall = wall_extent(self.primitive, self.mesh, &self.linear);
         let mut gone = 0.0;
@@ -151,7 +167,7 @@ impl Spread<'_> {
 /// Largest cells \[m\] in which the primitive is a wall: the second largest edge of its box in the world. An object
 /// smaller than a cell in two directions is none, nor is a surface with holes: they stop a part of the light.
 pub(crate) fn wall_extent(primitive: &Primitive, mesh: &Mesh, linear: &Mat3A) -> f32 {
-    if primitive.material.alpha_mode != AlphaMode::Opaque {
+    if primitive.material.alpha_mode != AlphaMode::Opaque || mesh.balls.is_some() {
         return 0.0;
     }
     let size = mesh.bounds.size();

@@ -16,7 +16,7 @@ pub(super) use rest_values::HeldFields;
 pub use rest_values::{Held, rest_text};
 pub use value::{FieldSample, expected, written};
 
-use super::{Camera, Clpv, Fog, InstantRadiosity, Light, StochasticLightCulling};
+use super::{Camera, Clpv, Fog, InstantRadiosity, Light, Particles, StochasticLightCulling};
 use bevy_ecs::prelude::*;
 use ron::extensions::Extensions;
 use serde::Serialize;
@@ -96,6 +96,7 @@ impl Default for FieldTypes {
             ("vpl", FieldType::of::<InstantRadiosity>()),
             ("slc", FieldType::of::<StochasticLightCulling>()),
             ("fog", FieldType::of::<Fog>()),
+            ("particles", FieldType::of::<Particles>()),
         ]))
     }
 }

@@ -42,6 +42,31 @@ const FOGS: [Fog; 7] = {
     ]
 };
 
+/// What particles may be, none at all included.
+const SPARKS: [Particles; 4] = {
+    let sparks = Particles {
+        rate: 20.0,
+        life: 1.0,
+        source: Vec3::splat(0.3),
+        velocity: Vec3::Y,
+        spread: 30.0,
+        speed_variation: 0.5,
+        gravity: Vec3::new(0.0, -1.0, 0.0),
+        radius: 0.03,
+        end_radius: 0.01,
+        color: Vec3::ONE,
+        end_color: Vec3::new(1.0, 0.2, 0.1),
+        radiance: 40.0,
+        seed: 0,
+    };
+    [
+        Particles { rate: 0.0, ..sparks },
+        sparks,
+        Particles { end_color: Vec3::ONE, radiance: 80.0, ..sparks },
+        Particles { rate: 7.3, seed: 5, ..sparks },
+    ]
+};
+
 /// One change. Numbers choose among a few states each, so that states come back.
 #[derive(Clone, Copy, Debug)]
 pub enum Edit {
@@ -68,6 +93,8 @@ pub enum Edit {
     FogComesOrGoes(usize),
     FogMoves(usize, usize),
     Fog(usize, usize),
+    Sparks(usize),
+    Time(usize),
     Size(usize),
     Method(usize),
     Setting(usize),
@@ -102,6 +129,8 @@ pub fn edit() -> impl Strategy<Value = Edit> {
         2 => fog.clone().prop_map(FogComesOrGoes),
         1 => (fog.clone(), 0..PLACES).prop_map(|(fog, at)| FogMoves(fog, at)),
         2 => (fog, 0..FOGS.len()).prop_map(|(fog, kind)| Fog(fog, kind)),
+        2 => (0..SPARKS.len()).prop_map(Sparks),
+        1 => (0..3usize).prop_map(Time),
         1 => (0..2usize).prop_map(Size),
         3 => (0..METHODS.len()).prop_map(Method),
         3 => (0..SETTINGS).prop_map(Setting),
@@ -163,6 +192,7 @@ pub struct Studio {
     lights: [Option<bevy_ecs::entity::Entity>; LIGHTS],
     mists: [Option<bevy_ecs::entity::Entity>; MISTS],
     volume: bevy_ecs::entity::Entity,
+    fire: bevy_ecs::entity::Entity,
     eye: bevy_ecs::entity::Entity,
     shapes: [Arc<Mesh>; 2],
     surfaces: [Arc<Material>; SURFACES],
@@ -176,6 +206,7 @@ impl Studio {
         let mut world = GameWorld::new();
         let eye = world.spawn("eye", None);
         let volume = world.spawn("volume", None);
+        let fire = world.spawn("fire", None);
         let surfaces = [
             Material::diffuse("white", Vec3::splat(0.7)),
             Material::diffuse("red", Vec3::new(0.7, 0.1, 0.1)),
@@ -213,6 +244,7 @@ impl Studio {
             lights: [None; LIGHTS],
             mists: [None; MISTS],
             volume,
+            fire,
             eye,
             shapes: [Shape::Box { size: [0.5; 3] }, Shape::Sphere { radius: 0.3, segments: 12, rings: 6 }]
                 .map(|shape| Arc::new(shape.mesh().expect("a valid shape"))),
@@ -229,6 +261,7 @@ impl Studio {
             studio.spawn(name, mesh, at);
         }
         studio.insert(volume, Transform::from_translation(Vec3::Y));
+        studio.insert(fire, Transform::from_translation(Vec3::new(0.7, 0.3, 0.5)));
         studio.insert(volume, Self::sweep(2));
         studio.insert(eye, lightwell::world::Camera { fov: 70.0, primary: true, ..Default::default() });
         studio.apply(Edit::Camera(0));
@@ -512,6 +545,8 @@ impl Studio {
                 let Some(entity) = self.mists[index] else { return };
                 self.insert(entity, FOGS[kind]);
             }
+            Edit::Sparks(kind) => self.insert(self.fire, SPARKS[kind]),
+            Edit::Time(time) => self.world.set_seconds([0.0, 0.35, 1.2][time]),
             Edit::Size(size) => self.size = [[24, 16], [16, 24]][size],
             Edit::Method(method) => METHODS[method](self),
             Edit::Setting(which) => self.set(which),

@@ -11,7 +11,7 @@ use lightwell::world::{GameWorld, GlobalTransform, Name, Transform};
 use std::path::Path;
 
 /// What can be added by name: an entity as scene files write it.
-pub const TEMPLATES: [(&str, &str); 18] = [
+pub const TEMPLATES: [(&str, &str); 19] = [
     ("Empty", "()"),
     ("Box", "(mesh:Box())"),
     ("Sphere", "(mesh:Sphere())"),
@@ -30,6 +30,7 @@ pub const TEMPLATES: [(&str, &str); 18] = [
     ("Camera", "(camera:())"),
     ("Light volume", "(clpv:())"),
     ("Fog", "(fog:(shape:Box(size:(4.0,2.0,4.0)),extinction:0.2))"),
+    ("Particles", "(particles:())"),
 ];
 
 impl Editor {

@@ -19,13 +19,15 @@ pub struct Note {
 }
 
 /// Units as the comments write them, and as they are shown.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 18] = [
     ("degrees/s", "°/s"),
     ("degrees", "°"),
     ("W/(m² sr)", "W/(m² sr)"),
     ("W/m²", "W/m²"),
     ("W/sr", "W/sr"),
+    ("m/s²", "m/s²"),
     ("m/s", "m/s"),
+    ("1/s", "1/s"),
     ("1/m", "1/m"),
     ("nm", "nm"),
     ("mm", "mm"),

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::Entity;
 use egui::{Color32, Key, RichText, Sense, Ui};
 use lightwell::files;
 use lightwell::scene::SceneId;
-use lightwell::world::{Camera, Clpv, Fog, GameWorld, Light, MeshRenderer};
+use lightwell::world::{Camera, Clpv, Fog, GameWorld, Light, MeshRenderer, Particles};
 use std::collections::HashSet;
 
 /// What the tree remembers.
@@ -204,6 +204,8 @@ fn sign(world: &GameWorld, entity: Entity, ui: &Ui) -> (&'static str, Color32) {
         ("▦", Color32::from_rgb(160, 230, 160))
     } else if ecs.get::<Fog>(entity).is_some() {
         ("≈", Color32::from_rgb(185, 205, 225))
+    } else if ecs.get::<Particles>(entity).is_some() {
+        ("✳", Color32::from_rgb(255, 170, 90))
     } else if ecs.get::<MeshRenderer>(entity).is_some() {
         ("■", ui.visuals().text_color())
     } else {

@@ -11,7 +11,7 @@ use egui::{Color32, CornerRadius, CursorIcon, Key, PointerButton, Pos2, Rect, Re
 use glam::{Affine3A, DVec3, Vec3};
 use lightwell::files;
 use lightwell::scene::{Aabb, SceneCamera, SceneId, ViewProjection};
-use lightwell::world::{Camera, Fog, GameWorld, GlobalTransform, Light, MeshRenderer};
+use lightwell::world::{Camera, Fog, GameWorld, GlobalTransform, Light, MeshRenderer, Particles};
 use lightwell_runtime::window::Area;
 
 /// What the view remembers.
@@ -33,7 +33,7 @@ pub struct View {
     pub flight_speed: f32,
     /// Places of the camera that were kept.
     pub bookmarks: [Option<Pose>; 4],
-    /// Shows signs where lights, cameras and fog stand.
+    /// Shows signs where lights, cameras, fog and particles stand.
     pub signs: bool,
     /// Whether a game that plays is to have mouse and keyboard, and whether it has.
     pub takes_input: bool,
@@ -319,7 +319,7 @@ fn bounds(painter: &egui::Painter, editor: &Editor, stage: &Stage, lens: &Lens) 
     }
 }
 
-/// Signs of lights, cameras and fog, which have no surface to click on.
+/// Signs of lights, cameras, fog and particles, which have no surface to click on.
 fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Lens) -> Vec<(SceneId, Pos2)> {
     if !editor.view.signs {
         return Vec::new();
@@ -328,7 +328,8 @@ fn signs(painter: &egui::Painter, editor: &Editor, stage: &mut Stage, lens: &Len
     let fog = places_of::<Fog>(world, origin).into_iter().map(|f| (f, "≈"));
     let lights = places_of::<Light>(world, origin).into_iter().map(|l| (l, "◆"));
     let cameras = places_of::<Camera>(world, origin).into_iter().map(|c| (c, "►"));
-    let all = fog.chain(lights).chain(cameras);
+    let particles = places_of::<Particles>(world, origin).into_iter().map(|p| (p, "✳"));
+    let all = fog.chain(particles).chain(lights).chain(cameras);
     let mut shown = Vec::new();
     for ((entity, place), sign) in all {
         let Some(id) = world.id(entity) else { continue };

@@ -9,7 +9,7 @@ use glam::{EulerRot, Quat, Vec3};
 use lightwell::files::{self, SceneInfo, suggestion};
 use lightwell::world::fields::text;
 use lightwell::world::{
-    Animation, Camera, Clpv, Fog, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, SceneSettings,
+    Animation, Camera, Clpv, Fog, GameWorld, InstantRadiosity, Light, MeshRenderer, Name, Particles, SceneSettings,
     StochasticLightCulling, Transform,
 };
 use serde::de::DeserializeOwned;
@@ -69,6 +69,7 @@ pub fn apply(world: &mut GameWorld, target: &str, value: &str) -> Result<()> {
         "vpl" => edit::<InstantRadiosity, InstantRadiosity>(world, entity, field, value),
         "slc" => edit::<StochasticLightCulling, StochasticLightCulling>(world, entity, field, value),
         "fog" => edit::<Fog, Fog>(world, entity, field, value),
+        "particles" => edit::<Particles, Particles>(world, entity, field, value),
         "animation" => edit::<Animation, Animation>(world, entity, field, value),
         own => custom_component::edit(world, entity, own, field, value),
     }
@@ -309,6 +310,7 @@ fn components(world: &GameWorld, entity: Entity) -> String {
         ("vpl", ecs.get::<InstantRadiosity>(entity).is_some()),
         ("slc", ecs.get::<StochasticLightCulling>(entity).is_some()),
         ("fog", ecs.get::<Fog>(entity).is_some()),
+        ("particles", ecs.get::<Particles>(entity).is_some()),
         ("animation", ecs.get::<Animation>(entity).is_some()),
     ];
     let built_in = has.iter().filter(|(_, has)| *has).map(|(name, _)| *name);

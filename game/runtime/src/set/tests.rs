@@ -184,3 +184,24 @@ fn components_of_a_game_are_set_too() {
     }
     assert_eq!(world.ecs.get::<Moth>(lamp), Some(&expected), "mistakes change nothing");
 }
+
+#[test]
+fn particles_are_set_by_path() {
+    let mut world = GameWorld::new();
+    let fire = world.ecs.spawn((Name("Fire".into()), Particles::default())).id();
+    for (path, value) in [
+        ("Fire.particles.rate", "300"),
+        ("Fire.particles.velocity.1", "4"),
+        ("Fire.particles.end_color", "(1, 0, 0)"),
+        ("Fire.particles.seed", "7"),
+    ] {
+        apply(&mut world, path, value).unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+    let (velocity, end_color) = (Vec3::new(0.0, 4.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
+    let expected = Particles { rate: 300.0, velocity, end_color, seed: 7, ..Particles::default() };
+    assert_eq!(world.ecs.get::<Particles>(fire), Some(&expected));
+    for (path, said) in [("Fire.particles.size", "radius"), ("Fire.light.intensity", "it has `particles`")] {
+        let error = apply(&mut world, path, "1").unwrap_err().to_string();
+        assert!(error.contains(said), "{path}: {error}");
+    }
+}

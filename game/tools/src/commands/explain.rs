@@ -21,14 +21,19 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
     session.set_seconds(args.time);
     let scene = session.scene();
     let triangles: usize = scene.primitives.iter().map(|primitive| primitive.mesh.indices.len() / 3).sum();
+    let particles: usize = scene.primitives.iter().filter_map(|p| p.mesh.balls.as_ref()).map(|balls| balls.len()).sum();
     say!(
-        "{}: {} primitives with {triangles} triangles, {} lights, {} cameras, {}{}",
+        "{}: {} primitives with {triangles} triangles, {} lights, {} cameras, {}{}{}",
         session.path().display(),
         scene.primitives.len(),
         scene.lights.len(),
         scene.cameras.len(),
         if scene.clpv.is_some() { "light propagation volumes" } else { "no light propagation volumes" },
         if scene.media.is_empty() { String::new() } else { format!(", fog of {} entities", scene.media.len()) },
+        match particles {
+            0 => String::new(),
+            count => format!(", {count} particles"),
+        },
     );
     session.remarks().for_each(|remark| say!("note: {remark}"));
     session.model_warnings().for_each(|warning| say!("warning: {warning}"));

@@ -86,6 +86,9 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
     };
     let with_fog =
         |fields: &str| whole(&format!("(name: \"Fog\", transform: (translation: (0, 0.5, 0)), fog: ({fields})),"));
+    let with_particles = |fields: &str| {
+        whole(&format!("(name: \"Fire\", transform: (translation: (0.8, 0.4, 0.4)), particles: ({fields})),"))
+    };
     let with_glass = |fields: &str| {
         whole(&format!(
             "(name: \"Glass\", transform: (translation: (0.3, 0.5, 0.8)), mesh: Sphere(radius: 0.3), material: ({fields})),"
@@ -270,6 +273,38 @@ pub fn scenes() -> Vec<(&'static str, Stated, String)> {
         ("a falloff below zero", Refused("`falloff` is -1"), with_fog("falloff: -1")),
         ("a box of fog without height", Refused("1e-6 to 1e6 m"), with_fog("shape: Box(size: (1, 0, 1))")),
         ("a ball of fog without end", Refused("1e-6 to 1e6 m"), with_fog("shape: Sphere(radius: inf)")),
+        ("sparks", Lit, with_particles("")),
+        ("sparks and no other light", Lit, scene(&[floor, ball, camera, methods, "(name: \"Fire\", particles: ()),"])),
+        ("one particle", Lit, with_particles("rate: 0.5, life: 0.1")),
+        ("no particle", Lit, with_particles("rate: 0")),
+        ("particles that are born and die at once", Lit, with_particles("rate: 1e6, life: 0.001")),
+        ("particles of no size", Lit, with_particles("radius: 0, end_radius: 0")),
+        ("particles of 1e-30 m", Lit, with_particles("radius: 1e-30, end_radius: 1e-30")),
+        ("particles of 1 km", Drawn, with_particles("rate: 4, radius: 1e3, end_radius: 1e3")),
+        ("particles of 1e12", Drawn, with_particles("radiance: 1e12")),
+        ("particles without light", Lit, with_particles("radiance: 0")),
+        (
+            "particles that fly 1e4 m/s",
+            Drawn,
+            with_particles("velocity: (0, 1e4, 0), life: 1e3, rate: 0.1, spread: 180"),
+        ),
+        (
+            "particles scaled to nothing",
+            Lit,
+            whole("(name: \"Fire\", transform: (translation: (0.8, 0.4, 0.4), scale: 0), particles: ()),"),
+        ),
+        (
+            "particles at a place of 1e30",
+            Drawn,
+            whole("(name: \"Fire\", transform: (translation: (1e30, 0, 0)), particles: ()),"),
+        ),
+        ("a rate of 1e9", Refused("use 0 to 1e6 [1/s]"), with_particles("rate: 1e9")),
+        ("a rate of NaN", Refused("use 0 to 1e6 [1/s]"), with_particles("rate: NaN")),
+        ("a hundred thousand particles", Refused("at most 65536"), with_particles("rate: 1e5, life: 1")),
+        ("a life of 0", Refused("use 0.001 to 1e4 s"), with_particles("life: 0")),
+        ("a particle's radius below zero", Refused("use 0 to 1e3 m"), with_particles("radius: -1")),
+        ("a velocity of NaN", Refused("`velocity` is"), with_particles("velocity: (NaN, 0, 0)")),
+        ("a radiance without end", Refused("use 0 to 1e12"), with_particles("radiance: inf")),
         ("an intensity of 1e30", Lit, with_lamp("Point", "1e30")),
         ("an intensity of 1e38", Lit, with_lamp("Directional", "1e38")),
         ("an intensity below zero", Refused("use finite numbers from zero up"), with_lamp("Point", "-1")),

@@ -37,7 +37,7 @@ pub struct Endured {
 }
 
 /// Scenes that ship, with the share of the frames that each runs: two loops of 24 s are 1,440 frames.
-pub const SCENES: [(&str, u32); 16] = [
+pub const SCENES: [(&str, u32); 17] = [
     ("cornell", 1),
     ("bleeding_gloss", 1),
     ("glossy_ring", 20),
@@ -46,6 +46,7 @@ pub const SCENES: [(&str, u32); 16] = [
     ("studio", 10),
     ("plaza", 10),
     ("smoke", 20),
+    ("embers", 20),
     ("glassware", 20),
     ("showroom", 20),
     ("lens", 10),

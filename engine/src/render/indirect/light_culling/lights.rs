@@ -1,6 +1,6 @@
 //! Virtual lights from reflective shadow maps, the error bound δ, and the lights' ranges.
 
-use super::{Method, Sources};
+use super::{Method, Sources, particle_lights};
 use crate::assets::SkyMap;
 use crate::gpu::{Binding, ComputeKey, Gpu};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
@@ -178,8 +178,8 @@ fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>]
     let buffer = pass.write(buffer);
     let n = method.settings.interleave;
     let revisions: Vec<u64> = maps.iter().map(|map| map.light.revision).collect();
-    pass.key(&(frame.scene.identity, revisions, n));
-    let (maps, lights) = (maps.to_vec(), method.lights);
+    pass.key(&(frame.scene.identity, revisions, n, particle_lights::key(frame.scene)));
+    let (maps, lights, scene) = (maps.to_vec(), method.lights, frame.scene);
     pass.execute(move |cx| {
         let target = cx.buffer(buffer).clone();
         let mut first = 0;
@@ -192,7 +192,7 @@ fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>]
                 first += (map.size / n) * (map.size / n);
             }
         }
-        Ok(())
+        particle_lights::place(cx, scene, &target, [first, lights, n * n])
     });
     buffer
 }

@@ -3,7 +3,7 @@
 //! for VPLs on GGX Microsurfaces").
 //!
 //! ```text
-//! rsm (a light) ─ virtual lights ─ error bound ─ ranges ─┐
+//! rsm (a light), particles ─ virtual lights ─ error bound ─ ranges ─┐
 //! gbuffer ───────────────────────────────── cull tiles ──┴─ shade ─ filter
 //! ```
 //! To compare there are the paper's rivals: spheres as bounds, tiles with 32 slices of depth, and splatting, which draws
@@ -20,11 +20,14 @@ pub mod lobe;
 #[cfg(test)]
 mod lobe_tests;
 mod method;
+mod particle_lights;
 mod shade;
 mod splat;
 
 #[cfg(test)]
 pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};
+#[cfg(test)]
+pub(crate) use particle_lights::{ParticleLight, PlacingUniform};
 
 use crate::gpu::{ComputeKey, Gpu, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
@@ -139,7 +142,8 @@ fn declare<'a>(
 ) -> Result<Option<Handle<Texture>>, RenderError> {
     let settings = settings(frame.scene);
     let maps = lights::maps(graph, frame, &settings);
-    let lights: u64 = maps.iter().map(|map| lights::lights_of(map, settings.interleave)).sum();
+    let of_maps: u64 = maps.iter().map(|map| lights::lights_of(map, settings.interleave)).sum();
+    let lights = of_maps + u64::from(particle_lights::count(frame.scene));
     let sky = if casts_rays(&settings) { frame.scene.sky } else { Vec3::ZERO };
     if lights == 0 && sky == Vec3::ZERO {
         graph.skip("slc", "no light feeds indirect light");

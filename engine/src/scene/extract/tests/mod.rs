@@ -3,6 +3,7 @@
 
 mod media;
 mod moving;
+mod particles;
 mod ranges;
 mod sky;
 

@@ -53,6 +53,7 @@ fn resources(ui: &mut Ui, report: &FrameReport) {
 pub fn statistics(ui: &mut Ui, stage: &Stage) {
     let (scene, report) = (stage.facts.scene, stage.facts.report);
     let triangles: usize = scene.primitives.iter().map(|p| p.mesh.indices.len() / 3).sum();
+    let particles: usize = scene.primitives.iter().filter_map(|p| p.mesh.balls.as_ref()).map(|balls| balls.len()).sum();
     let mebibytes = |bytes: u64| format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
     let bounds = scene.bounds();
     let size = if bounds.is_empty() { "nothing".into() } else { format!("{:.2} m", bounds.size()) };
@@ -63,6 +64,7 @@ pub fn statistics(ui: &mut Ui, stage: &Stage) {
         ("triangles", triangles.to_string()),
         ("lights", scene.lights.len().to_string()),
         ("fog", scene.media.len().to_string()),
+        ("particles", particles.to_string()),
         ("cameras", scene.cameras.len().to_string()),
         ("size of the scene", size),
         ("passes that ran", format!("{} of {}", report.ran_count(), report.passes.len())),

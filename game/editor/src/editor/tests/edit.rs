@@ -2,7 +2,9 @@
 
 use super::*;
 use egui::{Key, Modifiers};
-use lightwell::world::{Bloom, Camera, Clpv, DepthOfField, Fog, FogShape, Lens, Light, LightKind, Transform};
+use lightwell::world::{
+    Bloom, Camera, Clpv, DepthOfField, Fog, FogShape, Lens, Light, LightKind, Particles, Transform,
+};
 
 fn light(desk: &Desk) -> Light {
     desk.world.rest_light(desk.world.find("Lamp").unwrap()).unwrap()
@@ -112,6 +114,30 @@ fn fog_is_added_edited_and_undone() {
     assert_eq!(fog(&bench).unwrap().extinction, 0.75);
     let text = bench.state().text();
     assert!(text.contains("extinction: 0.75"), "{text}");
+}
+
+#[test]
+fn particles_are_added_edited_and_saved() {
+    let (mut bench, _folder) = bench();
+    let before = bench.state().text();
+    click(&mut bench, "Add");
+    click(&mut bench, "Particles");
+    let particles = |bench: &Bench| {
+        let desk = bench.state();
+        desk.world.find("Particles").map(|entity| *desk.world.ecs.get::<Particles>(entity).unwrap())
+    };
+    let count = |bench: &Bench| bench.state().scene.primitives.iter().filter(|p| p.is_particles()).count();
+    assert_eq!((particles(&bench), count(&bench)), (Some(Particles::default()), 1));
+    enter(&mut bench, "Rate", "75");
+    enter(&mut bench, "Speed variation", "7");
+    let wanted = Particles { rate: 75.0, speed_variation: 1.0, ..Particles::default() };
+    assert_eq!(particles(&bench), Some(wanted), "within its range");
+    let text = bench.state().text();
+    assert!(text.contains("particles: (rate: 75") && text.contains("speed_variation: 1"), "{text}");
+    for _ in 0..3 {
+        press(&mut bench, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!((particles(&bench), count(&bench), bench.state().text()), (None, 0, before));
 }
 
 /// Each shape that is chosen begins with sizes that a fog may have.

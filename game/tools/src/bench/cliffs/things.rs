@@ -31,7 +31,7 @@ enum Content {
 }
 
 /// All things, the plain room first.
-pub const THINGS: [Thing; 14] = [
+pub const THINGS: [Thing; 15] = [
     Thing { name: "plain", content: Content::Nothing },
     Thing { name: "opaque card", content: Content::Card(|| json!({})) },
     Thing {
@@ -77,6 +77,12 @@ pub const THINGS: [Thing; 14] = [
         name: "fog",
         content: Content::Text(
             "(name: \"Fog\", transform: (translation: (-2.6, 0.3, -2.6)), fog: (shape: Sphere(radius: 0.2), extinction: 0.5)),\n",
+        ),
+    },
+    Thing {
+        name: "particles",
+        content: Content::Text(
+            "(name: \"Sparks\", transform: (translation: (-2.6, 0.3, -2.6)), particles: (rate: 5, velocity: (0, 0.1, 0), gravity: (0, 0, 0))),\n",
         ),
     },
 ];
@@ -243,7 +249,8 @@ mod tests {
             let scene = folder.path().join(thing.write(folder.path()).unwrap());
             let (look, common) = (LookArgs::default(), Common::default());
             let session = Session::open(gpu.clone(), &scene.to_string_lossy(), &look, &common).unwrap();
-            let triangles: usize = session.scene().primitives.iter().map(|p| p.mesh.triangle_count()).sum();
+            let surfaces = session.scene().primitives.iter().filter(|p| !p.is_particles());
+            let triangles: usize = surfaces.map(|p| p.mesh.triangle_count()).sum();
             match &thing.content {
                 Content::Nothing => plain = triangles,
                 Content::Text(_) => assert_eq!(triangles, plain, "{}", thing.name),
