@@ -232,10 +232,18 @@ fn time_draws_no_surface_again() {
     let mesh = Arc::new(Shape::Plane { size: [4.0, 4.0], subdivisions: [1, 1] }.mesh().expect("a valid shape"));
     let material = Arc::new(Material::diffuse("floor", Vec3::splat(0.5)));
     let floor = MeshRenderer { mesh, material, casts_shadow: true, visible: true };
-    add("floor", Vec3::NEG_Y, &mut |entity| drop(entity.insert(floor.clone())));
-    add("lamp", Vec3::Y, &mut |entity| drop(entity.insert(Light { indirect: false, ..Light::default() })));
-    add("eye", Vec3::Z * 2.0, &mut |entity| drop(entity.insert(Camera::default())));
-    add("fire", Vec3::ZERO, &mut |entity| drop(entity.insert(Particles::default())));
+    add("floor", Vec3::NEG_Y, &mut |entity| {
+        entity.insert(floor.clone());
+    });
+    add("lamp", Vec3::Y, &mut |entity| {
+        entity.insert(Light { indirect: false, ..Light::default() });
+    });
+    add("eye", Vec3::Z * 2.0, &mut |entity| {
+        entity.insert(Camera::default());
+    });
+    add("fire", Vec3::ZERO, &mut |entity| {
+        entity.insert(Particles::default());
+    });
     let (mut extractor, mut scene, mut renderer) = (Extractor::new(), Scene::default(), Renderer::new(&gpu));
     let mut ran = |seconds: f64| {
         world.set_seconds(seconds);
