@@ -15,6 +15,9 @@ use std::sync::Arc;
 /// Deviation of the sum of a vertex's weights from 1 beyond which they are taken for a fault.
 const UNEVEN: f32 = 0.05;
 
+/// Four joints and four weights of each vertex.
+type JointsAndWeights = (Vec<[f32; 4]>, Vec<[f32; 4]>);
+
 /// Reads all skins. One that is broken has no joints.
 pub(super) fn read(
     document: &Document,
@@ -153,7 +156,7 @@ impl Reader<'_> {
         set: u32,
         count: usize,
         remarks: &mut Remarks,
-    ) -> Result<(Vec<[f32; 4]>, Vec<[f32; 4]>), AssetError> {
+    ) -> Result<JointsAndWeights, AssetError> {
         let joints = self.attribute(job, Semantic::Joints(set), count, &attribute::JOINTS, remarks)?;
         let weights = self.attribute(job, Semantic::Weights(set), count, &attribute::WEIGHTS, remarks)?;
         let (Some(joints), Some(weights)) = (joints, weights) else {

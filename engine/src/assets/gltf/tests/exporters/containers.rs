@@ -92,7 +92,7 @@ fn binary_containers() {
     }
     same("another ending", &load_bytes("a.gltf", &glb(&pair())).unwrap(), &whole);
     for (name, bytes, word) in [
-        ("no text", glb(&[second.clone()]), "no JSON chunk"),
+        ("no text", glb(std::slice::from_ref(&second)), "no JSON chunk"),
         ("an empty text", glb(&[chunk(JSON, &[]), second.clone()]), "empty"),
         ("a chunk that ends early", with_length(12 + body.len())[..body.len()].to_vec(), "beyond the end"),
         ("a header alone", header(12), "no JSON chunk"),
