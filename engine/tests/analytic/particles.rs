@@ -14,6 +14,9 @@ use lightwell::world::{
 use std::f32::consts::PI;
 use std::sync::Arc;
 
+/// Changes a stage.
+type Change<'a> = &'a dyn Fn(&mut Stage);
+
 const FLOOR: f32 = 0.5;
 const HEIGHT: f32 = 1.2;
 
@@ -116,7 +119,7 @@ fn many_particles_light_a_floor_as_one_light() {
     let volumes =
         |stage: &mut Stage| stage.clpv(Vec3::Y, Clpv { gather_rays: GatherRays::Count(0), ..Clpv::default() });
     let virtual_lights = |stage: &mut Stage| stage.scene.vpl = Some(InstantRadiosity::default());
-    let methods: [(&str, GiMethod, &dyn Fn(&mut Stage), f32); 4] = [
+    let methods: [(&str, GiMethod, Change, f32); 4] = [
         ("gather", GiMethod::CLPV, &gather, 0.04),
         ("volumes", GiMethod::CLPV, &volumes, 0.2),
         ("virtual lights", GiMethod::VPL, &virtual_lights, 0.06),
