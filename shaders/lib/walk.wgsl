@@ -233,44 +233,64 @@ fn is_over(walk: Walk) -> bool {
     return walk.next >= walk.end;
 }
 
+// Leaves whose boxes are met and that are still to be looked into: one of earlier boxes, and those of the last two boxes.
+struct Leaves {
+    earlier: u32,          // 0: none
+    last_but_one: u32,
+    last: u32,
+}
+
+fn no_leaves() -> Leaves {
+    return Leaves(0u, 0u, 0u);
+}
+
+fn count_leaves(leaves: Leaves) -> u32 {
+    return u32(leaves.earlier != 0u) + u32(leaves.last_but_one != 0u) + u32(leaves.last != 0u);
+}
+
+// The box behind is the next one of most rays, and both at once take not much longer than one: most of the time goes into
+// waiting, for memory and for one result after another. What lies behind the list's end leads nowhere or is met in vain.
+fn look_at_boxes(walk: ptr<function, Walk>, leaves: ptr<function, Leaves>) {
+    let box = load_box((*walk).next);
+    let after = load_box((*walk).next + 1u);
+    let is_leaf = box.link >= LEAF;
+    let is_after_leaf = after.link >= LEAF;
+    let is_met = meets_box(box, *walk);
+    let is_after_met = meets_box(after, *walk);
+    let reaches_after = is_met || is_leaf;
+    (*leaves).earlier |= (*leaves).last_but_one | (*leaves).last;
+    (*leaves).last_but_one = select(0u, box.link, is_met && is_leaf);
+    (*leaves).last = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
+    let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
+    (*walk).next = select(box.link, after_next, reaches_after);
+}
+
+// A triangle of the leaves, of which there must be one; they are without it then.
+fn take_triangle(leaves: ptr<function, Leaves>) -> u32 {
+    if (*leaves).earlier == 0u {
+        let has_two = (*leaves).last_but_one != 0u;
+        (*leaves).earlier = select((*leaves).last, (*leaves).last_but_one, has_two);
+        (*leaves).last = select(0u, (*leaves).last, has_two);
+        (*leaves).last_but_one = 0u;
+    }
+    let leaf = (*leaves).earlier;
+    (*leaves).earlier = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
+    return leaf & FIRST_MASK;
+}
+
 // Looks at boxes until there are two leaves or more, or nothing is left, and then into the leaves: adapters that run
 // lanes in lockstep let no lane look into one while others search (Aila and Laine 2009, "Understanding the efficiency
 // of ray traversal on GPUs"). The walk must not be over. `is_opaque`: what it comes by is, a constant.
 fn go_along(walk: ptr<function, Walk>, is_opaque: bool) {
-    // Leaves whose boxes are met: one of earlier boxes, and those of the last two boxes.
-    var leaf = 0u;
-    var box_leaf = 0u;
-    var after_leaf = 0u;
+    var leaves = no_leaves();
     loop {
-        // The box behind is the next one of most rays, and both at once take not much longer than one: most of the
-        // time goes into waiting, for memory and for one result after another. What lies behind the list's end leads
-        // nowhere or is met in vain.
-        let box = load_box((*walk).next);
-        let after = load_box((*walk).next + 1u);
-        let is_leaf = box.link >= LEAF;
-        let is_after_leaf = after.link >= LEAF;
-        let is_met = meets_box(box, *walk);
-        let is_after_met = meets_box(after, *walk);
-        let reaches_after = is_met || is_leaf;
-        leaf |= box_leaf | after_leaf;
-        box_leaf = select(0u, box.link, is_met && is_leaf);
-        after_leaf = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
-        let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
-        (*walk).next = select(box.link, after_next, reaches_after);
+        look_at_boxes(walk, &leaves);
         continuing {
-            let leaves = u32(leaf != 0u) + u32(box_leaf != 0u) + u32(after_leaf != 0u);
-            break if leaves >= 2u || (*walk).next >= (*walk).end;
+            break if count_leaves(leaves) >= 2u || (*walk).next >= (*walk).end;
         }
     }
-    while (leaf | box_leaf | after_leaf) != 0u {
-        if leaf == 0u {
-            leaf = select(after_leaf, box_leaf, box_leaf != 0u);
-            after_leaf = select(0u, after_leaf, box_leaf != 0u);
-            box_leaf = 0u;
-        }
-        (*walk).hit = meet_triangle(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind, is_opaque);
-        // The leaf without this triangle.
-        leaf = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
+    while count_leaves(leaves) != 0u {
+        (*walk).hit = meet_triangle(take_triangle(&leaves), (*walk).ray, (*walk).hit, (*walk).kind, is_opaque);
     }
     if (*walk).kind == SHADOW && (*walk).hit.triangle != NONE {
         (*walk).next = (*walk).end;
@@ -325,8 +345,9 @@ fn begin_rest(frame: Frame, before: Walk) -> Walk {
     walk.next = walk.end;
 #endif
 #ifdef OTHER_MOVERS
+    walk.movers = select(0u, walk.movers, reach > 0.0);
 #ifndef SPLIT
-    if reach > 0.0 && walk.movers != 0u {
+    if walk.movers != 0u {
         go_on_with_movers(&walk);
     }
 #endif
@@ -340,44 +361,15 @@ fn begin_rest(frame: Frame, before: Walk) -> Walk {
 #endif
 
 #ifdef CLASSES
-// Leaves whose boxes are met and that are still to be looked into.
-struct Leaves {
-    first: u32,            // 0: none
-    second: u32,
-    third: u32,
-}
-
-fn count_leaves(leaves: Leaves) -> u32 {
-    return u32(leaves.first != 0u) + u32(leaves.second != 0u) + u32(leaves.third != 0u);
-}
-
 // Goes along, as `go_along`, until a triangle is met, whatever its alpha, or nothing is left: the hit so far then.
 fn next_candidate(walk: ptr<function, Walk>, leaves: ptr<function, Leaves>) -> Hit {
     var met = (*walk).hit;
     loop {
         while count_leaves(*leaves) < 2u && (*walk).next < (*walk).end {
-            let box = load_box((*walk).next);
-            let after = load_box((*walk).next + 1u);
-            let is_leaf = box.link >= LEAF;
-            let is_after_leaf = after.link >= LEAF;
-            let is_met = meets_box(box, *walk);
-            let is_after_met = meets_box(after, *walk);
-            let reaches_after = is_met || is_leaf;
-            (*leaves).first |= (*leaves).second | (*leaves).third;
-            (*leaves).second = select(0u, box.link, is_met && is_leaf);
-            (*leaves).third = select(0u, after.link, reaches_after && is_after_met && is_after_leaf);
-            let after_next = select(after.link, (*walk).next + 2u, is_after_met || is_after_leaf);
-            (*walk).next = select(box.link, after_next, reaches_after);
+            look_at_boxes(walk, leaves);
         }
         while count_leaves(*leaves) != 0u && met.triangle == (*walk).hit.triangle {
-            if (*leaves).first == 0u {
-                (*leaves).first = select((*leaves).third, (*leaves).second, (*leaves).second != 0u);
-                (*leaves).third = select(0u, (*leaves).third, (*leaves).second != 0u);
-                (*leaves).second = 0u;
-            }
-            let leaf = (*leaves).first;
-            met = candidate(leaf & FIRST_MASK, (*walk).ray, (*walk).hit, (*walk).kind, false);
-            (*leaves).first = select(leaf + 1u - (1u << COUNT_BITS), 0u, ((leaf >> COUNT_BITS) & 3u) == 0u);
+            met = candidate(take_triangle(leaves), (*walk).ray, (*walk).hit, (*walk).kind, false);
         }
 #ifdef MOVERS
         if count_leaves(*leaves) == 0u && (*walk).next >= (*walk).end && (*walk).movers != 0u {
@@ -396,7 +388,7 @@ fn next_candidate(walk: ptr<function, Walk>, leaves: ptr<function, Leaves>) -> H
 // it has met a triangle, since adapters that run lanes in lockstep would look at them at every step.
 fn trace_rest(frame: Frame, before: Walk) -> Hit {
     var walk = begin_rest(frame, before);
-    var leaves = Leaves(0u, 0u, 0u);
+    var leaves = no_leaves();
     loop {
         let met = next_candidate(&walk, &leaves);
         if met.triangle == walk.hit.triangle {
