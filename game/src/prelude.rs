@@ -10,7 +10,7 @@ pub use glam::{Quat, Vec2, Vec3};
 pub use lightwell;
 pub use lightwell::files::SceneData;
 pub use lightwell::game::{
-    Actions, Button, Contact, CurrentScene, FixedUpdate, Game, GameCommands, Hit, Input, InputEvent, InputScript, Key,
+    Actions, Button, Contact, CurrentScene, Draw, FixedUpdate, Game, GameCommands, Hit, Input, InputEvent, InputScript, Key,
     LightProbe, MouseButton, NonSolid, OnSceneEnter, PadButton, Persistent, SpatialQuery, Stick, Time, Timer, Update,
 };
 pub use lightwell::world::{

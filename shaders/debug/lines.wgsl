@@ -1,4 +1,4 @@
-// Lines with smooth edges; what lies behind a surface is dim.
+// Lines with smooth edges; what lies behind a surface is dim, but for lines that lie before all surfaces.
 
 #import lightwell::view::{View, is_behind}
 
@@ -6,7 +6,7 @@ struct Line {
     from_point: vec3f,     // [m]
     color: u32,            // sRGB-encoded bytes, red lowest; alpha highest
     to_point: vec3f,       // [m]
-    width: f32,            // [pixels]
+    width: f32,            // [pixels]; below 0: before all surfaces
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -23,6 +23,7 @@ struct Varying {
     @location(0) color: vec4f,
     @location(1) across: f32,      // from the middle [pixels]
     @location(2) half_width: f32,  // [pixels]
+    @location(3) @interpolate(flat) is_on_top: u32,
 }
 
 // A point of the line, cut off where z = w, which is the near plane.
@@ -44,7 +45,8 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
     let a = cut(first, second);
     let b = cut(second, first);
     var out: Varying;
-    out.half_width = 0.5 * line.width;
+    out.half_width = 0.5 * abs(line.width);
+    out.is_on_top = u32(line.width < 0.0);
     out.color = unpack4x8unorm(line.color);
     if a.w <= 0.0 || b.w <= 0.0 || a.z > a.w || b.z > b.w {
         out.clip = vec4f(0.0, 0.0, 2.0, 1.0);
@@ -69,7 +71,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let surface = textureLoad(depth, vec2i(in.clip.xy), 0);
-    let hidden = is_behind(view, in.clip.z, surface, BIAS);
+    let hidden = in.is_on_top == 0u && is_behind(view, in.clip.z, surface, BIAS);
     let edge = saturate(in.half_width + 0.5 - abs(in.across));
     return vec4f(in.color.rgb, in.color.a * edge * select(1.0, HIDDEN, hidden));
 }

@@ -46,6 +46,7 @@
 
 mod commands;
 mod current_scene;
+mod draw;
 mod error;
 mod fault;
 mod input;
@@ -57,6 +58,7 @@ mod time;
 
 pub use commands::GameCommands;
 pub use current_scene::CurrentScene;
+pub use draw::{Draw, DrawnLine, DrawnText};
 pub use error::GameError;
 pub use input::*;
 pub use light::{LightProbe, ProbePoint};

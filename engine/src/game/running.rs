@@ -2,6 +2,7 @@
 
 use super::commands::{Request, Requests};
 use super::current_scene::CurrentScene;
+use super::draw::Draw;
 use super::input::{Actions, Input, InputEvent};
 use super::light::{self, LightProbe};
 use super::saved::{SavedGame, SavedTypes};
@@ -102,6 +103,7 @@ impl Game {
         ecs.init_resource::<Input>();
         ecs.init_resource::<SpatialQuery>();
         ecs.init_resource::<CurrentScene>();
+        ecs.init_resource::<Draw>();
         ecs.init_resource::<SavedTypes>();
         game.add_systems(Look, (space::update, light::update).chain());
         // No other types can have these names yet.
@@ -301,7 +303,9 @@ impl Game {
         let time = *self.world.ecs.resource::<Time>();
         self.world.ecs.insert_resource(time.at(time.step + 1));
         self.world.ecs.resource_mut::<Input>().begin_step(events);
+        self.world.ecs.resource_mut::<Draw>().begin_step();
         let result = self.run(FixedUpdate);
+        self.world.ecs.resource_mut::<Draw>().end_step();
         self.settle();
         result
     }
@@ -312,6 +316,7 @@ impl Game {
     /// As [`Game::step`].
     pub fn frame(&mut self, delta: f32) -> Result<(), GameError> {
         self.world.ecs.resource_mut::<Time>().delta = delta;
+        self.world.ecs.resource_mut::<Draw>().begin_frame();
         let result = self.run(Update);
         self.settle();
         self.world.ecs.resource_scope(|ecs, mut registry: Mut<MessageRegistry>| {

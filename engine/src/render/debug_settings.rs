@@ -1,5 +1,6 @@
 //! Which debug views there are, and which of them are on.
 
+use super::debug::Line;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
@@ -96,7 +97,7 @@ impl FromStr for DebugView {
 }
 
 /// What is drawn over the image.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DebugSettings {
     /// Views that are on.
     pub views: BTreeSet<DebugView>,
@@ -106,18 +107,20 @@ pub struct DebugSettings {
     pub bvh_level: u32,
     /// Primitives with an outline: the low 32 bits of their identities, ascending.
     pub outlined: Vec<u32>,
+    /// Lines that a game draws.
+    pub lines: Vec<Line>,
 }
 
 impl Default for DebugSettings {
     fn default() -> Self {
-        Self { views: BTreeSet::new(), cascade: 0, bvh_level: 8, outlined: Vec::new() }
+        Self { views: BTreeSet::new(), cascade: 0, bvh_level: 8, outlined: Vec::new(), lines: Vec::new() }
     }
 }
 
 impl DebugSettings {
     /// Whether nothing is drawn.
     pub fn is_empty(&self) -> bool {
-        self.views.is_empty() && self.outlined.is_empty()
+        self.views.is_empty() && self.outlined.is_empty() && self.lines.is_empty()
     }
 
     /// Whether a view is on.

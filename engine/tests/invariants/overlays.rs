@@ -7,7 +7,7 @@ use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, read_texture};
 use lightwell::graph::{FrameReport, PassState};
-use lightwell::render::debug::{DebugSettings, DebugView};
+use lightwell::render::debug::{DebugSettings, DebugView, Line};
 use lightwell::render::reference::TraceSettings;
 use lightwell::render::{Beside, GiMethod, ReferenceSettings, RenderSettings, Renderer, Shown};
 use lightwell::scene::LightShape;
@@ -92,6 +92,28 @@ fn an_outline_surrounds_what_is_selected() {
     }
     let again = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, select(&[])));
     assert_eq!(differing(&plain, &again), 0, "nothing is left of it");
+}
+
+#[test]
+fn lines_of_a_game_are_dim_behind_surfaces_unless_on_top() {
+    let gpu = gpu();
+    let stage = stage(Transport::Sweep);
+    let mut renderer = Renderer::new(&gpu);
+    // Along the horizon of the image: through the ball, which is below it, no line goes; through the wall one does.
+    let line = |z: f32| Line::new(Vec3::new(-1.0, 0.0, z), Vec3::new(1.0, 0.0, z), Vec3::new(0.0, 1.0, 0.0));
+    let mut green = |lines: &[Line]| {
+        let debug = DebugSettings { lines: lines.to_vec(), ..Default::default() };
+        let drawn = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, debug));
+        let [r, g, b] = drawn.pixel(EDGE / 2, EDGE / 2).map(i32::from);
+        (g - (r + b) / 2, drawn.radiance)
+    };
+    let (plain, radiance) = green(&[]);
+    let (before, shown) = green(&[line(-1.0)]);
+    let (behind, _) = green(&[line(-2.5)]);
+    let (on_top, _) = green(&[line(-2.5).on_top()]);
+    assert_eq!(radiance, shown, "light does not see it");
+    assert!(before > plain + 60 && on_top > plain + 60, "{plain} {before} {on_top}");
+    assert!(behind < plain + (on_top - plain) / 2 && behind > plain, "dim: {plain} {behind} {on_top}");
 }
 
 #[test]

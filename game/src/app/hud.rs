@@ -3,7 +3,8 @@
 use bevy_ecs::prelude::{Res, Resource};
 use egui::{Align2, Color32, Context, FontId, FullOutput, LayerId, Pos2, RawInput, Rect};
 use glam::Vec2;
-use lightwell::game::Game;
+use lightwell::game::{Draw, Game};
+use lightwell::scene::{SceneCamera, SceneView};
 
 /// What is drawn over the image, by systems in [`Update`](lightwell::game::Update). Lengths are percents of the
 /// image's height, so that texts look alike at every size.
@@ -62,6 +63,27 @@ impl Hud {
 
     fn painter(&self) -> egui::Painter {
         self.context.layer_painter(LayerId::new(egui::Order::Middle, egui::Id::unique("hud")))
+    }
+
+    /// Writes the texts that systems have drawn at places in the world, as a camera sees them.
+    pub(super) fn show_drawn_texts(game: &Game, camera: SceneCamera) {
+        let ecs = &game.world.ecs;
+        let (Some(hud), Some(draw)) = (ecs.get_resource::<Self>(), ecs.get_resource::<Draw>()) else { return };
+        let screen = hud.context.viewport_rect();
+        let size = [screen.width(), screen.height()].map(|edge| edge.max(1.0) as u32);
+        let clip_from_world = SceneView { camera, size, jitter: [0.0; 2] }.clip_from_world();
+        let font = FontId::proportional(2.5 * screen.height() / 100.0);
+        for text in draw.texts() {
+            let clip = clip_from_world * text.at.extend(1.0);
+            // Behind the near plane, where depth is 1.
+            if clip.w <= 0.0 || clip.z > clip.w {
+                continue;
+            }
+            let share = egui::vec2(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
+            let [r, g, b] = text.color.to_array().map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
+            let place = screen.min + share * screen.size();
+            hud.painter().text(place, Align2::CENTER_CENTER, &text.text, font.clone(), Color32::from_rgb(r, g, b));
+        }
     }
 
     pub(super) fn set_trouble(&mut self, trouble: Option<String>) {

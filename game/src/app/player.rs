@@ -47,9 +47,15 @@ impl Drawn {
 
     /// Runs the systems of a frame, and returns what they drew over the image.
     pub fn frame(&mut self, delta: f32, input: Option<RawInput>) -> (Result<(), GameError>, FullOutput) {
-        let drawn = Hud::pass(&mut self.game, input, |game| game.frame(delta));
-        self.follow();
-        drawn
+        let rendering = &mut self.rendering;
+        Hud::pass(&mut self.game, input, |game| {
+            let result = game.frame(delta);
+            rendering.follow(&mut game.world);
+            if let Ok(camera) = rendering.camera() {
+                Hud::show_drawn_texts(game, camera);
+            }
+            result
+        })
     }
 
     /// Draws the image. Light probes of the frame before get their light first.

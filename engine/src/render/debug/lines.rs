@@ -1,4 +1,4 @@
-//! Batches of lines over the image, dim where a surface lies before them.
+//! Batches of lines over the image, dim where a surface lies before them: those of debug views, and those of a game.
 
 use super::overlay::{self, Draw};
 use super::shapes::{self, Line};
@@ -23,7 +23,8 @@ pub(super) fn declare<'a>(
     display: Handle<Texture>,
 ) -> Handle<Texture> {
     let views = [DebugView::Lights, DebugView::Cameras, DebugView::Cascades, DebugView::Bvh, DebugView::Directions];
-    if !views.iter().any(|view| frame.settings.debug.shows(*view)) {
+    let debug = &frame.settings.debug;
+    if debug.lines.is_empty() && !views.iter().any(|view| debug.shows(*view)) {
         return display;
     }
     let lines = collect(frame, volumes);
@@ -52,7 +53,7 @@ pub(super) fn declare<'a>(
 
 fn collect(frame: &Frame, volumes: &[Volume]) -> Vec<Line> {
     let (scene, debug) = (frame.scene, &frame.settings.debug);
-    let mut lines = Vec::new();
+    let mut lines = debug.lines.clone();
     if debug.shows(DebugView::Lights) {
         lines.extend(scene.lights.iter().flat_map(|light| shapes::light_lines(light, &frame.bounds)));
     }

@@ -16,7 +16,7 @@ pub struct Line {
     pub color: u32,
     /// The other end \[m\].
     pub to: [f32; 3],
-    /// Width \[pixels\].
+    /// Width \[pixels\]; below 0: the same, before all surfaces.
     pub width: f32,
 }
 
@@ -26,6 +26,11 @@ impl Line {
         let [r, g, b] = (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round().to_array().map(|c| c as u32);
         let color = r | g << 8 | b << 16 | 255 << 24;
         Self { from: from.into(), color, to: to.into(), width: 1.5 }
+    }
+
+    /// The same before all surfaces.
+    pub fn on_top(self) -> Self {
+        Self { width: -self.width.abs(), ..self }
     }
 }
 

@@ -3,9 +3,10 @@
 use crate::cli::{Edges, Gi, LookArgs, Only, Switch};
 use anyhow::{Context, Result, bail};
 use lightwell::files::{self, SceneInfo};
+use lightwell::game::{Draw, DrawnLine};
 use lightwell::gpu::Gpu;
 use lightwell::graph::FrameReport;
-use lightwell::render::debug::DebugSettings;
+use lightwell::render::debug::{DebugSettings, Line};
 use lightwell::render::reference::TraceSettings;
 use lightwell::render::{DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
@@ -99,6 +100,7 @@ impl RenderState {
                 cascade: self.look.debug.cascade,
                 bvh_level: self.look.debug.bvh_level,
                 outlined: Vec::new(),
+                lines: drawn_lines(world),
             },
         }
     }
@@ -121,6 +123,16 @@ impl RenderState {
     pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
         Ok(self.renderer.render(&self.gpu, &self.scene, view, settings)?)
     }
+}
+
+/// What the systems of a game have drawn.
+fn drawn_lines(world: &GameWorld) -> Vec<Line> {
+    let Some(draw) = world.ecs.get_resource::<Draw>() else { return Vec::new() };
+    let line = |drawn: &DrawnLine| {
+        let line = Line::new(drawn.from, drawn.to, drawn.color);
+        if drawn.is_on_top { line.on_top() } else { line }
+    };
+    draw.lines().map(line).collect()
 }
 
 /// The method of indirect light that the scene's file asks for.
