@@ -74,6 +74,15 @@ fn passages(volume: Volume, base: vec3f, low: vec3f) -> vec3f {
     return open;
 }
 
+// How far the cell before a surface says on which side the others lie. One that a solid fills for the most part is as dark
+// as the solid, and its closed faces lead out of it: they part nothing from the surface.
+fn trust(volume: Volume, base: vec3f) -> f32 {
+    if !inside(volume, base) {
+        return 1.0;
+    }
+    return smoothstep(0.3, 0.7, clearance(cell_index(volume, vec3u(base))));
+}
+
 fn inside(volume: Volume, cell: vec3f) -> bool {
     return all(cell >= vec3f(0.0)) && all(cell < vec3f(volume.cells));
 }
@@ -93,7 +102,7 @@ fn interpolated(volume: Volume, x: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> 
     let low = floor(at);
     let t = at - low;
     let base = clamp(floor(x + 0.5 * n + to_eye), low, low + 1.0);
-    let open = passages(volume, base, low);
+    let open = mix(vec3f(1.0), passages(volume, base, low), trust(volume, base));
     var all_cells = Gathered(vec3f(0.0), 0.0);
     for (var i = 0u; i < 8u; i++) {
         let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);

@@ -6,6 +6,7 @@ use super::edit_context::{EditContext, canonical, with_loader};
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{EntityFile, SceneFile, TransformFile};
 use super::load::{Context, Loader, canonical_entities, environment_image};
+use super::opened::Opened;
 use super::save::{Writer, scene_without_entities};
 use super::source::{SceneInfo, Source};
 use super::spawn::despawn;
@@ -23,8 +24,8 @@ use std::rc::Rc;
 /// file says.
 ///
 /// # Errors
-/// As [`load_scene`](super::load_scene); the world keeps what it was then. glTF files are no such scenes: name them in
-/// one as `model`.
+/// As [`load_scene`](super::load_scene); the world keeps what it was then. glTF files and prefabs are no such scenes:
+/// name them in one as `model` or `prefab`.
 pub fn enter_scene(
     world: &mut GameWorld,
     library: &mut AssetLibrary,
@@ -32,9 +33,15 @@ pub fn enter_scene(
     path: &Path,
     old: &[Entity],
 ) -> Result<SceneFile, FileError> {
-    if is_model(path) {
-        let error = FileError::new(path, Kind::BadValue, "a game's scene is a .scene.ron file, and this is a model");
-        return Err(error.with_help("write a scene with an entity that says `model: \"…\"`"));
+    let other = match Opened::of(path) {
+        Opened::Gltf => Some("model"),
+        Opened::Prefab => Some("prefab"),
+        Opened::Scene => None,
+    };
+    if let Some(what) = other {
+        let message = format!("a game's scene is a .scene.ron file, and this is a {what}");
+        let help = format!("write a scene with an entity that says `{what}: \"…\"`");
+        return Err(FileError::new(path, Kind::BadValue, message).with_help(help));
     }
     let (document, file) = Document::read::<SceneFile>(path)?;
     enter(world, library, options, document, file, old)
@@ -56,8 +63,8 @@ pub fn enter_described(
     enter(world, library, options, Document::in_memory(path), file, old).map(drop)
 }
 
-/// Reloads a world's scene file with all that it names, or the glTF file that was opened as one. Entities keep the identities of those that stood at the
-/// same paths before.
+/// Reloads a world's scene file with all that it names, or the glTF or prefab file that was opened as one.
+/// Entities keep the identities of those that stood at the same paths before.
 ///
 /// # Errors
 /// As [`enter_scene`].
@@ -69,9 +76,10 @@ pub fn reenter_scene(
 ) -> Result<(), FileError> {
     let (old, identities) = (world.roots(), world.identities());
     let known = world.ecs.get_resource::<SceneInfo>().cloned().unwrap_or_default();
-    match is_model(path) {
-        true => super::model::enter_gltf(world, library, options, path, &old)?,
-        false => drop(enter_scene(world, library, options, path, &old)?),
+    match Opened::of(path) {
+        Opened::Gltf => super::model::enter_gltf(world, library, options, path, &old)?,
+        Opened::Prefab => super::opened::enter_prefab(world, library, options, path, &old)?,
+        Opened::Scene => drop(enter_scene(world, library, options, path, &old)?),
     }
     world.take_over(&identities);
     // What an undo brings back still comes from these files.
@@ -86,10 +94,6 @@ pub fn reenter_scene(
         info.shapes.entry(mesh).or_insert(shape);
     }
     Ok(())
-}
-
-fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf"))
 }
 
 fn enter(

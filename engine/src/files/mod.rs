@@ -2,7 +2,7 @@
 //!
 //! A scene is a `.scene.ron` file: settings, materials and a tree of named entities with their components. A prefab,
 //! `.prefab.ron`, is such a tree to be instanced; an instance may override components by the path of an entity.
-//! `.gltf` and `.glb` files open as scenes too.
+//! `.gltf`, `.glb` and `.prefab.ron` files open as scenes too.
 //!
 //! ```ron
 //! Scene(
@@ -53,6 +53,7 @@ mod instantiate;
 mod load;
 mod merge;
 mod model;
+mod opened;
 mod overridden;
 mod parts;
 mod paths;
@@ -112,6 +113,7 @@ pub use write::write_atomically;
 
 use crate::assets::{AssetLibrary, LightUnits, LoadBudget};
 use crate::world::GameWorld;
+use opened::Opened;
 use std::path::{Path, PathBuf};
 
 /// How scenes are loaded.
@@ -131,14 +133,14 @@ pub struct LoadOptions {
     pub types: ComponentTypes,
 }
 
-/// Loads a scene: a `.scene.ron` file, or a glTF file as a scene of its own.
+/// Loads a scene: a `.scene.ron` file, or a glTF or `.prefab.ron` file as a scene of its own.
 ///
 /// # Errors
 /// Whatever is wrong with the file, a prefab or an asset that it names. No world is changed.
 pub fn load_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "gltf" | "glb" => model::load_gltf_scene(path, library, options),
-        _ => load::load(path, library, options),
+    match Opened::of(path) {
+        Opened::Gltf => model::load_gltf_scene(path, library, options),
+        Opened::Prefab => opened::load_prefab_scene(path, library, options),
+        Opened::Scene => load::load(path, library, options),
     }
 }

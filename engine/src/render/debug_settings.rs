@@ -96,6 +96,80 @@ impl FromStr for DebugView {
     }
 }
 
+/// A target of a pass that is laid over the image, and what is shown of it.
+///
+/// As text: its name, then what is given of `@` slice, `/` mip level, `.` channel (`r`, `g`, `b`, `a`) and `=` range of
+/// values, in this order: `rsm Sun@2`, `gbuffer depth.r=0..0.1`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShownTarget {
+    /// Its name in the render graph.
+    pub name: String,
+    /// Layer of an array or slice of a volume; beyond the last: the last.
+    pub slice: u32,
+    /// Mip level; beyond the last: the last.
+    pub mip: u32,
+    /// The channel that is shown in grey, 0 to 3; none: the first three as a colour.
+    pub channel: Option<u8>,
+    /// Values that become black and white; none: the least and the largest.
+    pub range: Option<[f32; 2]>,
+}
+
+impl ShownTarget {
+    /// Equal for equal ones.
+    pub fn key(&self) -> impl std::hash::Hash + use<> {
+        (self.name.clone(), self.slice, self.mip, self.channel, self.range.map(|range| range.map(f32::to_bits)))
+    }
+}
+
+impl FromStr for ShownTarget {
+    type Err = String;
+
+    /// What cannot be read as an ending belongs to the name: entities may have any.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut target = Self::default();
+        let (text, range) = ending(text, '=', read_range);
+        let (text, channel) = ending(text, '.', |name| "rgba".find(name).filter(|_| name.len() == 1));
+        let (text, mip) = ending(text, '/', |number| number.parse().ok());
+        let (text, slice) = ending(text, '@', |number| number.parse().ok());
+        if text.is_empty() {
+            return Err("the name of a target is missing; `lightwell explain SCENE` lists those of a scene".into());
+        }
+        target.name = text.to_owned();
+        target.range = range;
+        target.channel = channel.map(|index| index as u8);
+        (target.mip, target.slice) = (mip.unwrap_or(0), slice.unwrap_or(0));
+        Ok(target)
+    }
+}
+
+/// The text before a mark and the value after it, if that can be read.
+fn ending<T>(text: &str, mark: char, read: impl Fn(&str) -> Option<T>) -> (&str, Option<T>) {
+    let parts = text.rsplit_once(mark).and_then(|(before, after)| Some((before, read(after)?)));
+    parts.map_or((text, None), |(before, value)| (before, Some(value)))
+}
+
+fn read_range(text: &str) -> Option<[f32; 2]> {
+    let (low, high) = text.split_once("..")?;
+    let range = [low.parse::<f32>().ok()?, high.parse::<f32>().ok()?];
+    (range.iter().all(|end| end.is_finite()) && range[0] < range[1]).then_some(range)
+}
+
+impl fmt::Display for ShownTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)?;
+        if self.slice > 0 {
+            write!(f, "@{}", self.slice)?;
+        }
+        if self.mip > 0 {
+            write!(f, "/{}", self.mip)?;
+        }
+        if let Some(name) = self.channel.and_then(|index| "rgba".chars().nth(index.into())) {
+            write!(f, ".{name}")?;
+        }
+        self.range.map_or(Ok(()), |[low, high]| write!(f, "={low}..{high}"))
+    }
+}
+
 /// What is drawn over the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DebugSettings {
@@ -109,18 +183,27 @@ pub struct DebugSettings {
     pub outlined: Vec<u32>,
     /// Lines that a game draws.
     pub lines: Vec<Line>,
+    /// Targets of passes, laid side by side from the lower left.
+    pub targets: Vec<ShownTarget>,
 }
 
 impl Default for DebugSettings {
     fn default() -> Self {
-        Self { views: BTreeSet::new(), cascade: 0, bvh_level: 8, outlined: Vec::new(), lines: Vec::new() }
+        Self {
+            views: BTreeSet::new(),
+            cascade: 0,
+            bvh_level: 8,
+            outlined: Vec::new(),
+            lines: Vec::new(),
+            targets: Vec::new(),
+        }
     }
 }
 
 impl DebugSettings {
     /// Whether nothing is drawn.
     pub fn is_empty(&self) -> bool {
-        self.views.is_empty() && self.outlined.is_empty() && self.lines.is_empty()
+        self.views.is_empty() && self.outlined.is_empty() && self.lines.is_empty() && self.targets.is_empty()
     }
 
     /// Whether a view is on.
@@ -140,5 +223,19 @@ mod tests {
         }
         let error = "lamps".parse::<DebugView>().expect_err("no such view");
         assert!(error.contains("lamps") && error.contains("virtual-lights"), "{error}");
+    }
+
+    #[test]
+    fn targets_are_read_back_whatever_their_name() {
+        let target = |text: &str| text.parse::<ShownTarget>().expect("a target");
+        let all = target("rsm Sun@2/1.g=-0.5..2");
+        assert_eq!((all.name.as_str(), all.slice, all.mip, all.channel), ("rsm Sun", 2, 1, Some(1)));
+        assert_eq!(all.range, Some([-0.5, 2.0]));
+        for text in ["axes, cascade 0", "shadow a.b@c", "gbuffer depth=0..0.1", "rsm Sun@2/1.g=-0.5..2", "x=1..NaN"] {
+            assert_eq!(target(text).to_string(), text);
+        }
+        assert_eq!(target("shadow a.b@c").name, "shadow a.b@c", "a name is not cut");
+        assert_eq!(target("x=1..0").range, None, "an empty range is part of the name, which is then not found");
+        assert!("@2".parse::<ShownTarget>().is_err());
     }
 }

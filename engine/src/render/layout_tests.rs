@@ -1,6 +1,6 @@
 //! Structs that Rust writes and WGSL reads are the same size on both sides.
 
-use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform};
+use super::debug::{CellsUniform, CoverageUniform, Line, PointsUniform, TileUniform};
 use super::direct::RegionUniform;
 use super::direct::area::AreaUniform;
 use super::direct::area_shadows::ShadowsUniform;
@@ -154,6 +154,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, CellsUniform::min_size().get(), "debug/cells.wgsl", "Cells");
     check(&gpu, CoverageUniform::min_size().get(), "debug/coverage.wgsl", "Coverage");
     check(&gpu, PointsUniform::min_size().get(), "debug/points.wgsl", "Points");
+    check(&gpu, TileUniform::min_size().get(), "debug/targets.wgsl", "Tile");
     check(&gpu, SmoothUniform::min_size().get(), "post/temporal_antialiasing.wgsl", "Smooth");
     check(&gpu, BloomUniform::min_size().get(), "post/bloom.wgsl", "Bloom");
     check(&gpu, FocusUniform::min_size().get(), "post/depth_of_field.wgsl", "Focus");

@@ -7,7 +7,7 @@ use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, read_texture};
 use lightwell::graph::{FrameReport, PassState};
-use lightwell::render::debug::{DebugSettings, DebugView, Line};
+use lightwell::render::debug::{DebugSettings, DebugView, Line, ShownTarget};
 use lightwell::render::reference::TraceSettings;
 use lightwell::render::{Beside, GiMethod, ReferenceSettings, RenderSettings, Renderer, Shown};
 use lightwell::scene::LightShape;
@@ -99,7 +99,7 @@ fn lines_of_a_game_are_dim_behind_surfaces_unless_on_top() {
     let gpu = gpu();
     let stage = stage(Transport::Sweep);
     let mut renderer = Renderer::new(&gpu);
-    // Along the horizon of the image: through the ball, which is below it, no line goes; through the wall one does.
+    // Along the horizon of the image, before the ball or behind the wall.
     let line = |z: f32| Line::new(Vec3::new(-1.0, 0.0, z), Vec3::new(1.0, 0.0, z), Vec3::new(0.0, 1.0, 0.0));
     let mut green = |lines: &[Line]| {
         let debug = DebugSettings { lines: lines.to_vec(), ..Default::default() };
@@ -108,12 +108,78 @@ fn lines_of_a_game_are_dim_behind_surfaces_unless_on_top() {
         (g - (r + b) / 2, drawn.radiance)
     };
     let (plain, radiance) = green(&[]);
-    let (before, shown) = green(&[line(-1.0)]);
+    let (before, shown) = green(&[line(0.5)]);
     let (behind, _) = green(&[line(-2.5)]);
     let (on_top, _) = green(&[line(-2.5).on_top()]);
     assert_eq!(radiance, shown, "light does not see it");
     assert!(before > plain + 60 && on_top > plain + 60, "{plain} {before} {on_top}");
     assert!(behind < plain + (on_top - plain) / 2 && behind > plain, "dim: {plain} {behind} {on_top}");
+}
+
+fn shown(targets: &[&str]) -> DebugSettings {
+    let targets = targets.iter().map(|text| text.parse::<ShownTarget>().unwrap()).collect();
+    DebugSettings { targets, ..Default::default() }
+}
+
+#[test]
+fn targets_are_laid_side_by_side() {
+    let gpu = gpu();
+    let stage = stage(Transport::Sweep);
+    let mut renderer = Renderer::new(&gpu);
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, shown(&[])));
+    let two =
+        draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, shown(&["radiance=0..1", "gbuffer depth.r=0..1"])));
+    assert!(two.ran("debug targets"));
+    assert_eq!(plain.radiance, two.radiance, "light does not see them");
+    // Tiles of 16 pixels, 4 apart, from the lower left: all else is as it was.
+    let is_tile = |x: u32, y: u32| (43..61).contains(&y) && (3..41).contains(&x);
+    for (x, y) in (0..EDGE).flat_map(|y| (0..EDGE).map(move |x| (x, y))).filter(|&(x, y)| !is_tile(x, y)) {
+        assert_eq!(plain.pixel(x, y), two.pixel(x, y), "{x} {y}");
+    }
+    let expected = |x: u32, y: u32| {
+        let texel = plain.radiance[(4 * (x % 20 - 4) + 2 + (4 * (y - 44) + 2) * EDGE) as usize];
+        texel.map(|value| (255.0 * value.clamp(0.0, 1.0)).round() as i32)
+    };
+    for (x, y) in (44..60).flat_map(|y| (4..20).map(move |x| (x, y))) {
+        let (found, expected) = (two.pixel(x, y), expected(x, y));
+        let near = (0..3).all(|channel| (i32::from(found[channel]) - expected[channel]).abs() <= 1);
+        assert!(near, "{x} {y}: {found:?} {expected:?}");
+    }
+    assert!(
+        (24..40).all(|x| {
+            let [r, g, b] = two.pixel(x, 50);
+            r == g && g == b
+        }),
+        "depth is grey"
+    );
+    // The range is found: the brightest is white, the darkest black.
+    let measured = draw(&gpu, &mut renderer, &stage, settings(GiMethod::NONE, shown(&["gbuffer depth.r"])));
+    let tile: Vec<u8> =
+        (44..60).flat_map(|y| (4..20).map(move |x| (x, y))).map(|(x, y)| measured.pixel(x, y)[0]).collect();
+    assert!(tile.iter().any(|value| *value > 200) && tile.iter().any(|value| *value < 60), "{tile:?}");
+}
+
+#[test]
+fn targets_of_every_kind_can_be_shown_and_others_are_told() {
+    let gpu = gpu();
+    let stage = stage(Transport::Diffusion);
+    let mut renderer = Renderer::new(&gpu);
+    let plain = draw(&gpu, &mut renderer, &stage, settings(GiMethod::CLPV, shown(&[])));
+    let names: Vec<String> = plain
+        .report
+        .resources
+        .iter()
+        .filter(|resource| matches!(resource.desc, lightwell::graph::ResourceDesc::Texture(_)))
+        .map(|resource| format!("{}@99/99", resource.name))
+        .filter(|name| !name.starts_with("display"))
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).chain(["nothing of this name"]).collect();
+    assert!(names.len() > 12, "{names:?}");
+    let all = draw(&gpu, &mut renderer, &stage, settings(GiMethod::CLPV, shown(&names)));
+    assert!(all.ran("debug targets"));
+    assert_eq!(plain.radiance, all.radiance);
+    let told: Vec<&String> = all.report.warnings.iter().filter(|text| text.contains("is not shown")).collect();
+    assert!(told.iter().any(|text| text.contains("`nothing of this name`")), "{told:?}");
 }
 
 #[test]

@@ -21,7 +21,7 @@ Examples:
   lightwell stress -o out/stress              what must hold for every scene
   lightwell pack --example corner             a game as a folder to give away
 
-A SCENE is a .scene.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
+A SCENE is a .scene.ron, .prefab.ron, .gltf or .glb file, or the name of a scene in the folder `scenes`.
 Exit codes: 0 fine; 1 a check failed or the work could not be done; 2 wrong usage.";
 
 /// Lightwell: a mini game engine with real-time global illumination.

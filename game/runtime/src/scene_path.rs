@@ -6,7 +6,7 @@ use lightwell::packed;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const ENDINGS: [&str; 3] = ["scene.ron", "gltf", "glb"];
+const ENDINGS: [&str; 4] = ["scene.ron", "prefab.ron", "gltf", "glb"];
 
 static SHIPPED: OnceLock<fn() -> Option<PathBuf>> = OnceLock::new();
 
@@ -44,7 +44,7 @@ pub fn find(scene: &str) -> Result<PathBuf> {
     known.dedup();
     let what = if path.is_dir() { "is a folder, not a scene" } else { "is neither a file nor a known scene" };
     if known.is_empty() {
-        bail!("`{scene}` {what}; give a .scene.ron, .gltf or .glb file");
+        bail!("`{scene}` {what}; give a .scene.ron, .prefab.ron, .gltf or .glb file");
     }
     let all = format!("known scenes: {}", known.join(", "));
     match suggestion(scene, known.iter().map(String::as_str)).filter(|words| words.starts_with("did you mean")) {
@@ -53,7 +53,7 @@ pub fn find(scene: &str) -> Result<PathBuf> {
     }
 }
 
-/// The scene's name: its file name without `.scene.ron`, `.gltf` or `.glb`.
+/// The scene's name: its file name without `.scene.ron`, `.prefab.ron`, `.gltf` or `.glb`.
 pub fn name_of(path: &Path) -> String {
     let file = path.file_name().map(|f| f.to_string_lossy().into_owned()).unwrap_or_default();
     let stem = ENDINGS.iter().find_map(|ending| file.strip_suffix(&format!(".{ending}")));

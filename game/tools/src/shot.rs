@@ -40,7 +40,7 @@ impl Images {
             Some("path tracing takes as many samples as --spp says: give --spp N")
         } else if !look.only.is_light() {
             Some("--only albedo, normal and depth have no noise: leave it out, or give --aa N for smooth edges")
-        } else if !look.debug.views.is_empty() {
+        } else if !look.debug.is_empty() {
             Some("--debug draws over a single frame: leave one of the two out")
         } else if look.average == Some(Switch::On) {
             Some("--average on goes on with the frames before, each a single one: leave one of the two out")

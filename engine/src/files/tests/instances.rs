@@ -196,3 +196,24 @@ fn particles_of_a_prefab_are_overridden_and_taken_away() {
     let seed = |path| again.ecs.get::<Particles>(at(&again, path).unwrap()).map(|particles| particles.seed);
     assert_eq!((seed("A/Sparks"), seed("B/Sparks")), (Some(4), None));
 }
+
+#[test]
+fn a_prefab_opens_as_a_scene_that_frames_and_lights_it() {
+    let pole = PAIR.replace("(entities", "Prefab(entities");
+    let box_only = r#"Prefab(entities: [(name: "Box", mesh: Box(size: (2, 2, 2)))])"#;
+    let folder = Folder::new(&[("lamp.prefab.ron", LAMP), ("pair.prefab.ron", &pole), ("BOX.Prefab.RON", box_only)]);
+    let open = |name: &str| load_scene(&folder.path(name), &mut AssetLibrary::new(), &LoadOptions::default());
+    let world = open("pair.prefab.ron").unwrap();
+    assert_eq!(intensity(&world, "pair/Right/Pole/Bulb"), Some(5.0));
+    assert!(at(&world, "framing camera").is_some() && at(&world, "light volumes").is_some());
+    assert!(at(&world, "default light").is_some(), "whatever lights it has of its own");
+    let mut world = open("BOX.Prefab.RON").unwrap();
+    // Read anew, with what has changed.
+    folder.write("BOX.Prefab.RON", box_only.replace("\"Box\"", "\"Cube\"").as_bytes());
+    reenter_scene(&mut world, &mut AssetLibrary::new(), &LoadOptions::default(), &folder.path("BOX.Prefab.RON"))
+        .unwrap();
+    assert!(at(&world, "BOX/Cube").is_some() && at(&world, "BOX/Box").is_none());
+    assert_eq!(world.roots().len(), 4, "camera, light and volumes are not doubled");
+    let refused = load_scene(&folder.path("none.prefab.ron"), &mut AssetLibrary::new(), &LoadOptions::default());
+    assert!(refused.err().unwrap().to_string().contains("none.prefab.ron"));
+}

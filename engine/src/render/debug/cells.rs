@@ -92,6 +92,7 @@ pub(super) fn declare<'a>(
         ];
         let draw = Draw {
             shader: "debug/cells.wgsl",
+            defs: Vec::new(),
             bindings: &bindings,
             target: &target,
             depth: Some(&own),

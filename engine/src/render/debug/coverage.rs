@@ -55,7 +55,15 @@ pub(super) fn declare<'a>(
         let shader = "debug/coverage.wgsl";
         overlay::draw(
             cx,
-            &Draw { shader, bindings: &bindings, target: &target, depth: None, vertices: 3, instances: 1 },
+            &Draw {
+                shader,
+                defs: Vec::new(),
+                bindings: &bindings,
+                target: &target,
+                depth: None,
+                vertices: 3,
+                instances: 1,
+            },
         )
     });
     display

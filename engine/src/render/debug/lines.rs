@@ -46,7 +46,18 @@ pub(super) fn declare<'a>(
             [("view", Binding::Buffer(&view)), ("lines", Binding::Buffer(&batch)), ("depth", Binding::Texture(&depth))];
         let instances = lines.len() as u32;
         let shader = "debug/lines.wgsl";
-        overlay::draw(cx, &Draw { shader, bindings: &bindings, target: &target, depth: None, vertices: 6, instances })
+        overlay::draw(
+            cx,
+            &Draw {
+                shader,
+                defs: Vec::new(),
+                bindings: &bindings,
+                target: &target,
+                depth: None,
+                vertices: 6,
+                instances,
+            },
+        )
     });
     display
 }

@@ -6,6 +6,7 @@
 //!          ├─ cells       light and blockers of a cascade as spheres, voxels with their reflectance
 //!          ├─ points      virtual lights
 //!          └─ lines       lights, cameras, cascades, BVH, directions of the sweep
+//! any target ─ targets    laid side by side over all of them
 //! ```
 //! Each reads the depth of what the camera sees, so that what lies behind a surface is dim or hidden.
 
@@ -16,13 +17,14 @@ mod outline;
 mod overlay;
 mod points;
 mod shapes;
+mod targets;
 
 pub use shapes::{Line, box_edges};
 
 #[cfg(test)]
-pub(crate) use self::{cells::CellsUniform, coverage::CoverageUniform, points::PointsUniform};
+pub(crate) use self::{cells::CellsUniform, coverage::CoverageUniform, points::PointsUniform, targets::TileUniform};
 
-pub use super::debug_settings::{DebugSettings, DebugView};
+pub use super::debug_settings::{DebugSettings, DebugView, ShownTarget};
 
 use super::frame::Frame;
 use super::geometry::gbuffer::GBuffer;
@@ -58,7 +60,7 @@ pub(super) fn declare<'a>(
     if !settings.outlined.is_empty() {
         display = outline::declare(graph, frame, gbuffer, display);
     }
-    display
+    targets::declare(graph, frame, display)
 }
 
 fn skip(graph: &mut Graph, view: DebugView, why: &str, display: Handle<Texture>) -> Handle<Texture> {

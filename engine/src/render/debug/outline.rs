@@ -55,6 +55,7 @@ pub(super) fn declare<'a>(
         let bindings = [("mask", Binding::Texture(&mask))];
         let draw = Draw {
             shader: "debug/outline.wgsl",
+            defs: Vec::new(),
             bindings: &bindings,
             target: &target,
             depth: None,

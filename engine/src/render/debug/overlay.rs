@@ -1,6 +1,6 @@
 //! The raster pass that all overlays share, which blends over the display image.
 
-use crate::gpu::{Binding, RasterKey};
+use crate::gpu::{Binding, RasterKey, ShaderDef};
 use crate::graph::{PassContext, PassError};
 use wgpu::TextureFormat;
 
@@ -13,6 +13,8 @@ pub(super) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 pub(super) struct Draw<'a> {
     /// Shader file, with the entry points `vertex` and `fragment`.
     pub shader: &'static str,
+    /// Its defines.
+    pub defs: Vec<(&'static str, ShaderDef)>,
     /// Bindings of group 0.
     pub bindings: &'a [(&'a str, Binding<'a>)],
     /// The display image.
@@ -28,7 +30,7 @@ pub(super) struct Draw<'a> {
 /// Blends triangles over the display image.
 pub(super) fn draw(cx: &mut PassContext, draw: &Draw) -> Result<(), PassError> {
     let gpu = cx.gpu;
-    let pipeline = gpu.pipelines.raster(gpu, &raster_key(draw.shader, draw.depth.is_some()))?;
+    let pipeline = gpu.pipelines.raster(gpu, &raster_key(draw))?;
     let group = pipeline.bind(gpu, 0, draw.bindings)?;
     let raster =
         pipeline.raster().ok_or_else(|| PassError::message(format!("{} makes no raster pipeline", draw.shader)))?;
@@ -56,7 +58,7 @@ pub(super) fn draw(cx: &mut PassContext, draw: &Draw) -> Result<(), PassError> {
     Ok(())
 }
 
-fn raster_key(shader: &'static str, has_depth: bool) -> RasterKey {
+fn raster_key(draw: &Draw) -> RasterKey {
     let depth = wgpu::DepthStencilState {
         format: DEPTH,
         depth_write_enabled: Some(true),
@@ -70,13 +72,13 @@ fn raster_key(shader: &'static str, has_depth: bool) -> RasterKey {
         write_mask: wgpu::ColorWrites::COLOR,
     };
     RasterKey {
-        shader,
+        shader: draw.shader,
         vertex: "vertex",
         fragment: Some("fragment"),
-        defs: Vec::new(),
+        defs: draw.defs.clone(),
         vertex_buffers: Vec::new(),
         primitive: wgpu::PrimitiveState::default(),
-        depth: has_depth.then_some(depth),
+        depth: draw.depth.map(|_| depth),
         targets: vec![Some(target)],
     }
 }

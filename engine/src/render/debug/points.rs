@@ -69,6 +69,7 @@ pub(super) fn declare<'a>(
         ];
         let draw = Draw {
             shader: "debug/points.wgsl",
+            defs: Vec::new(),
             bindings: &bindings,
             target: &target,
             depth: Some(&own),

@@ -26,7 +26,11 @@ pub enum Dialog {
 /// Asks for a name to save under.
 pub fn ask_save_as(editor: &mut Editor, path: &Path) {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let stem = name.trim_end_matches(".scene.ron").trim_end_matches(".gltf").trim_end_matches(".glb");
+    let stem = name
+        .trim_end_matches(".scene.ron")
+        .trim_end_matches(".prefab.ron")
+        .trim_end_matches(".gltf")
+        .trim_end_matches(".glb");
     let new = folder_of(path).join(format!("{stem}_edited.scene.ron"));
     editor.dialog = Some(Dialog::SaveAs(new.display().to_string()));
 }

@@ -136,6 +136,7 @@ fn debug(ui: &mut Ui, stage: &mut Stage) {
     });
     if ui.button("None").clicked() {
         debug.views.clear();
+        debug.targets.clear();
         ui.close();
     }
 }

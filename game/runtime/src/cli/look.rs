@@ -2,7 +2,7 @@
 
 use super::parse_assignment;
 use clap::{Args, ValueEnum};
-use lightwell::render::debug::DebugView;
+use lightwell::render::debug::{DebugView, ShownTarget};
 use serde::Deserialize;
 
 /// Method of indirect light.
@@ -126,6 +126,17 @@ pub struct DebugArgs {
     /// Level of the ray hierarchy that `bvh` shows; 0 is the box around everything
     #[arg(long = "debug-level", value_name = "N", default_value_t = 8)]
     pub bvh_level: u32,
+    /// Lay a target of a pass over the image, as `explain` names it, such as `gbuffer depth.r=0..0.1`: its name, then @slice,
+    /// /mip, .channel and =LOW..HIGH where they are wanted; may be given many times, for tiles side by side
+    #[arg(long = "debug-target", value_name = "TARGET")]
+    pub targets: Vec<ShownTarget>,
+}
+
+impl DebugArgs {
+    /// Whether nothing is drawn over the image.
+    pub fn is_empty(&self) -> bool {
+        self.views.is_empty() && self.targets.is_empty()
+    }
 }
 
 impl LookArgs {
@@ -137,7 +148,7 @@ impl LookArgs {
 
 impl Default for DebugArgs {
     fn default() -> Self {
-        Self { views: Vec::new(), cascade: 0, bvh_level: 8 }
+        Self { views: Vec::new(), cascade: 0, bvh_level: 8, targets: Vec::new() }
     }
 }
 

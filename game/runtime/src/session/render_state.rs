@@ -101,6 +101,7 @@ impl RenderState {
                 bvh_level: self.look.debug.bvh_level,
                 outlined: Vec::new(),
                 lines: drawn_lines(world),
+                targets: self.look.debug.targets.clone(),
             },
         }
     }

@@ -15,6 +15,9 @@ pub struct ExplainArgs {
     /// Time in seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]
     pub time: f64,
+    /// List the targets of the first frame, for --debug-target
+    #[arg(long)]
+    pub targets: bool,
     /// Choices that change the image.
     #[command(flatten)]
     pub look: LookArgs,

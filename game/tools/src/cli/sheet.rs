@@ -9,7 +9,8 @@ use std::path::PathBuf;
 const SHEET_HELP: &str = "\
 Examples:
   lightwell sheet scenes -o out/scenes                    every scene of a folder
-  lightwell sheet ~/models/khronos -o out/khronos         every .gltf and .glb file below a folder
+  lightwell sheet prefabs -o out/prefabs                  every prefab, framed and lit
+  lightwell sheet ~/models/khronos -o out/khronos         every model below a folder
   lightwell sheet cornell courtyard my.glb -o out/three --size 400x300 --time 2
   lightwell sheet ~/models/khronos -o out/lit --gi clpv --set clpv.quality=Low --set 'clpv.bounces=Count(1)'
 
@@ -22,7 +23,7 @@ Exit codes: 0 the sheets were drawn, whatever is in them; 1 they could not be; 2
 #[derive(Args, Debug)]
 #[command(after_help = SHEET_HELP)]
 pub struct SheetArgs {
-    /// Scenes and models by file or name, and folders, which are searched with all below them
+    /// Scenes, prefabs and models by file or name, and folders, which are searched with all below them
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
     /// Folder to write into

@@ -2,6 +2,7 @@
 
 use crate::cli::ExplainArgs;
 use anyhow::Result;
+use lightwell::graph::{FrameReport, ResourceDesc};
 use lightwell::render::GiMethod;
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::Common;
@@ -10,6 +11,9 @@ use lightwell_runtime::session::Session;
 
 /// Time between two frames that show which objects are dynamic [s].
 const STEP: f64 = 0.04;
+
+/// Headings of the frames at one time.
+const TITLES: [&str; 2] = ["frame 1", "frame 2, of the same time: what has not changed is reused"];
 
 /// Draws two frames of the same time and, where something moves, some of the times after it, and prints what each pass
 /// did, after what of the scene does not show.
@@ -39,11 +43,14 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
     session.model_warnings().for_each(|warning| say!("warning: {warning}"));
     let settings = session.render_settings(true);
     let view = SceneView { camera: session.camera()?, size: args.size, jitter: [0.0; 2] };
-    for title in ["frame 1", "frame 2, of the same time: what has not changed is reused"] {
+    for title in TITLES {
         // Extraction again, as in any other frame: nothing changed, so that it must find nothing.
         session.set_seconds(args.time);
         let report = session.render(&view, &settings)?;
         say!("\n{title}\n{report}");
+        if args.targets && title == TITLES[0] {
+            say_targets(&report);
+        }
     }
     if let Some([tested, accepted]) = session.light_counts()? {
         let wrong = 100.0 * (tested - accepted) / tested.max(f64::MIN_POSITIVE);
@@ -62,4 +69,15 @@ pub fn run(args: &ExplainArgs, common: &Common) -> Result<()> {
         say!("\nframe 4, two steps of {STEP} s later: what moves is drawn over what was kept of the rest\n{second}");
     }
     Ok(())
+}
+
+fn say_targets(report: &FrameReport) {
+    say!("targets");
+    for resource in &report.resources {
+        if let ResourceDesc::Texture(desc) = &resource.desc {
+            let [_, _, slices] = desc.size;
+            let more = if slices > 1 { format!(", {slices} slices") } else { String::new() };
+            say!("  {:<44} {}{more}", resource.name, resource.desc);
+        }
+    }
 }

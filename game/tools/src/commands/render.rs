@@ -26,7 +26,7 @@ const SAVE_EVERY: Duration = Duration::from_secs(30);
 /// If the scene cannot be loaded or drawn, or a file cannot be written.
 pub fn run(args: &RenderArgs, common: &Common) -> Result<()> {
     let linear = extension_is(&args.output, "exr");
-    if !args.look.debug.views.is_empty() && (args.aa.unwrap_or(1) > 1 || linear) {
+    if !args.look.debug.is_empty() && (args.aa.unwrap_or(1) > 1 || linear) {
         bail!("--debug draws over what a screen shows: write a .png file, without --aa");
     }
     // A sequence is looked at in motion, and takes as long as all its frames together.

@@ -1,4 +1,4 @@
-//! `lightwell sheet`: many models and scenes as labelled thumbnails, to be looked at side by side.
+//! `lightwell sheet`: many models, prefabs and scenes as labelled thumbnails, to be looked at side by side.
 //!
 //! ```text
 //! subject (which files) ─ cell (load and draw each, side by side) ─┬─ page (sheet_01.png …)
@@ -27,7 +27,7 @@ use std::num::NonZeroU16;
 pub fn run(args: &SheetArgs, common: &Common) -> Result<()> {
     let subjects = subject::find(&args.paths)?;
     if subjects.is_empty() {
-        bail!("there is no .scene.ron, .gltf or .glb file in what was given");
+        bail!("there is no .scene.ron, .prefab.ron, .gltf or .glb file in what was given");
     }
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("cannot make the folder {}", args.output.display()))?;

@@ -1,4 +1,4 @@
-//! Which files are drawn.
+//! The files that are drawn: scenes, prefabs and models.
 
 use anyhow::{Context, Result};
 use lightwell_runtime::scene_path;
@@ -53,7 +53,7 @@ fn search(folder: &Path, prefix: &str, depth: usize, found: &mut Vec<Subject>) -
 
 fn is_scene(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    [".scene.ron", ".gltf", ".glb"].iter().any(|ending| name.ends_with(ending))
+    [".scene.ron", ".prefab.ron", ".gltf", ".glb"].iter().any(|ending| name.ends_with(ending))
 }
 
 /// The name without its ending; a folder that only repeats it is left out.
@@ -91,14 +91,16 @@ mod tests {
     #[test]
     fn folders_are_walked_in_natural_order() {
         let dir = tempfile::tempdir().unwrap();
-        for file in ["b/model 10.glb", "b/model 2.gltf", "a/a.scene.ron", "a/notes.txt", "b/model.bin"] {
+        for file in
+            ["b/model 10.glb", "b/model 2.gltf", "a/a.scene.ron", "a/notes.txt", "b/model.bin", "b/box.prefab.ron"]
+        {
             let path = dir.path().join(file);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, b"").unwrap();
         }
         let found = find(&[dir.path().to_owned(), dir.path().join("a")]).unwrap();
         let names: Vec<&str> = found.iter().map(|subject| subject.name.as_str()).collect();
-        assert_eq!(names, ["a", "b/model 2", "b/model 10"]);
+        assert_eq!(names, ["a", "b/box", "b/model 2", "b/model 10"]);
         assert!(find(&[dir.path().join("nothing")]).is_err());
     }
 }

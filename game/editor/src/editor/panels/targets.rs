@@ -5,6 +5,7 @@ use crate::editor::stage::{Request, Stage};
 use egui::{Color32, ColorImage, DragValue, TextureHandle, TextureOptions, Ui};
 use lightwell::gpu::ImageF32;
 use lightwell::graph::ResourceDesc;
+use lightwell::render::debug::ShownTarget;
 
 /// Which channels are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,13 +60,24 @@ impl State {
     pub fn in_view(&self) -> Option<&TextureHandle> {
         self.texture.as_ref().filter(|_| self.in_view)
     }
+
+    /// The choice as a tile over the view.
+    fn shown(&self) -> ShownTarget {
+        let channel = match self.channel {
+            Channel::Color => None,
+            Channel::One(index) => Some(index as u8),
+        };
+        let Choice { name, mip, layer } = self.choice.clone();
+        ShownTarget { name, slice: layer, mip, channel, range: self.range }
+    }
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &Stage) {
+pub fn show(ui: &mut Ui, editor: &mut Editor, stage: &mut Stage) {
     let before = editor.panels.targets.choice.clone();
     let mut again = false;
     ui.horizontal_wrapped(|ui| again = controls(ui, &mut editor.panels.targets, stage));
+    laid_over(ui, &editor.panels.targets, stage);
     let state = &mut editor.panels.targets;
     if state.choice != before || again || state.live && !state.choice.name.is_empty() {
         editor.requests.push(Request::Target(state.choice.clone()));
@@ -138,6 +150,26 @@ fn controls(ui: &mut Ui, state: &mut State, stage: &Stage) -> bool {
     ui.checkbox(&mut state.live, "live").on_hover_text("reads it back with every frame");
     ui.checkbox(&mut state.in_view, "in the view").on_hover_text("shows it in the place of the picture");
     ui.button("Read again").clicked()
+}
+
+/// The targets that are laid side by side over the view, and a button for the chosen one.
+fn laid_over(ui: &mut Ui, state: &State, stage: &mut Stage) {
+    ui.horizontal_wrapped(|ui| {
+        let targets = &mut stage.look.debug.targets;
+        if !state.choice.name.is_empty() && ui.button("Lay over the view").clicked() {
+            let target = state.shown();
+            targets.retain(|other| *other != target);
+            targets.push(target);
+        }
+        let before = targets.len();
+        targets.retain(|target| {
+            let button = ui.button(format!("{target} ✖")).on_hover_text("takes it away from the view");
+            !button.clicked()
+        });
+        if before > 1 && ui.button("None").clicked() {
+            targets.clear();
+        }
+    });
 }
 
 /// The least and the largest value.

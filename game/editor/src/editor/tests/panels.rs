@@ -198,6 +198,13 @@ fn a_target_is_asked_for_and_shown() {
     bench.run_steps(2);
     click(&mut bench, "r");
     assert!(bench.query_by_label("2 × 1, shown from 0.50000 to 2.50000").is_some());
+    click(&mut bench, "Lay over the view");
+    click(&mut bench, "rgb");
+    click(&mut bench, "Lay over the view");
+    let over: Vec<String> = bench.state().look.debug.targets.iter().map(ToString::to_string).collect();
+    assert_eq!(over, ["radiance.r", "radiance"]);
+    click(&mut bench, "radiance.r ✖");
+    assert_eq!(bench.state().look.debug.targets.len(), 1);
     bench.state_mut().editor.set_target(Err("it is gone".into()));
     bench.run_steps(2);
     assert!(bench.query_by_label("it is gone").is_some());
