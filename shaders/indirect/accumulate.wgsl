@@ -42,10 +42,9 @@ struct Average {
 @group(0) @binding(4) var depth: texture_depth_2d;
 // Radiance [W/(m² sr)], and where patches are known how much it counts beside that of other frames.
 @group(0) @binding(5) var indirect: texture_2d<f32>;
-// Light over reflectance [W/(m² sr)] with shared exponent; the bits of the luminance of its quick mean; the patch in 20 bits
-// and the number of frames times 32 in 12.
+// Light over reflectance [W/(m² sr)] with shared exponent; the bits of the luminance of its quick mean; the patch.
 @group(0) @binding(6) var light_before: texture_2d<u32>;
-// Bits of the depth; octahedral normal; bits of the mean deviation of a frame's luminance.
+// Bits of the depth; octahedral normal; bits of the mean deviation of a frame's luminance and of the number of frames.
 @group(0) @binding(7) var surface_before: texture_2d<u32>;
 @group(0) @binding(8) var light_now: texture_storage_2d<rgba32uint, write>;
 @group(0) @binding(9) var surface_now: texture_storage_2d<rgba32uint, write>;
@@ -79,9 +78,6 @@ const FEW: f32 = 2.0;
 // light is followed.
 const NOISE: f32 = 0.8;
 const LEAST_NOISE: f32 = 0.03;
-// Steps of the number of frames that is kept, and the most of it.
-const STEPS: f32 = 32.0;
-const MOST_KEPT: f32 = 127.0;
 
 struct Past {
     light: vec3f,
@@ -97,11 +93,11 @@ fn nothing() -> Past {
 }
 
 // What was kept of a pixel.
-fn kept(at: vec2i, spread: f32) -> Past {
+fn kept(at: vec2i, spread: f32, frames: f32) -> Past {
     let texel = textureLoad(light_before, at, 0);
-    var past = Past(decode_radiance(texel.xy), f32(texel.w >> 20u) / STEPS, bitcast<f32>(texel.z), spread, vec3f(1.0), 1.0);
+    var past = Past(decode_radiance(texel.xy), frames, bitcast<f32>(texel.z), spread, vec3f(1.0), 1.0);
 #ifdef PATCHES
-    let patch_index = texel.w & NO_PATCH;
+    let patch_index = texel.w;
     if patch_index < min(NO_PATCH, arrayLength(&patch_change)) {
         let change = patch_change[patch_index];
         past.change = change.rgb;
@@ -127,7 +123,7 @@ fn recalled(at: vec2i, position: vec3f, n: vec3f, footprint: f32) -> Past {
     if !is_same {
         return nothing();
     }
-    return kept(at, bitcast<f32>(surface.z));
+    return kept(at, bitcast<f32>(surface.z), bitcast<f32>(surface.w));
 }
 
 // What is remembered of a point, from the four pixels around where it was.
@@ -288,9 +284,9 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         now = updated(past, found.rgb / reflectance, count, most);
         patch_index = patch_of(surface.x, position, n);
     }
-    let frames = u32(min(now.frames, MOST_KEPT) * STEPS);
     let code = encode_radiance(now.light);
-    textureStore(light_now, pixel, vec4u(code, bitcast<u32>(now.quick), patch_index | (frames << 20u)));
-    textureStore(surface_now, pixel, vec4u(bitcast<u32>(z), drawn.x | (drawn.y << 16u), bitcast<u32>(now.spread), 0u));
+    textureStore(light_now, pixel, vec4u(code, bitcast<u32>(now.quick), patch_index));
+    let kept_surface = vec4u(bitcast<u32>(z), drawn.x | (drawn.y << 16u), bitcast<u32>(now.spread), bitcast<u32>(now.frames));
+    textureStore(surface_now, pixel, kept_surface);
     textureStore(averaged, pixel, vec4f(now.light * reflectance, 1.0));
 }

@@ -158,6 +158,11 @@ const WELCOME_FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::PIPELINE_CACHE);
 
 impl Gpu {
+    /// Whether the processor draws, by a software driver.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// Opens a device without a window.
     ///
     /// # Errors

@@ -32,7 +32,7 @@ impl<'g> Recorder<'g> {
     /// Begins a pass, in a submit of its own if that is full; true if it is timed.
     pub fn begin(&mut self, name: &str) -> bool {
         let cost = self.costs.ms(name);
-        if !is_software(self.gpu) && Costs::is_full(self.spent, cost) {
+        if !self.gpu.is_software() && Costs::is_full(self.spent, cost) {
             self.submit();
         }
         self.spent += cost;
@@ -82,11 +82,6 @@ fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pacing: Option<&FramePacing
     if pacing.is_some_and(FramePacing::is_interruptible) {
         wait_gently(gpu);
     }
-}
-
-/// Whether work is cut into the pieces that software drivers need, and not by measured times.
-fn is_software(gpu: &Gpu) -> bool {
-    gpu.info.device_type == wgpu::DeviceType::Cpu
 }
 
 fn new_encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
@@ -162,18 +157,25 @@ impl<'c> PassContext<'c> {
     /// `on_software`, elsewhere what takes 50 ms by the times of earlier frames. Only work whose result does not depend
     /// on the pieces may be cut by it.
     pub fn work_a_submit(&self, on_software: u64) -> u64 {
-        self.costs.units_a_submit(self.name, is_software(self.gpu), on_software)
+        self.costs.units_a_submit(self.name, self.gpu.is_software(), on_software)
     }
 
     /// Tells how much work is recorded next; what is recorded before it is submitted if one submit cannot hold both.
     /// `on_software` as for [`PassContext::work_a_submit`]. Long work calls it every now and then: a submit of more than
     /// about a second may cost the device.
-    pub fn work(&mut self, units: u64, on_software: u64) {
+    ///
+    /// # Errors
+    /// If the frame is not wanted any more. The pass then ends with this error, and its targets count as not written.
+    pub fn work(&mut self, units: u64, on_software: u64) -> Result<(), PassError> {
+        if self.pacing.is_some_and(FramePacing::is_stopped) {
+            return Err(PassError::Stopped);
+        }
         let [since, all] = self.work;
         if since > 0 && since.saturating_add(units) > self.work_a_submit(on_software) {
             self.submit();
         }
         self.work = [self.work[0].saturating_add(units), all.saturating_add(units)];
+        Ok(())
     }
 
     /// Submits what is recorded so far and continues with a fresh encoder.

@@ -151,6 +151,9 @@ pub enum PassError {
         /// The resource.
         resource: String,
     },
+    /// The frame is not wanted any more, see [`FramePacing`](super::FramePacing).
+    #[error("it was stopped")]
+    Stopped,
     /// Anything else.
     #[error("{0}")]
     Message(String),

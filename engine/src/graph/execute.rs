@@ -112,8 +112,10 @@ impl Plan<'_> {
         report.counts = counts;
         report.cpu_ms = start.elapsed().as_secs_f64() * 1e3;
         let misused = undeclared.map_or(Ok(()), |resource| Err(PassError::Undeclared { resource }));
-        if let Err(reason) = misused.and(result) {
-            return Err(GraphError::Pass { pass: name, reason });
+        match misused.and(result) {
+            Ok(()) => {}
+            Err(PassError::Stopped) => return Err(GraphError::Stopped),
+            Err(reason) => return Err(GraphError::Pass { pass: name, reason }),
         }
         if let Some(audited) = &mut cache.audit {
             audited.check(&recipe, gpu.audit.take())?;

@@ -13,7 +13,7 @@ use glam::Mat4;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Frames of a view that rests that are averaged.
-pub const MOST_FRAMES: u32 = 64;
+pub const MOST_FRAMES: u32 = 256;
 
 /// How far the long mean may be from the quick one, in mean deviations of a frame, while light or objects change. The quick
 /// mean takes 0.3 of each frame, so that 0.3/(2 − 0.3) of a frame's variance is left in it; a mean deviation is √(2/π) of a
@@ -126,9 +126,9 @@ struct Seen {
 }
 
 pub(crate) struct Target {
-    /// Radiance that a white surface reflects [W/(m² sr)], and the number of frames in it: rgba32uint, see `accumulate.wgsl`.
+    /// Radiance that a white surface reflects [W/(m² sr)]: rgba32uint, see `accumulate.wgsl`.
     pub light: wgpu::TextureView,
-    /// Depth and normal, and how much a frame's light deviates.
+    /// Depth and normal, how much a frame's light deviates, and the number of frames in it.
     pub surface: wgpu::TextureView,
 }
 
@@ -270,6 +270,11 @@ impl History {
     /// Whether more frames would make the image better.
     pub fn is_settling(&self) -> bool {
         self.step.is_some() && !self.is_idle && !self.is_at_rest()
+    }
+
+    /// How many frames a view that rests is averaged over so far.
+    pub fn averaged(&self) -> Option<u32> {
+        self.step.map(|step| (step.rested + 1).min(MOST_FRAMES))
     }
 
     /// Forgets all frames, after one that is not averaged or has failed.

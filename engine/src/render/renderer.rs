@@ -146,6 +146,12 @@ impl Renderer {
         self.history.is_settling()
     }
 
+    /// How many frames a view that rests is averaged over so far, at most [`MOST_FRAMES`](super::MOST_FRAMES); none: frames
+    /// are not averaged.
+    pub fn averaged(&self) -> Option<u32> {
+        self.history.averaged()
+    }
+
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
     /// what was kept and what was skipped, and why.
     ///

@@ -156,3 +156,40 @@ fn no_light_passes_a_partition_however_thin_and_askew() {
         assert!(of_volumes < 0.02, "{thickness} m thick, turned by {angle}, volumes alone: {of_volumes}");
     }
 }
+
+/// Cells that a solid fills for the most part are as dark as the solid: the floor beside it must not take its light from
+/// them. The lamp hangs in the middle; what the block shades is lit by the walls.
+#[test]
+fn the_floor_at_the_foot_of_a_turned_block_is_lit() {
+    let gpu = gpu();
+    let half = 0.33;
+    for degrees in [0.0_f32, 17.0, 31.0, 45.0, 62.0, 73.0] {
+        let mut stage = Stage::new(Vec3::new(0.0, 1.3, 0.0), Vec3::new(0.0, -1.5, 0.0), 96);
+        stage.add_room(Vec3::splat(-1.5), Vec3::splat(3.0), Vec3::splat(0.7));
+        let (turn, at) = (Quat::from_rotation_y(degrees.to_radians()), Vec3::new(0.43, half - 1.5, 0.31));
+        let block = Affine3A::from_rotation_translation(turn, at);
+        stage.add(Shape::Box { size: [2.0 * half; 3] }, Vec3::splat(0.7), block);
+        stage.light(LightShape::Point, Vec3::splat(5.0), Vec3::new(-0.4, 1.0, -0.5), Vec3::NEG_Y);
+        stage.clpv(Vec3::ZERO, settings(Quality::Low, Bounces::Count(4)));
+        let image = indirect(&gpu, &stage);
+        let eye = Vec3::from(stage.view.camera.world_from_view.translation);
+        let mut floor = Vec::new();
+        for (x, y) in (0..96).flat_map(|y| (0..96).map(move |x| (x, y))) {
+            let ray = stage.ray(x, y);
+            let point = eye + ray * ((-1.5 - eye.y) / ray.y);
+            let beside = block.inverse().transform_point3(point).abs();
+            // A pixel away from walls and block, and not behind it.
+            let is_hidden = (1..60).any(|step| {
+                let way = block.inverse().transform_point3(eye.lerp(point, step as f32 / 60.0)).abs();
+                way.max_element() < half + 0.05
+            });
+            if ray.y < 0.0 && point.abs().max_element() < 1.501 && beside.x.max(beside.z) > half + 0.05 && !is_hidden {
+                floor.push(image.rgba[(x + 96 * y) as usize][0]);
+            }
+        }
+        let mean = floor.iter().sum::<f32>() / floor.len() as f32;
+        let darkest = floor.iter().copied().fold(f32::INFINITY, f32::min);
+        println!("{degrees}°: darkest {} of the mean, {} pixels", darkest / mean, floor.len());
+        assert!(floor.len() > 500 && darkest > 0.2 * mean, "{degrees}°: {darkest} of {mean}");
+    }
+}

@@ -1,7 +1,7 @@
 //! The command line.
 
 use clap::{Args, Parser, Subcommand};
-use lightwell_runtime::cli::{Common, LookArgs, parse_frame_rate, parse_size};
+use lightwell_runtime::cli::{Common, LookArgs, parse_frame_rate, parse_scale, parse_size};
 use lightwell_tools::cli::{
     BenchArgs, CompareArgs, ExplainArgs, PackArgs, QualityArgs, RenderArgs, SheetArgs, StressArgs, TestArgs,
 };
@@ -84,7 +84,11 @@ pub struct PlayArgs {
     /// Size of the window, or of the images without a display [default: as it was last, or 1280x800; 512x512]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
-    /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged
+    /// Part of the view's size that is drawn, 0.1 to 1: less is faster
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_scale)]
+    pub scale: f32,
+    /// Frames per second to hold: while anything moves, frames are drawn smaller if they come too late, and shown enlarged;
+    /// 0: never [default: the display's rate, or 10 with a software driver]
     #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
     pub fps: Option<f32>,
     /// How quiet the images without a display are.

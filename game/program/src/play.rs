@@ -21,7 +21,8 @@ pub fn run(args: &PlayArgs, common: &Common) -> Result<()> {
     match Display::open() {
         Ok(display) => {
             let look = args.look.clone();
-            let opening = Opening { scene: args.scene.clone(), size: args.size, frames_per_second: args.fps, look };
+            let (scene, size, scale) = (args.scene.clone(), args.size, args.scale);
+            let opening = Opening { scene, size, scale, frames_per_second: args.fps, look };
             display.edit(&opening, common, &EditedGame::default())
         }
         Err(error) => animation::run(&animation, common, &format!("the display cannot be used ({error})")),

@@ -10,9 +10,9 @@ use std::collections::VecDeque;
 const FRAMES: usize = 12;
 /// Frames after a change that are not looked at.
 const SETTLING: usize = 4;
-/// Frames to pass before a larger size is tried, at first and at most.
-const PATIENCE: usize = 60;
-const MOST_PATIENCE: usize = 60 << 6;
+/// Frames to pass before a larger size is tried: at first those of a second, and at least so many; at most a multiple.
+const LEAST_PATIENCE: usize = 16;
+const MOST_PATIENCE: usize = 1 << 6;
 /// Share of the time of a frame beyond which frames come too late, below which there is time to spare, and which another size
 /// aims at.
 const LATE: f32 = 1.1;
@@ -24,6 +24,11 @@ const STEPS: f32 = 32.0;
 /// Most that a scale shrinks or grows at once.
 const SHRINK: f32 = 0.6;
 const GROW: f32 = 1.2;
+/// Frames per second that software drivers are asked for, and cards where the display does not tell its rate.
+const SOFTWARE_RATE: f32 = 10.0;
+const CARD_RATE: f32 = 60.0;
+/// Scale of the first frame with a software driver.
+const FIRST_ON_SOFTWARE: f32 = 0.5;
 
 /// Chooses the scale of frames.
 #[derive(Debug)]
@@ -42,6 +47,19 @@ pub struct FrameBudget {
 }
 
 impl FrameBudget {
+    /// For the rate that is asked for, where 0 is for none; else for that of the display, or ten frames a second with a
+    /// software driver, which begins with half the size.
+    pub fn choose(asked: Option<f32>, most: f32, display: Option<f32>, is_software: bool) -> Option<Self> {
+        match (asked, is_software) {
+            (Some(rate), _) => Self::new(rate, most),
+            (None, false) => Self::new(display.filter(|rate| *rate >= 1.0).unwrap_or(CARD_RATE), most),
+            (None, true) => {
+                let budget = Self::new(SOFTWARE_RATE, most)?;
+                Some(Self { scale: most.min(FIRST_ON_SOFTWARE.max(LEAST)), ..budget })
+            }
+        }
+    }
+
     /// For frames per second, at most that scale of the window's size. None if the rate is no positive number.
     pub fn new(frames_per_second: f32, most: f32) -> Option<Self> {
         let frame = 1.0 / frames_per_second;
@@ -51,7 +69,7 @@ impl FrameBudget {
             most,
             times: VecDeque::new(),
             since_change: 0,
-            patience: PATIENCE,
+            patience: first_patience(frames_per_second),
             has_grown: false,
             is_late: false,
         })
@@ -96,7 +114,7 @@ impl FrameBudget {
         }
         let grows = scale > self.scale;
         if !grows && self.has_grown {
-            self.patience = (2 * self.patience).min(MOST_PATIENCE);
+            self.patience = (2 * self.patience).min(MOST_PATIENCE * first_patience(1.0 / self.frame));
         }
         (self.scale, self.has_grown, self.since_change) = (scale, grows, 0);
         self.times.clear();
@@ -115,6 +133,16 @@ impl FrameBudget {
             format!("{rate:.0} frames/s at full size")
         }
     }
+}
+
+/// The rate of the display that a window is on \[1/s\], if it tells.
+pub fn display_rate(window: &winit::window::Window) -> Option<f32> {
+    let rate = window.current_monitor()?.refresh_rate_millihertz()?;
+    Some(1e-3 * rate as f32)
+}
+
+fn first_patience(frames_per_second: f32) -> usize {
+    (frames_per_second as usize).max(LEAST_PATIENCE)
 }
 
 fn median(values: impl Iterator<Item = f32>) -> f32 {
@@ -174,6 +202,19 @@ mod tests {
         draw(&mut budget, 100, 0.01, 0.0, 0.0);
         budget.note(0.5, 0.5);
         assert_eq!(budget.scale, 1.0);
+    }
+
+    #[test]
+    fn a_rate_is_chosen_for_what_draws() {
+        let rate = |budget: Option<FrameBudget>| budget.map(|budget| (1.0 / budget.frame).round());
+        assert_eq!(rate(FrameBudget::choose(None, 1.0, Some(144.0), false)), Some(144.0));
+        assert_eq!(rate(FrameBudget::choose(None, 1.0, None, false)), Some(60.0));
+        assert_eq!(rate(FrameBudget::choose(Some(30.0), 1.0, Some(144.0), true)), Some(30.0));
+        assert_eq!(rate(FrameBudget::choose(Some(0.0), 1.0, Some(144.0), true)), None, "0 is for no budget");
+        let mut software = FrameBudget::choose(None, 1.0, Some(60.0), true).expect("a rate");
+        assert_eq!(software.size([800, 600]), [400, 300], "the first frame comes soon");
+        let (_, scale) = draw(&mut software, 200, 0.02, 0.0, 0.0);
+        assert_eq!(scale, 1.0, "and what is fast grows within seconds");
     }
 
     #[test]

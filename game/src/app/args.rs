@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use lightwell::game::InputScript;
-use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_frame_rate, parse_size};
+use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_frame_rate, parse_scale, parse_size};
 use std::path::PathBuf;
 
 /// What a game is asked for.
@@ -46,7 +46,8 @@ pub struct GameArgs {
     /// Part of the window's size that is drawn, 0.1 to 1: less is faster
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_scale)]
     pub scale: f32,
-    /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged
+    /// Frames per second to hold: frames are drawn smaller while they come too late, and shown enlarged; 0: never
+    /// [default: the display's rate, or 10 with a software driver]
     #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
     pub fps: Option<f32>,
     /// Indirect light [default: what the scene asks for]
@@ -65,12 +66,5 @@ impl GameArgs {
     /// Settings of the image.
     pub(super) fn look(&self) -> LookArgs {
         LookArgs { gi: self.gi, sets: self.sets.clone(), ..LookArgs::default() }
-    }
-}
-
-fn parse_scale(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(scale) if (0.1..=1.0).contains(&scale) => Ok(scale),
-        _ => Err("give a number from 0.1 to 1".to_owned()),
     }
 }

@@ -10,7 +10,7 @@ use super::{App, CustomPassAdder, GameArgs, Hud, sounds};
 use anyhow::{Context, Result};
 use lightwell::game::{Game, InputScript, Time};
 use lightwell::graph::{FrameReport, Timing};
-use lightwell_runtime::frame_budget::FrameBudget;
+use lightwell_runtime::frame_budget::{FrameBudget, display_rate};
 use lightwell_runtime::session;
 use lightwell_runtime::steps::StepClock;
 use lightwell_runtime::window::{Area, GatheredInput, Screen, UiSurface};
@@ -83,8 +83,10 @@ impl Handler<'_> {
         let context = game.world.ecs.resource::<Hud>().context().clone();
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
         let look = self.args.look().in_window();
+        let is_software = gpu.is_software();
         let mut drawn = Drawn::new(game, Arc::new(gpu), look, &self.passes);
         drawn.rendering.renderer.set_timing(Timing::Late);
+        let budget = FrameBudget::choose(self.args.fps, self.args.scale, display_rate(&window), is_software);
         Ok(Open {
             window,
             screen,
@@ -99,7 +101,7 @@ impl Handler<'_> {
             script: self.script.take(),
             recorded: InputScript::default(),
             scale: self.args.scale,
-            budget: self.args.fps.and_then(|rate| FrameBudget::new(rate, self.args.scale)),
+            budget,
             last: Instant::now(),
             clock: StepClock::default(),
             trouble: None,

@@ -116,7 +116,7 @@ impl Work<'_> {
         let step = (cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_row / 8).clamp(1, 1 << 16) as usize * 8;
         for first_row in (0..size.y).step_by(step) {
             let rows = (size.y - first_row).min(step as u32);
-            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT);
+            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT)?;
             let part = Region { origin: origin + UVec2::new(0, first_row), size: UVec2::new(size.x, rows) };
             self.dispatch(cx, scene, part)?;
         }

@@ -68,7 +68,7 @@ fn sampler(gpu: &Gpu, sampling: &Sampling) -> wgpu::Sampler {
     // Devices allow anisotropy with filters that are linear throughout alone.
     let is_smooth = blends && !sampling.nearest && !small.nearest;
     // That of Mesa's llvmpipe (22.3) takes single pixels from elsewhere in the texture.
-    let is_sound = gpu.info.device_type != wgpu::DeviceType::Cpu;
+    let is_sound = !gpu.is_software();
     gpu.sampler(&wgpu::SamplerDescriptor {
         label: Some("material"),
         address_mode_u: address(sampling.wrap_u),

@@ -26,7 +26,10 @@ pub struct Opening {
     pub scene: String,
     /// Size of the window \[pixels\]; none: as it was last.
     pub size: Option<[u32; 2]>,
-    /// Frames per second that it holds by drawing them smaller; none: always at full size.
+    /// Part of the view's size that is drawn.
+    pub scale: f32,
+    /// Frames per second that it holds by drawing them smaller while anything moves, 0 for always at full size; none: as
+    /// [`FrameBudget::choose`](lightwell_runtime::frame_budget::FrameBudget::choose) has it.
     pub frames_per_second: Option<f32>,
     /// Choices that change the picture.
     pub look: LookArgs,

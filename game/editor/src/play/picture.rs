@@ -5,10 +5,13 @@ use super::render_thread::{Finished, Purpose};
 use anyhow::Result;
 use lightwell::graph::{FrameReport, GraphError};
 use lightwell::profile::FrameRecorder;
-use lightwell::render::{RenderError, RenderSettings};
+use lightwell::render::{MOST_FRAMES, RenderError, RenderSettings};
 use lightwell::scene::{SceneCamera, SceneView};
 use lightwell_runtime::session::Objects;
 use std::time::{Duration, Instant};
+
+/// For so long after a change the view counts as in motion: pictures have the size that the frame budget says.
+const CALM: Duration = Duration::from_millis(400);
 
 /// Pictures that come as soon are shown in the same frame of the interface that asked for them.
 const SOON: Duration = Duration::from_millis(20);
@@ -27,6 +30,11 @@ pub struct Picture {
     /// What it was made of; empty: it is to be drawn anew.
     key: String,
     view: Option<SceneView>,
+    /// What was to be seen in it, whatever its size, and when that changed.
+    subject: String,
+    changed: Option<Instant>,
+    /// Whether the picture that was begun last is one of motion.
+    is_moving: bool,
 }
 
 impl Picture {
@@ -38,6 +46,21 @@ impl Picture {
     /// Has it drawn anew even if nothing changed.
     pub fn forget(&mut self) {
         self.key.clear();
+    }
+
+    /// Takes note of what is to be seen: whether that is new.
+    fn note(&mut self, subject: &str) -> bool {
+        let is_new = self.subject != subject;
+        if is_new {
+            subject.clone_into(&mut self.subject);
+            self.changed = Some(Instant::now());
+        }
+        is_new
+    }
+
+    /// When the view comes to rest, if nothing changes until then; none: it rests.
+    fn rests_at(&self) -> Option<Instant> {
+        self.changed.map(|changed| changed + CALM).filter(|at| *at > Instant::now())
     }
 
     /// Whether it is drawn again though nothing changed.
@@ -58,21 +81,36 @@ impl Player {
             if self.job.is_some() {
                 self.continue_export();
             } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
-                let size = self.editor.view.size;
-                let begun = self.begin_picture(self.budget.as_ref().map_or(size, |budget| budget.size(size)));
-                begun.unwrap_or_else(|error| self.failed(&error));
+                self.begin_picture().unwrap_or_else(|error| self.failed(&error));
             }
+        } else if self.budget.is_some() && self.job.is_none() && !self.picture.is_moving {
+            self.drop_outdated();
         }
         self.take_picture(frame, SOON)
     }
 
-    fn begin_picture(&mut self, size: [u32; 2]) -> Result<()> {
-        let (view, settings) = self.wanted(size)?;
-        let (scene, shaders) = (self.session.scene(), self.session.gpu.shaders.revision());
-        let key = format!(
-            "{shaders} {} {:?} {:?} {:?} {settings:?} {view:?}",
-            scene.identity, scene.revisions, scene.vpl, scene.slc
-        );
+    /// Drops a picture of the view at rest once something else is to be seen: it may take seconds, and one of motion does
+    /// not.
+    fn drop_outdated(&mut self) {
+        let Ok((_, _, subject)) = self.wanted() else { return };
+        if self.picture.note(&subject) {
+            self.render_thread.drop_frame();
+        }
+    }
+
+    fn begin_picture(&mut self) -> Result<()> {
+        let (mut view, settings, subject) = self.wanted()?;
+        self.picture.note(&subject);
+        let rests_at = self.picture.rests_at();
+        self.picture.is_moving = self.clock.playing || self.play.is_some() || rests_at.is_some();
+        if let Some(budget) = self.budget.as_ref().filter(|_| self.picture.is_moving) {
+            view.size = budget.size(view.size);
+            // At rest it is drawn in full size.
+            if let Some(at) = rests_at {
+                self.repaint_at = Some(self.repaint_at.map_or(at, |known| known.min(at)));
+            }
+        }
+        let key = format!("{subject} {:?}", view.size);
         if key == self.picture.key && !self.picture.gets_better() {
             return self.measure_late();
         }
@@ -84,16 +122,33 @@ impl Player {
         Ok(())
     }
 
-    fn wanted(&self, size: [u32; 2]) -> Result<(SceneView, RenderSettings)> {
+    /// The view in full size, how it is drawn, and a text that is equal for what looks equal.
+    fn wanted(&self) -> Result<(SceneView, RenderSettings, String)> {
         let limit = self.session.gpu.limits.max_texture_dimension_2d;
-        let view = SceneView { camera: self.eye()?, size: size.map(|edge| edge.min(limit)), jitter: [0.0; 2] };
+        let size = self.editor.view.size.map(|edge| ((edge as f32 * self.scale).ceil() as u32).clamp(1, limit));
+        let view = SceneView { camera: self.eye()?, size, jitter: [0.0; 2] };
         let world = self.world();
         let shown = self.session.rendering.display_settings(world);
         let mut settings = RenderSettings { beside: self.session.beside, ..shown };
         settings.debug.outlined = self.editor.outlined(world);
         // One sample a frame: the image gets better while it is looked at.
         settings.reference.samples_a_frame = 1;
-        Ok((view, settings))
+        let (scene, shaders) = (self.session.scene(), self.session.gpu.shaders.revision());
+        let subject = format!(
+            "{shaders} {} {:?} {:?} {:?} {settings:?} {:?}",
+            scene.identity, scene.revisions, scene.vpl, scene.slc, view.camera
+        );
+        Ok((view, settings, subject))
+    }
+
+    /// How large the picture is drawn and why, and how far one at rest is.
+    pub(super) fn said_of_size(&self) -> Option<String> {
+        let budget = self.budget.as_ref()?;
+        let averaged = self.session.rendering.renderer.averaged();
+        match averaged.filter(|_| !self.picture.is_moving && self.render_thread.is_idle()) {
+            Some(frames) => Some(format!("at rest: {frames} of {MOST_FRAMES} frames")),
+            None => Some(budget.status()),
+        }
     }
 
     /// Measures the error that had to wait.
@@ -160,7 +215,8 @@ impl Player {
     /// Tells the budget how long a frame took, on the render thread or on the device. One that the path tracer worked on
     /// tells nothing.
     fn note_time(&mut self, report: &FrameReport, took: Duration) {
-        let Some(budget) = self.budget.as_mut().filter(|_| self.session.tracing().is_none()) else { return };
+        let counts = self.picture.is_moving && self.session.tracing().is_none();
+        let Some(budget) = self.budget.as_mut().filter(|_| counts) else { return };
         let device: f64 = report.passes.iter().filter_map(|pass| pass.gpu_ms).sum();
         let seconds = took.as_secs_f64().max(1e-3 * device) as f32;
         budget.note(seconds, seconds);

@@ -17,7 +17,7 @@ use lightwell::graph::FrameReport;
 use lightwell::profile::{FrameRecorder, Profiler};
 use lightwell::world::GameWorld;
 use lightwell_runtime::cli::Common;
-use lightwell_runtime::frame_budget::FrameBudget;
+use lightwell_runtime::frame_budget::{FrameBudget, display_rate};
 use lightwell_runtime::session::{self, Session};
 use lightwell_runtime::watch::{Change, SceneWatcher};
 use lightwell_runtime::window::{GatheredInput, Painted, Screen, UiSurface};
@@ -47,6 +47,8 @@ pub struct Player {
     pub(super) comparison: Comparison,
     pub(super) camera: FlyCamera,
     /// How large frames are drawn; none: as large as they are shown.
+    /// Part of the view's size that is drawn.
+    pub(super) scale: f32,
     pub(super) budget: Option<FrameBudget>,
     pub(super) memory: Memory,
     pub(super) memory_file: Option<PathBuf>,
@@ -104,6 +106,8 @@ impl Player {
         let new_game = own.new_game.clone().unwrap_or_else(|| Rc::new(move || Ok(plain(&options))));
         lightwell::files::remove_leftovers(session.path());
         let render_thread = RenderThread::new(&session.gpu);
+        let (display, is_software) = (display_rate(&window), session.gpu.is_software());
+        let budget = FrameBudget::choose(args.frames_per_second, 1.0, display, is_software);
         let mut player = Self {
             watcher: SceneWatcher::new(session.path(), &session.watched_files()),
             clock: PlayClock::new(&session.settings()),
@@ -114,7 +118,8 @@ impl Player {
             ui,
             editor: Editor::default(),
             camera: FlyCamera::default(),
-            budget: args.frames_per_second.and_then(|rate| FrameBudget::new(rate, 1.0)),
+            scale: args.scale,
+            budget,
             memory,
             memory_file: Memory::file(),
             last_frame: Instant::now(),
@@ -281,6 +286,7 @@ impl Player {
             export: self.job.as_ref().map(super::export::Job::progress),
         };
         let image = self.ui.image();
+        let budget = self.said_of_size();
         let parts = self.session.parts();
         let (world, files, playing) = match self.play.as_mut().filter(|_| !edited) {
             None => (parts.world, parts.files, None),
@@ -311,7 +317,7 @@ impl Player {
                 tracing,
                 live_error: self.meter.error,
                 adapter: &adapter,
-                budget: self.budget.as_ref().map(FrameBudget::status),
+                budget,
                 working,
                 playing,
             },

@@ -21,8 +21,19 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
 /// # Errors
 /// If it is no number from 1 to 1000.
 pub fn parse_frame_rate(text: &str) -> Result<f32, String> {
-    let rate = text.parse().ok().filter(|rate| (1.0..=1000.0).contains(rate));
-    rate.ok_or_else(|| "give a number of frames per second from 1 to 1000".to_owned())
+    let rate = text.parse().ok().filter(|rate| *rate == 0.0 || (1.0..=1000.0).contains(rate));
+    rate.ok_or_else(|| {
+        "give a number of frames per second from 1 to 1000, or 0 for frames of the window's size".to_owned()
+    })
+}
+
+/// Part of a window's size that is drawn.
+///
+/// # Errors
+/// If it is not from 0.1 to 1.
+pub fn parse_scale(text: &str) -> Result<f32, String> {
+    let scale = text.parse().ok().filter(|scale| (0.1..=1.0).contains(scale));
+    scale.ok_or_else(|| "give a number from 0.1 to 1".to_owned())
 }
 
 /// A path and its value, from `PATH=VALUE`.

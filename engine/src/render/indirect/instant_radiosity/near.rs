@@ -124,7 +124,7 @@ impl<'a> Work<'a> {
         let step = (cx.work_a_submit(RAYS_A_SUBMIT) / (u64::from(width) * rays) / 8).clamp(1, 1 << 16) as usize * 8;
         for first_row in (0..height).step_by(step) {
             let rows = (height - first_row).min(step as u32);
-            cx.work(u64::from(rows) * u64::from(width) * rays, RAYS_A_SUBMIT);
+            cx.work(u64::from(rows) * u64::from(width) * rays, RAYS_A_SUBMIT)?;
             self.dispatch(cx, inputs, brought, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
         }
         Ok(())

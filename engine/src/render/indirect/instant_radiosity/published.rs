@@ -70,7 +70,7 @@ impl Work<'_> {
         let lights = range(self.state, &self.lights, self.frame.settings.virtual_light)?;
         cx.counts().lights += u64::from(lights.end - lights.start);
         for index in lights {
-            cx.work(1, LIGHTS_A_SUBMIT);
+            cx.work(1, LIGHTS_A_SUBMIT)?;
             self.draw(cx, index)?;
         }
         Ok(())

@@ -116,7 +116,7 @@ impl Work<'_> {
             let end = (first / ALIGNMENT * ALIGNMENT).saturating_add(step).min(range.end);
             let pairs = |lights: u32| u64::from(lights) * width * height;
             // How many lights a dispatch sums decides how the sums are rounded: only the submits follow the time.
-            cx.work(pairs(end - first), pairs(step));
+            cx.work(pairs(end - first), pairs(step))?;
             self.dispatch(cx, first..end, [first == range.start, end == range.end])?;
             if end == range.end {
                 return Ok(());

@@ -214,7 +214,7 @@ fn check_memory(gpu: &Gpu, method: &Method, size: [u32; 2]) -> Result<(), Render
 /// some. A ray takes up to some hundred turns.
 fn check_loops(gpu: &Gpu, method: &Method) -> Result<(), RenderError> {
     const MOST: u64 = 65_535;
-    let unculled = method.settings.culling == LightCulling::None && gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let unculled = method.settings.culling == LightCulling::None && gpu.is_software();
     let lobes = method.lobes().into_iter().filter(|shines| *shines).count() as u64;
     let a_lobe = match casts_rays(&method.settings) {
         true => 256 * u64::from(method.lights),

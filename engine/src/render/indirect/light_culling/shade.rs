@@ -85,7 +85,7 @@ pub(super) fn declare<'a>(
             if let Some([masks, slices]) = &masks {
                 group.extend([("masks", Binding::Buffer(masks)), ("slices", Binding::Buffer(slices))]);
             }
-            cx.work(u64::from(count), u64::from(batch));
+            cx.work(u64::from(count), u64::from(batch))?;
             let groups = [method.tiles[0], method.tiles[1], count];
             match scene {
                 Some(scene) => {

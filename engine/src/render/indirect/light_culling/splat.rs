@@ -151,7 +151,7 @@ fn declare_atlas<'a>(
     let (frame, method) = (frame.clone(), method.clone());
     pass.execute(move |cx| {
         for row in 0..n {
-            cx.work(1, 1);
+            cx.work(1, 1)?;
             draw_row(cx, &frame, &method, [surfaces.as_slice(), &[atlas.diffuse, atlas.specular]], buffers, row, part)?;
         }
         Ok(())

@@ -218,8 +218,7 @@ impl PathTracer {
         let progress = self.progress.as_ref().ok_or(TraceError::Nothing)?;
         let [width, height] = progress.subject.view.size;
         let end = progress.samples.saturating_add(samples);
-        let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-        let at_once = if is_software { SAMPLES_A_DISPATCH_ON_SOFTWARE } else { SAMPLES_A_DISPATCH };
+        let at_once = if gpu.is_software() { SAMPLES_A_DISPATCH_ON_SOFTWARE } else { SAMPLES_A_DISPATCH };
         while self.samples() < end {
             let first_sample = self.samples();
             let samples = (end - first_sample).min(at_once);

@@ -66,7 +66,7 @@ pub(super) fn declare<'a>(
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
-            cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT);
+            cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT)?;
             let uniform = FirstBounceUniform {
                 root: scene.root(),
                 light_count: scene.light_count,

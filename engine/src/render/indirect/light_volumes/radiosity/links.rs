@@ -60,7 +60,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
         let written = Written { surfels, found };
         for first in (0..count).step_by(surfels_a_submit as usize) {
             let surfels_now = (count - first).min(surfels_a_submit as u32);
-            cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT);
+            cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT)?;
             for first_ray in cast.clone().step_by(rays.at_once() as usize) {
                 dispatch(cx, &frame, scene, written, rays, [first, surfels_now, first_ray])?;
             }

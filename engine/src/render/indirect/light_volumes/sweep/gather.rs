@@ -147,7 +147,7 @@ impl Work<'_> {
         let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
         for first_row in (0..height).step_by(step) {
             let rows = (height - first_row).min(step as u32);
-            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT);
+            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT)?;
             self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
         }
         Ok(())

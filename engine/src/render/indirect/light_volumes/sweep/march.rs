@@ -91,7 +91,7 @@ pub(super) fn directions_a_round(volume: &Volume, directions: &Directions, preci
 /// Directions that one workgroup takes through the grid. They share what is read of a cell, so that few processors do best
 /// with few workgroups, and graphics cards with many. It divides those of a quadrant.
 fn directions_a_workgroup(gpu: &Gpu, quarter: u32, most: u32) -> u32 {
-    let wanted = if gpu.info.device_type == wgpu::DeviceType::Cpu { quarter } else { 2 };
+    let wanted = if gpu.is_software() { quarter } else { 2 };
     (1..=wanted.min(most)).rev().find(|chunk| quarter.is_multiple_of(*chunk)).unwrap_or(1)
 }
 
@@ -125,7 +125,7 @@ pub(super) fn sweep(
     for first in (0..all).step_by(a_round as usize) {
         let end = all.min(first + a_round);
         // A submit stays short even for the largest grids.
-        cx.work(u64::from(end - first), u64::from(a_round));
+        cx.work(u64::from(end - first), u64::from(a_round))?;
         work.round(cx, first..end)?;
     }
     cx.counts().cells += u64::from(volume.cell_count()) * directions.values.len() as u64;

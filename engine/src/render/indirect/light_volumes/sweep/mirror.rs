@@ -97,7 +97,7 @@ impl Work<'_> {
         let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
         for first_row in (0..height).step_by(step) {
             let rows = (height - first_row).min(step as u32);
-            cx.work(u64::from(rows) * paths_a_row, PATHS_A_SUBMIT);
+            cx.work(u64::from(rows) * paths_a_row, PATHS_A_SUBMIT)?;
             self.dispatch(cx, scene, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
         }
         Ok(())
