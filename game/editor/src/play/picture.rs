@@ -5,7 +5,7 @@ use super::render_thread::{Finished, Purpose};
 use anyhow::Result;
 use lightwell::graph::{FrameReport, GraphError};
 use lightwell::profile::FrameRecorder;
-use lightwell::render::{MOST_FRAMES, RenderError, RenderSettings};
+use lightwell::render::{GiMethod, MOST_FRAMES, RenderError, RenderSettings};
 use lightwell::scene::{SceneCamera, SceneView};
 use lightwell_runtime::session::Objects;
 use std::time::{Duration, Instant};
@@ -99,7 +99,12 @@ impl Player {
     }
 
     fn begin_picture(&mut self) -> Result<()> {
-        let (mut view, settings, subject) = self.wanted()?;
+        let (mut view, mut settings, subject) = self.wanted()?;
+        // The first picture comes soon: indirect light takes longer, and so does making its shaders.
+        let is_first = self.picture.shown.is_none();
+        if is_first && settings.gi != GiMethod::REFERENCE {
+            settings.gi = GiMethod::NONE;
+        }
         self.picture.note(&subject);
         let rests_at = self.picture.rests_at();
         self.picture.is_moving = self.clock.playing || self.play.is_some() || rests_at.is_some();
@@ -110,7 +115,7 @@ impl Player {
                 self.repaint_at = Some(self.repaint_at.map_or(at, |known| known.min(at)));
             }
         }
-        let key = format!("{subject} {:?}", view.size);
+        let key = format!("{subject} {:?} {is_first}", view.size);
         if key == self.picture.key && !self.picture.gets_better() {
             return self.measure_late();
         }
