@@ -10,8 +10,9 @@ pub use glam::{Quat, Vec2, Vec3};
 pub use lightwell;
 pub use lightwell::files::SceneData;
 pub use lightwell::game::{
-    Actions, Button, Contact, CurrentScene, Draw, FixedUpdate, Game, GameCommands, Hit, Input, InputEvent, InputScript, Key,
-    LightProbe, MouseButton, NonSolid, OnSceneEnter, PadButton, Persistent, SpatialQuery, Stick, Time, Timer, Update,
+    Actions, Button, Contact, CurrentScene, Draw, FixedUpdate, Game, GameCommands, Hit, Input, InputEvent, InputScript,
+    Key, LightProbe, MouseButton, NonSolid, OnSceneEnter, PadButton, Persistent, SpatialQuery, Stick, Time, Timer,
+    Update,
 };
 pub use lightwell::world::{
     Camera, Fog, FogShape, GlobalTransform, Light, LightKind, MeshRenderer, Name, Particles, Projection, Transform,
