@@ -393,7 +393,7 @@ pub struct Clpv {
     /// ambient occlusion; 0: none. With `transport: Diffusion` alone.
     pub ambient_occlusion: f32,
     /// Texels of all reflective shadow maps that are injected, drawn in proportion to the flux that they reflect, 0 to
-    /// 65,536; 0: all texels. With `transport: Diffusion` alone.
+    /// 65536; 0: all texels. With `transport: Diffusion` alone.
     pub rsm_samples: u32,
 }
 

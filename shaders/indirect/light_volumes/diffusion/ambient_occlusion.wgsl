@@ -2,8 +2,8 @@
 // depth image (Jimenez et al. 2016, "Practical realtime strategies for accurate indirect occlusion", GTAO).
 //
 // A slice is a plane through the line of sight. In it the horizon is searched on either side, and what lies between the two
-// horizons is integrated with the cosine in closed form. The sum is divided by that of the same slices without any
-// horizon: an open plane has exactly 1, however few the slices are.
+// horizons is integrated with the cosine in closed form. A pixel has one slice, and 4×4 pixels have 16. Their sum is divided
+// by that of the same slices without any horizon: an open plane has exactly 1.
 
 #import lightwell::gbuffer::{decode_normal, world_position}
 #import lightwell::sampling::basis
@@ -21,16 +21,16 @@ struct Occlusion {
 @group(0) @binding(2) var normal: texture_2d<u32>;
 @group(0) @binding(3) var depth: texture_depth_2d;
 @group(0) @binding(4) var noisy: texture_2d<f32>;
-@group(0) @binding(5) var visibility: texture_storage_2d<r32float, write>;
+@group(0) @binding(5) var integrals: texture_storage_2d<rg32float, write>;
+@group(0) @binding(6) var visibility: texture_storage_2d<r32float, write>;
 
 const PI: f32 = 3.14159265;
-const SLICES: u32 = 2u;    // of a pixel; the filter averages those of 16
-const STEPS: u32 = 8u;     // on either side
+const STEPS: u32 = 24u;    // on either side
 // Part of the radius from which on occluders fade.
 const FADE: f32 = 0.4;
-// Share by which a horizon sinks at a sample below it: depth does not tell how thick an occluder is, and it is taken to be
-// about as thick as it looks wide.
-const SINK: f32 = 0.2;
+// Depth does not tell how thick an occluder is: distances along the line of sight count by so much more for the fade, so that
+// what stands before a surface hides less of it than what stands beside it (XeGTAO's compensation of thin occluders).
+const THIN: f32 = 0.5;
 
 fn load_depth(pixel: vec2u) -> f32 {
     return textureLoad(depth, pixel, 0);
@@ -48,6 +48,7 @@ struct Receiver {
     pixel: vec2u,
     point: vec3f,
     n: vec3f,
+    sight: vec3f,          // unit, towards the eye
     error: f32,            // of points on the surface [m]
 }
 
@@ -76,17 +77,11 @@ fn horizon(receiver: Receiver, slice: Slice, side: f32, start: f32) -> f32 {
             break;
         }
         let z = load_depth(vec2u(at));
-        var found = 0.0;
-        var faded = 0.0;
         if z > 0.0 {
             let offset = world_position(vec2u(at), view.size, z, view.world_from_clip) - receiver.point;
-            found = elevation(receiver, slice, side, offset);
-            faded = found * saturate((1.0 - length(offset) / occlusion.radius) / (1.0 - FADE));
-        }
-        if faded >= highest {
-            highest = faded;
-        } else if found < highest {
-            highest = mix(highest, faded, SINK);
+            let stretched = offset + THIN * dot(offset, receiver.sight) * receiver.sight;
+            let kept = saturate((1.0 - length(stretched) / occlusion.radius) / (1.0 - FADE));
+            highest = max(highest, kept * elevation(receiver, slice, side, offset));
         }
     }
     return highest;
@@ -105,39 +100,34 @@ fn pattern(pixel: vec2u) -> vec2f {
     return vec2f(direction, start);
 }
 
-// Share of a hemisphere, weighted by the cosine, that nothing nearby hides.
-fn openness(receiver: Receiver) -> f32 {
-    let sight = normalize(toward_eye(view, receiver.point));
+// ∫ of the cosine in the pixel's slice, over what nothing nearby hides and over all.
+fn integrate(receiver: Receiver) -> vec2f {
+    let sight = receiver.sight;
     let frame = basis(sight);
-    let clip = view.clip_from_world * vec4f(receiver.point, 1.0);
     let noise = pattern(receiver.pixel);
-    var open = 0.0;
-    var whole = 0.0;
-    for (var i = 0u; i < SLICES; i++) {
-        let angle = (f32(i) + noise.x) * (PI / f32(SLICES));
-        let along = cos(angle) * frame[0] + sin(angle) * frame[1];
-        let across = cross(sight, along);
-        let projected = receiver.n - dot(receiver.n, across) * across;
-        let slope = length(projected);
-        // Pixels a metre: the slice's plane is a line on the screen.
-        let moved = view.clip_from_world * vec4f(along, 0.0);
-        let speed = (moved.xy - clip.xy / clip.w * moved.w) / clip.w * vec2f(0.5, -0.5) * vec2f(view.size);
-        let pace = length(speed);
-        if !(slope > 1e-4) || !(pace > 0.0) {
-            continue;
-        }
-        // No farther than the image's diagonal.
-        let pixels = min(pace * occlusion.radius, f32(view.size.x + view.size.y));
-        let slice = Slice(speed / pace, pixels, normalize(cross(across, projected)), slope);
-        let towards = dot(projected, along);
-        let tilt = acos(saturate(dot(projected, sight) / slope));
-        let gamma = select(tilt, -tilt, towards < 0.0);
-        let ahead = max(gamma + 0.5 * PI - horizon(receiver, slice, 1.0, noise.y), 0.0);
-        let behind = min(gamma - 0.5 * PI + horizon(receiver, slice, -1.0, noise.y), 0.0);
-        open += slope * (arc(ahead, gamma) + arc(behind, gamma));
-        whole += slope * (arc(gamma + 0.5 * PI, gamma) + arc(gamma - 0.5 * PI, gamma));
+    let angle = noise.x * PI;
+    let along = cos(angle) * frame[0] + sin(angle) * frame[1];
+    let across = cross(sight, along);
+    let projected = receiver.n - dot(receiver.n, across) * across;
+    let slope = length(projected);
+    // Pixels a metre: the slice's plane is a line on the screen.
+    let clip = view.clip_from_world * vec4f(receiver.point, 1.0);
+    let moved = view.clip_from_world * vec4f(along, 0.0);
+    let speed = (moved.xy - clip.xy / clip.w * moved.w) / clip.w * vec2f(0.5, -0.5) * vec2f(view.size);
+    let pace = length(speed);
+    if !(slope > 1e-4) || !(pace > 0.0) {
+        return vec2f(0.0);
     }
-    return select(1.0, saturate(open / whole), whole > 0.0);
+    // No farther than across the image.
+    let pixels = min(pace * occlusion.radius, f32(view.size.x + view.size.y));
+    let slice = Slice(speed / pace, pixels, normalize(cross(across, projected)), slope);
+    let tilt = acos(saturate(dot(projected, sight) / slope));
+    let gamma = select(tilt, -tilt, dot(projected, along) < 0.0);
+    let ahead = gamma + 0.5 * PI;
+    let behind = gamma - 0.5 * PI;
+    let open = arc(max(ahead - horizon(receiver, slice, 1.0, noise.y), 0.0), gamma)
+        + arc(min(behind + horizon(receiver, slice, -1.0, noise.y), 0.0), gamma);
+    return slope * vec2f(open, arc(ahead, gamma) + arc(behind, gamma));
 }
 
 fn pixel_of(thread: vec2u) -> vec2u {
@@ -151,16 +141,17 @@ fn occlude(@builtin(global_invocation_id) thread: vec3u) {
     }
     let pixel = pixel_of(thread.xy);
     let z = load_depth(pixel);
-    var open = 1.0;
+    var found = vec2f(0.0);
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let n = decode_normal(textureLoad(normal, pixel, 0));
-        open = openness(Receiver(pixel, point, n, position_error(view, point)));
+        let sight = normalize(toward_eye(view, point));
+        found = integrate(Receiver(pixel, point, n, sight, position_error(view, point)));
     }
-    textureStore(visibility, pixel, vec4f(open));
+    textureStore(integrals, pixel, vec4f(found, 0.0, 0.0));
 }
 
-// Mean over 4×4 pixels, one of each direction and start, as far as they lie near the tangent plane.
+// Share of the light that arrives, from the slices of 4×4 pixels as far as they lie near the tangent plane.
 @compute @workgroup_size(8, 8)
 fn denoise(@builtin(global_invocation_id) thread: vec3u) {
     if any(thread.xy >= occlusion.size) {
@@ -172,20 +163,16 @@ fn denoise(@builtin(global_invocation_id) thread: vec3u) {
     if z > 0.0 {
         let point = world_position(pixel, view.size, z, view.world_from_clip);
         let n = decode_normal(textureLoad(normal, pixel, 0));
-        var sum = 0.0;
-        var weights = 0.0;
+        var sum = vec2f(0.0);
         let low = max(vec2i(pixel) - 1, vec2i(occlusion.origin));
         let high = min(vec2i(pixel) + 2, vec2i(occlusion.origin + occlusion.size) - 1);
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x; x++) {
                 let at = vec2u(vec2i(x, y));
-                let w = nearness(at, pixel, point, n);
-                sum += w * textureLoad(noisy, at, 0).r;
-                weights += w;
+                sum += nearness(at, pixel, point, n) * textureLoad(noisy, at, 0).rg;
             }
         }
-        // The pixel itself has the weight 1.
-        open = sum / weights;
+        open = select(1.0, saturate(sum.x / sum.y), sum.y > 0.0);
     }
     textureStore(visibility, pixel, vec4f(open));
 }

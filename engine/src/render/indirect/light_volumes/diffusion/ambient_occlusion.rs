@@ -42,7 +42,8 @@ pub(super) fn declare<'a>(
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::R32Float, usage);
-    let noisy = graph.texture("noisy ambient occlusion", desc.clone());
+    let slices = TextureDesc::d2(width, height, wgpu::TextureFormat::Rg32Float, usage);
+    let noisy = graph.texture("slices of ambient occlusion", slices);
     let visibility = graph.retained_texture(NAME, desc);
     let mut pass = graph.pass(NAME);
     let inputs = [gbuffer.normal, gbuffer.depth];
@@ -65,7 +66,7 @@ pub(super) fn declare<'a>(
             ("depth", Binding::Texture(&depth)),
         ];
         let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
-        let occlude = [&inputs[..], &[("visibility", Binding::Texture(&noisy))]].concat();
+        let occlude = [&inputs[..], &[("integrals", Binding::Texture(&noisy))]].concat();
         cx.dispatch(&ComputeKey::new(SHADER, "occlude"), &occlude, groups)?;
         let denoise =
             [&inputs[..], &[("noisy", Binding::Texture(&noisy)), ("visibility", Binding::Texture(&visibility))]]

@@ -184,3 +184,82 @@ pub(in crate::render::indirect) fn uniform(settings: &Clpv, volumes: &[Volume]) 
         damping: finite(settings.gradient_damping),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneCamera, SceneId, ViewProjection};
+    use glam::{Affine3A, Mat4, Quat};
+
+    fn view(eye: Vec3, turn: Quat, projection: ViewProjection) -> SceneView {
+        let camera = SceneCamera {
+            id: SceneId(1),
+            name: "camera".into(),
+            world_from_view: Affine3A::from_rotation_translation(turn, eye),
+            projection,
+            near: 0.05,
+            far: None,
+            primary: true,
+            lens: Default::default(),
+            grading: None,
+        };
+        SceneView { camera, size: [203, 117], jitter: [0.3, -0.2] }
+    }
+
+    /// The pixel that shows a point before the camera.
+    fn pixel(view: &SceneView, point: Vec3) -> Option<UVec2> {
+        let clip_from_world: Mat4 = view.clip_from_world();
+        let clip = clip_from_world * point.extend(1.0);
+        if clip.w <= 0.0 || !(0.0..=1.0).contains(&(clip.z / clip.w)) {
+            return None;
+        }
+        let at = glam::Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5;
+        let size = UVec2::from(view.size);
+        let at = at * size.as_vec2();
+        (at.cmpge(glam::Vec2::ZERO).all() && at.cmplt(size.as_vec2()).all()).then(|| at.as_uvec2())
+    }
+
+    /// No pixel is left out that shows a point of a volume, or nearly one: what is left out is black all the same.
+    #[test]
+    fn all_points_of_all_volumes_are_relit() {
+        let mut state = 1_u32;
+        let mut random = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0
+        };
+        let (mut partial, mut shown) = (0, 0);
+        for case in 0..400 {
+            let mut vector = |size: f32| Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * size;
+            let (eye, turn, origin, other) = (vector(6.0), vector(6.0), vector(8.0), vector(8.0));
+            let turn = Quat::from_scaled_axis(turn);
+            let projection = match case % 3 {
+                0 => ViewProjection::Orthographic { height: 4.0 },
+                _ => ViewProjection::Perspective { vertical_fov: 0.9 },
+            };
+            let view = view(eye, turn, projection);
+            let volume = |origin: Vec3, cell: f32| Volume {
+                origin,
+                cell,
+                cells: glam::UVec3::new(4, 7, 5),
+                fade_center: origin,
+                fade_half: Vec3::ONE,
+            };
+            let volumes = [volume(origin, 0.1), volume(other, 0.2)];
+            let region = relit_region(&volumes, &view);
+            let end = region.origin + region.size;
+            assert!(end.cmple(UVec2::from(view.size)).all() && region.origin % TILE == UVec2::ZERO, "{region:?}");
+            partial += u32::from(region.size != UVec2::from(view.size));
+            for i in 0..200 {
+                let bounds = volumes[i % 2].bounds();
+                let at = Vec3::new(random(), random(), random()).map(|t| (1.2 * t - 0.1).clamp(0.0, 1.0));
+                let point = bounds.min + at * bounds.size();
+                if let Some(pixel) = pixel(&view, point) {
+                    shown += 1;
+                    let is_relit = pixel.cmpge(region.origin).all() && pixel.cmplt(end).all();
+                    assert!(is_relit, "{point} is at {pixel}, beyond {region:?}");
+                }
+            }
+        }
+        assert!(partial > 50 && shown > 5000, "{partial} views, {shown} points");
+    }
+}
