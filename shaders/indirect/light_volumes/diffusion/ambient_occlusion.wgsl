@@ -25,7 +25,9 @@ struct Occlusion {
 @group(0) @binding(6) var visibility: texture_storage_2d<r32float, write>;
 
 const PI: f32 = 3.14159265;
-const STEPS: u32 = 24u;    // on either side
+// Steps on either side, and halvings of the one in which the highest occluder ends.
+const STEPS: u32 = 16u;
+const HALVINGS: u32 = 3u;
 // Part of the radius from which on occluders fade.
 const FADE: f32 = 0.4;
 // Depth does not tell how thick an occluder is: distances along the line of sight count by so much more for the fade, so that
@@ -65,24 +67,48 @@ fn elevation(receiver: Receiver, slice: Slice, side: f32, offset: vec3f) -> f32 
     return select(angle, PI - angle, leans_over);
 }
 
+// How high what is seen so many pixels along the slice stands over the tangent plane, as far as it counts [rad].
+fn occluder(receiver: Receiver, slice: Slice, side: f32, pixels: f32) -> f32 {
+    let at = floor(vec2f(receiver.pixel) + 0.5 + side * pixels * slice.step);
+    if any(at < vec2f(0.0)) || any(at >= vec2f(view.size)) {
+        return 0.0;
+    }
+    let z = load_depth(vec2u(at));
+    if z <= 0.0 {
+        return 0.0;
+    }
+    let offset = world_position(vec2u(at), view.size, z, view.world_from_clip) - receiver.point;
+    let stretched = offset + THIN * dot(offset, receiver.sight) * receiver.sight;
+    let kept = saturate((1.0 - length(stretched) / occlusion.radius) / (1.0 - FADE));
+    return kept * elevation(receiver, slice, side, offset);
+}
+
+// Steps become longer with the distance.
+fn step_at(slice: Slice, i: f32) -> f32 {
+    let t = i / f32(STEPS);
+    return 1.0 + t * t * max(slice.pixels - 1.0, 0.0);
+}
+
 // The horizon over the tangent plane on one side of a slice [rad].
 fn horizon(receiver: Receiver, slice: Slice, side: f32, start: f32) -> f32 {
-    let size = vec2f(view.size);
     var highest = 0.0;
+    var near = 0.0;
     for (var i = 0u; i < STEPS; i++) {
-        let t = (f32(i) + start) / f32(STEPS);
-        let distance = 1.0 + t * t * max(slice.pixels - 1.0, 0.0);
-        let at = floor(vec2f(receiver.pixel) + 0.5 + side * distance * slice.step);
-        if any(at < vec2f(0.0)) || any(at >= size) {
-            break;
-        }
-        let z = load_depth(vec2u(at));
-        if z > 0.0 {
-            let offset = world_position(vec2u(at), view.size, z, view.world_from_clip) - receiver.point;
-            let stretched = offset + THIN * dot(offset, receiver.sight) * receiver.sight;
-            let kept = saturate((1.0 - length(stretched) / occlusion.radius) / (1.0 - FADE));
-            highest = max(highest, kept * elevation(receiver, slice, side, offset));
-        }
+        let at = f32(i) + start;
+        let found = occluder(receiver, slice, side, step_at(slice, at));
+        near = select(near, at, found > highest);
+        highest = max(highest, found);
+    }
+    if highest <= 0.0 {
+        return 0.0;
+    }
+    var far = near + 1.0;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (near + far);
+        let found = occluder(receiver, slice, side, step_at(slice, middle));
+        near = select(near, middle, found > highest);
+        far = select(middle, far, found > highest);
+        highest = max(highest, found);
     }
     return highest;
 }
