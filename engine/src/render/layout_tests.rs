@@ -16,12 +16,12 @@ use super::indirect::light_culling::{
     ChancesUniform, CullingUniform, DeltaUniform, ParticleLight, PlaceUniform, PlacingUniform,
 };
 use super::indirect::light_volumes::sweep::{
-    CollectUniform, DrawUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, MirrorFilterUniform,
-    MirrorUniform, ReachUniform, SumUniform, UpsampleUniform,
+    CollectUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, MirrorFilterUniform, MirrorUniform,
+    ReachUniform, SumUniform, UpsampleUniform,
 };
 use super::indirect::light_volumes::{
-    CameraSamplesUniform, EmissionUniform, FirstBounceUniform, LinksUniform, PropagationUniform, RelightUniform,
-    VolumeUniform,
+    CameraSamplesUniform, DrawUniform, EmissionUniform, FirstBounceUniform, LinksUniform, OcclusionUniform,
+    PropagationUniform, RelightUniform, RelitRegionUniform, VolumeUniform,
 };
 use super::indirect::mirror_average::MirrorAverageUniform;
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
@@ -113,10 +113,14 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, PropagationUniform::min_size().get(), printed, "Propagation");
     check(&gpu, RelightUniform::min_size().get(), "indirect/light_volumes/diffusion/relight.wgsl", "Relight");
     check(&gpu, RelightUniform::min_size().get(), "indirect/light_volumes/diffusion/gloss_march.wgsl", "Relight");
+    check(&gpu, RelitRegionUniform::min_size().get(), "indirect/light_volumes/diffusion/relight.wgsl", "Region");
+    let occlusion = "indirect/light_volumes/diffusion/ambient_occlusion.wgsl";
+    check(&gpu, OcclusionUniform::min_size().get(), occlusion, "Occlusion");
     check(&gpu, TraceUniform::min_size().get(), "indirect/path_tracer/path_trace.wgsl", "Trace");
     check(&gpu, GatherUniform::min_size().get(), "indirect/light_volumes/sweep/gather.wgsl", "Gather");
     check(&gpu, ReachUniform::min_size().get(), "indirect/light_volumes/sweep/gather_filter.wgsl", "Reach");
     check(&gpu, UpsampleUniform::min_size().get(), "indirect/light_volumes/sweep/gather_upsample.wgsl", "Upsample");
+    check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/diffusion/inject_samples.wgsl", "Draw");
     check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/rsm_samples.wgsl", "Draw");
     check(&gpu, ResolveUniform::min_size().get(), "indirect/path_tracer/resolve.wgsl", "Resolve");
     let particle_lights = "indirect/light_culling/particle_lights.wgsl";

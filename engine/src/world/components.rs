@@ -389,6 +389,12 @@ pub struct Clpv {
     pub gradient_damping: f32,
     /// What glossy surfaces reflect; with `transport: Diffusion` alone.
     pub gloss_march: GlossMarch,
+    /// Radius within which surfaces that the camera sees keep the volumes' light from each other \[m\], by screen-space
+    /// ambient occlusion; 0: none. With `transport: Diffusion` alone.
+    pub ambient_occlusion: f32,
+    /// Texels of all reflective shadow maps that are injected, drawn in proportion to the flux that they reflect, 0 to
+    /// 65536; 0: all texels. With `transport: Diffusion` alone.
+    pub rsm_samples: u32,
 }
 
 impl Default for Clpv {
@@ -418,6 +424,8 @@ impl Default for Clpv {
             formulas: Formulas::Corrected,
             gradient_damping: 0.0,
             gloss_march: GlossMarch::Off,
+            ambient_occlusion: 0.0,
+            rsm_samples: 0,
         }
     }
 }

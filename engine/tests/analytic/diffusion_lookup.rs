@@ -211,3 +211,47 @@ fn the_coarsest_cascade_fades_into_the_outside_where_that_is_asked_for() {
         assert_close(rgb(&faded, x, y), rgb(&whole, x, y) * share, 3e-3, &format!("pixel {x} {y}"));
     }
 }
+
+/// Relighting leaves out tiles that show no volume, and says how many. What lies outside of the volume is black, in those
+/// tiles and in the others.
+#[test]
+fn tiles_that_show_no_volume_are_left_out() {
+    let gpu = gpu();
+    let clpv = Clpv { cells: [3, 3, 3], ..settings() };
+    let mut stage = stage(Material::diffuse("floor", Vec3::ONE), clpv.clone());
+    let settings = RenderSettings { gi: GiMethod::CLPV, only: Layer::Indirect, ..Default::default() };
+    let (eye, center) = (stage.view.eye(), Vec3::new(-0.4, 0.3, -1.2));
+    stage.clpv(center, clpv);
+    for is_in_view in [true, false] {
+        if !is_in_view {
+            // It lies behind the camera.
+            stage.view = Stage::new(eye, eye + Vec3::new(0.0, 2.0, 1.0), EDGE).view;
+        }
+        let (image, report) = stage.render_with(&gpu, &mut Renderer::new(&gpu), &settings);
+        let left_out = report.pass("relight, tiles").expect("a count").why.clone();
+        let count: u64 = left_out.split(' ').next().and_then(|word| word.parse().ok()).expect("a number");
+        assert_eq!(report.pass("relight").expect("a pass").counts.texels, 64 * (36 - count), "{left_out}");
+        assert_eq!((count == 36, count > 4 && count < 36), (!is_in_view, is_in_view), "{left_out}");
+        let mut lit = 0;
+        for (x, y) in (0..EDGE).flat_map(|y| (0..EDGE).map(move |x| (x, y))) {
+            let ray = stage.ray(x, y);
+            let point = eye - ray * (eye.y / ray.y);
+            let is_lit = rgb(&image, x, y).max_element() > 0.0;
+            let off = (point - center).abs().max_element() / (1.5 * CELL);
+            // Not the wall, which hides a part of the floor.
+            assert!(!is_lit || off < 1.01 || point.x < -1.3, "pixel {x} {y} at {point}");
+            lit += u32::from(is_lit);
+        }
+        assert_eq!(lit > 50, is_in_view, "{lit} pixels");
+    }
+}
+
+/// A volume so large that its corners leave the range of floats is relit everywhere.
+#[test]
+fn volumes_beyond_floats_are_finite() {
+    let gpu = gpu();
+    for size in [1e30, 3e37, 1e-30] {
+        let clpv = Clpv { cell_size: CellSize::Meters(size), ..settings() };
+        draw(&gpu, &stage(Material::diffuse("floor", Vec3::ONE), clpv));
+    }
+}

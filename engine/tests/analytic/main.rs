@@ -1,11 +1,13 @@
 //! Light that can be computed by hand: form factors, closed rooms, a light in empty space.
 
 mod alpha_mask;
+mod ambient_occlusion;
 mod area_lights;
 mod as_published;
 mod blend;
 mod depth_of_field;
 mod diffusion_lookup;
+mod diffusion_sources;
 mod direct_light;
 mod double_sided_shells;
 mod formulas;

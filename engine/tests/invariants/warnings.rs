@@ -6,7 +6,7 @@ use lightwell::assets::{Material, Shape};
 use lightwell::render::{GiMethod, RenderSettings, Renderer};
 use lightwell::scene::LightShape;
 use lightwell::world::{
-    CellSize, Clpv, ClpvPlacement, GatherRays, InstantRadiosity, Quality, VirtualPlacement, VirtualShading,
+    CellSize, Clpv, ClpvPlacement, GatherRays, InstantRadiosity, Quality, Transport, VirtualPlacement, VirtualShading,
 };
 
 fn stage() -> Stage {
@@ -67,6 +67,17 @@ fn of_what_virtual_lights_leave_out() {
     assert!(lost.len() == 1 && lost[0].contains("`Virtual lights`") && lost[0].contains("`glow`"), "{lost:?}");
     let lost = told(InstantRadiosity { shading: VirtualShading::AsPublished, ..Default::default() });
     assert!(lost.len() == 2 && lost[0].contains("sky") && lost[1].contains("`glow`"), "{lost:?}");
+}
+
+/// The diffusion takes what emits, light culling does not.
+#[test]
+fn of_surfaces_that_emit() {
+    let (gpu, mut stage) = (gpu(), stage());
+    let mut renderer = Renderer::new(&gpu);
+    let lost = warnings(&stage, &mut renderer, &gpu, GiMethod::SLC);
+    assert!(lost.len() == 1 && lost[0].contains("`glow`") && lost[0].contains("light nothing"), "{lost:?}");
+    stage.clpv(Vec3::ZERO, Clpv { transport: Transport::Diffusion, ..Default::default() });
+    assert_eq!(warnings(&stage, &mut renderer, &gpu, GiMethod::CLPV), Vec::<String>::new());
 }
 
 /// Those of the scene come first, whatever draws it.

@@ -94,6 +94,27 @@ const BAD_SCENES: &[(&str, Kind, &str, &str)] = &[
         "rsm_size",
         "4 to 2048",
     ),
+    (
+        "(entities: [(name: \"A\", clpv: (ambient_occlusion: ‸NaN))])",
+        Kind::BadValue,
+        "ambient_occlusion",
+        "0 to 1000000",
+    ),
+    (
+        "(entities: [(name: \"A\", clpv: (ambient_occlusion: ‸-1))])",
+        Kind::BadValue,
+        "ambient_occlusion",
+        "0 to 1000000",
+    ),
+    (
+        "(entities: [(name: \"A\", clpv: (ambient_occlusion: ‸1e9))])",
+        Kind::BadValue,
+        "ambient_occlusion",
+        "0 to 1000000",
+    ),
+    ("(entities: [(name: \"A\", clpv: (rsm_samples: ‸1000000000))])", Kind::BadValue, "rsm_samples", "1 to 65536"),
+    ("(entities: [(name: \"A\", clpv: (rsm_samples: ‸-1))])", Kind::BadValue, "out of bounds", ""),
+    ("(entities: [(name: \"A\", clpv: (gradient_damping: ‸NaN))])", Kind::BadValue, "gradient_damping", "0 to 1000000"),
     ("(entities: [(name: \"A\", camera: (fov: ‸180))])", Kind::BadValue, "fov", "180"),
     ("(entities: [(name: \"A\", camera: (near: 1, far: ‸0.5))])", Kind::BadValue, "far", "behind"),
     (

@@ -276,7 +276,11 @@ impl Validator {
         self.number("gain", c.gain, 0.0, 1e6)?;
         self.number("border_fade", c.border_fade, 0.0, 128.0)?;
         self.number("outside_fade", c.outside_fade, 0.0, 128.0)?;
-        self.number("gradient_damping", c.gradient_damping, 0.0, 1e6)
+        self.number("gradient_damping", c.gradient_damping, 0.0, 1e6)?;
+        self.number("ambient_occlusion", c.ambient_occlusion, 0.0, 1e6)?;
+        let samples = c.rsm_samples;
+        let help = "use 1 to 65536 texels, or 0 for all of them";
+        self.require(samples <= 65_536, "rsm_samples", format!("`rsm_samples` is {samples}"), help)
     }
 
     pub(super) fn vpl(&mut self, c: &InstantRadiosity) -> Checked {

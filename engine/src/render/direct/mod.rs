@@ -248,6 +248,9 @@ pub(in crate::render) fn region_around(reach: &Aabb, view: &SceneView) -> Option
     }
     let size = glam::Vec2::new(view.size[0] as f32, view.size[1] as f32);
     let pixels = corners.map(|c| (glam::Vec2::new(c.x, -c.y) / c.w * 0.5 + 0.5) * size);
+    if !pixels.iter().all(|pixel| pixel.is_finite()) {
+        return Some(full);
+    }
     let low = pixels.iter().fold(size, |low, p| low.min(*p)).floor().max(glam::Vec2::ZERO);
     let high = pixels.iter().fold(glam::Vec2::ZERO, |high, p| high.max(*p)).ceil().min(size);
     let (low, high) = (low.as_uvec2(), high.as_uvec2());

@@ -105,6 +105,8 @@ fn sanitized(clpv: &Clpv) -> Clpv {
         border_fade: positive(clpv.border_fade, default.border_fade),
         outside_fade: positive(clpv.outside_fade, default.outside_fade),
         gradient_damping: positive(clpv.gradient_damping, default.gradient_damping).min(1e6),
+        ambient_occlusion: positive(clpv.ambient_occlusion, default.ambient_occlusion).min(1e6),
+        rsm_samples: clpv.rsm_samples.min(65_536),
         ..clpv.clone()
     }
 }

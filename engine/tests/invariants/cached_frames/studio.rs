@@ -172,7 +172,7 @@ pub const METHODS: [fn(&mut Studio); 13] = [
     },
 ];
 
-const SETTINGS: usize = 24;
+const SETTINGS: usize = 26;
 
 const SURFACES: usize = 11;
 const SKIES: usize = 7;
@@ -391,6 +391,8 @@ impl Studio {
                     GlossMarch::InverseSquare => GlossMarch::Off,
                 };
             }),
+            (GiMethod::CLPV, 24) => self.clpv(|clpv| clpv.ambient_occlusion = 0.5 - clpv.ambient_occlusion),
+            (GiMethod::CLPV, 25) => self.clpv(|clpv| clpv.rsm_samples = 200 - clpv.rsm_samples),
             (_, 12..) => self.effect(which - 12),
             _ => {}
         }

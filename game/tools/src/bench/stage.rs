@@ -34,7 +34,11 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "EMI", what: "emission of surfels, and of their bounces", passes: &["emit", "flux of the bounces"] },
     Stage { name: "SWP", what: "sweep the directions", passes: &["sweep"] },
     Stage { name: "RCV", what: "light received by surfels", passes: &["receive", "add"] },
-    Stage { name: "REL", what: "relight", passes: &["relight", "gloss", "sky levels", "sky reflection"] },
+    Stage {
+        name: "REL",
+        what: "relight",
+        passes: &["relight", "ambient occlusion", "gloss", "sky levels", "sky reflection"],
+    },
     Stage {
         name: "GAT",
         what: "final gather by rays, and its filter",

@@ -34,7 +34,7 @@ impl IndirectMethod for LightVolumesMethod {
     }
 
     fn varies(&self, scene: &Scene) -> bool {
-        settings(scene).is_some_and(|clpv| gather::is_wanted(clpv) || sweep::varies(clpv))
+        settings(scene).is_some_and(|clpv| gather::is_wanted(clpv) || sweep::varies(clpv) || diffusion::varies(clpv))
     }
 
     fn rays(&self, scene: &Scene) -> RayUse {

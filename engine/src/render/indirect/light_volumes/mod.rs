@@ -6,16 +6,21 @@
 mod diffusion;
 mod method;
 pub(in crate::render) mod radiosity;
+mod rsm_draw;
 pub mod sweep;
 mod texels;
 mod volume;
 
 pub(crate) use diffusion::relight::RelightUniform;
 #[cfg(test)]
-pub(crate) use diffusion::{CameraSamplesUniform, EmissionUniform, PropagationUniform};
+pub(crate) use diffusion::{
+    CameraSamplesUniform, EmissionUniform, OcclusionUniform, PropagationUniform, RelitRegionUniform,
+};
 pub(in crate::render) use method::LightVolumesMethod;
 #[cfg(test)]
 pub(crate) use radiosity::{FirstBounceUniform, LinksUniform};
+#[cfg(test)]
+pub(crate) use rsm_draw::DrawUniform;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 

@@ -28,7 +28,7 @@ const MOMENT: f64 = 1.0;
 /// Changes of a setting, as `--set` writes them.
 type Sets<'a> = &'a [(&'a str, &'a str)];
 /// The settings whose errors are compared, by what they change of those that the thesis evaluated.
-const VARIANTS: [(&str, Sets); 8] = [
+const VARIANTS: [(&str, Sets); 12] = [
     ("as evaluated", &[]),
     ("without gradient damping", &[("clpv.gradient_damping", "0")]),
     ("with gradient damping", &[("clpv.gradient_damping", "1")]),
@@ -37,6 +37,11 @@ const VARIANTS: [(&str, Sets); 8] = [
     ("gloss march, weights 1/d²", &[("clpv.gloss_march", "InverseSquare")]),
     ("printed formulas", &[("clpv.formulas", "Printed")]),
     ("printed formulas, with their bounce", &[("clpv.formulas", "Printed"), ("clpv.bounce", "true")]),
+    // Of the thesis's future work (8.2).
+    ("ambient occlusion of 0.4 m", &[("clpv.ambient_occlusion", "0.4")]),
+    ("ambient occlusion of 1.6 m", &[("clpv.ambient_occlusion", "1.6")]),
+    ("1,024 texels by flux", &[("clpv.rsm_samples", "1024")]),
+    ("8,192 texels by flux", &[("clpv.rsm_samples", "8192")]),
 ];
 /// The variants that figure 7.8 shows.
 const DAMPING: [usize; 2] = [1, 2];

@@ -10,6 +10,7 @@
 //! ```
 //! Light is kept as I/h² [W/(m² sr)] in 32-bit floats.
 
+mod ambient_occlusion;
 mod blockers;
 mod gloss_march;
 mod inject;
@@ -17,7 +18,10 @@ mod propagate;
 pub(super) mod relight;
 
 #[cfg(test)]
-pub(crate) use self::{blockers::CameraSamplesUniform, inject::EmissionUniform, propagate::PropagationUniform};
+pub(crate) use self::{
+    ambient_occlusion::OcclusionUniform, blockers::CameraSamplesUniform, inject::EmissionUniform,
+    propagate::PropagationUniform, relight::RelitRegionUniform,
+};
 
 use super::sweep::surfels;
 use super::volume::volumes;
@@ -29,10 +33,16 @@ use crate::render::geometry::GBuffer;
 use crate::render::indirect::{Scattered, Subject};
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv};
+use crate::world::{Clpv, Transport};
 use glam::Vec3;
 
 /// Bytes of a cell of light: three channels of four coefficients.
 const LIGHT_BYTES: u64 = 48;
+
+/// Whether other texels are drawn in each of the frames that are averaged.
+pub(super) fn varies(settings: &Clpv) -> bool {
+    settings.transport == Transport::Diffusion && settings.rsm_samples > 0
+}
 
 /// How far apart the samples of emissive surfaces may be \[m\]: `None` where nothing is emissive.
 ///
@@ -68,9 +78,11 @@ pub(super) fn declare<'a>(
         graph.skip("clpv", "no light feeds indirect light");
         return Ok(None);
     }
+    let samples = inject::samples(graph, frame, &rsms, reach, settings.rsm_samples);
+    let sources = inject::Sources { rsms: &rsms, samples, emitters };
     let mut lit = Vec::with_capacity(volumes.len());
     for (level, volume) in volumes.iter().enumerate() {
-        let injected = inject::declare(graph, frame, &rsms, emitters, level, volume);
+        let injected = inject::declare(graph, frame, &sources, level, volume);
         let blockers = if settings.occlusion {
             let camera = settings.camera_blockers.then_some(gbuffer);
             Some(blockers::declare(graph, frame, &rsms, camera, level, volume, settings.formulas))

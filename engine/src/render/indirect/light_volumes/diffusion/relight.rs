@@ -1,13 +1,16 @@
 //! Indirect light of the visible surfaces, looked up in the volumes.
 
-use crate::gpu::{Binding, ComputeKey};
+use super::ambient_occlusion;
+use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, Texture, TextureDesc};
+use crate::render::direct::{Region, region_around};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::volume::{MAX_CASCADES, Volume, VolumeUniform};
+use crate::scene::{Aabb, SceneView};
 use crate::world::{Clpv, Formulas};
 use encase::ShaderType;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
 /// `Cascade` of `lib/relight.wgsl`.
 #[derive(ShaderType, Clone, Copy)]
@@ -49,6 +52,47 @@ impl RelightUniform {
     }
 }
 
+/// `Region` of `indirect/light_volumes/diffusion/relight.wgsl`.
+#[derive(ShaderType)]
+pub(crate) struct RelitRegionUniform {
+    origin: UVec2,
+    size: UVec2,
+}
+
+const SHADER: &str = "indirect/light_volumes/diffusion/relight.wgsl";
+
+/// Edge of a tile of pixels: that of a workgroup.
+const TILE: u32 = 8;
+
+/// The pixels in which the volumes may be seen, in whole tiles (Šefčík 2016, section 8.2); empty: none.
+fn relit_region(volumes: &[Volume], view: &SceneView) -> Region {
+    let size = UVec2::from(view.size);
+    let full = Region { origin: UVec2::ZERO, size };
+    let bounds = volumes.iter().fold(Aabb::EMPTY, |all, volume| all.union(&volume.bounds()));
+    // Lookups take points a little outside for points inside.
+    let coarsest = volumes.iter().fold(0.0_f32, |cell, volume| cell.max(volume.cell));
+    let reach = Aabb { min: bounds.min - 0.01 * coarsest, max: bounds.max + 0.01 * coarsest };
+    if !(reach.min.is_finite() && reach.max.is_finite()) {
+        return full;
+    }
+    let Some(seen) = region_around(&reach, view) else {
+        return Region { origin: UVec2::ZERO, size: UVec2::ZERO };
+    };
+    // A pixel more on all sides, for the rounding of the projection.
+    let low = seen.origin.saturating_sub(UVec2::ONE) / TILE * TILE;
+    let high = ((seen.origin + seen.size + 1 + TILE - 1) / TILE * TILE).min(size);
+    Region { origin: low, size: high - low }
+}
+
+/// Says how many tiles are left out.
+fn report_tiles(graph: &mut Graph, region: Region, size: [u32; 2]) {
+    let tiles = |size: UVec2| u64::from(size.x.div_ceil(TILE)) * u64::from(size.y.div_ceil(TILE));
+    let (all, relit) = (tiles(size.into()), tiles(region.size));
+    if relit < all {
+        graph.skip("relight, tiles", format!("{} of {all} tiles of {TILE}×{TILE} pixels show no volume", all - relit));
+    }
+}
+
 /// Declares the pass; `lit` are the propagated volumes, finest first. The result is reflected radiance.
 pub(in crate::render::indirect) fn declare<'a>(
     graph: &mut Graph<'a>,
@@ -61,6 +105,9 @@ pub(in crate::render::indirect) fn declare<'a>(
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
+    let region = relit_region(volumes, frame.view);
+    report_tiles(graph, region, frame.view.size);
+    let visibility = ambient_occlusion::declare(graph, frame, gbuffer, settings, region);
     let indirect = graph.retained_texture("indirect radiance", desc);
     let mut pass = graph.pass("relight");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
@@ -70,11 +117,17 @@ pub(in crate::render::indirect) fn declare<'a>(
     for &volume in lit {
         pass.read(volume);
     }
+    visibility.iter().for_each(|&visibility| pass.read(visibility));
     let indirect = pass.write(indirect);
     let uniform = uniform(settings, volumes);
     let fades: Vec<_> = volumes.iter().map(Volume::fade_key).collect();
     let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
     pass.key(&(keys, fades, uniform.key(), frame.view_key()));
+    let is_partial = region.size != UVec2::from(frame.view.size);
+    let shader = ComputeKey {
+        defs: visibility.map(|_| ("AMBIENT_OCCLUSION", ShaderDef::Flag(true))).into_iter().collect(),
+        ..ComputeKey::new(SHADER, "main")
+    };
     let (frame, lit) = (frame.clone(), lit.to_vec());
     pass.execute(move |cx| {
         let gpu = cx.gpu;
@@ -82,23 +135,32 @@ pub(in crate::render::indirect) fn declare<'a>(
         let light = cascade_buffers(cx, &lit);
         let target = cx.view(indirect);
         let relight = gpu.uniform("relight", &uniform);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/diffusion/relight.wgsl", "main"),
-            &[
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("relight", Binding::Buffer(&relight)),
-                ("base_color", Binding::Texture(&base_color)),
-                ("normal", Binding::Texture(&normal)),
-                ("depth", Binding::Texture(&depth)),
-                ("light_finest", Binding::Buffer(&light[0])),
-                ("light_second", Binding::Buffer(&light[1])),
-                ("light_third", Binding::Buffer(&light[2])),
-                ("light_coarsest", Binding::Buffer(&light[3])),
-                ("indirect", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
+        if is_partial {
+            let groups = [width.div_ceil(TILE), height.div_ceil(TILE), 1];
+            cx.dispatch(&ComputeKey::new(SHADER, "clear"), &[("indirect", Binding::Texture(&target))], groups)?;
+        }
+        if region.size == UVec2::ZERO {
+            return Ok(());
+        }
+        let visibility = visibility.map(|handle| cx.view(handle));
+        let view = frame.view_uniform(gpu);
+        let relit = gpu.uniform("relit region", &RelitRegionUniform { origin: region.origin, size: region.size });
+        cx.counts().texels += u64::from(region.size.x) * u64::from(region.size.y);
+        let mut bindings = vec![
+            ("view", Binding::Buffer(&view)),
+            ("relight", Binding::Buffer(&relight)),
+            ("region", Binding::Buffer(&relit)),
+            ("base_color", Binding::Texture(&base_color)),
+            ("normal", Binding::Texture(&normal)),
+            ("depth", Binding::Texture(&depth)),
+            ("light_finest", Binding::Buffer(&light[0])),
+            ("light_second", Binding::Buffer(&light[1])),
+            ("light_third", Binding::Buffer(&light[2])),
+            ("light_coarsest", Binding::Buffer(&light[3])),
+            ("indirect", Binding::Texture(&target)),
+        ];
+        bindings.extend(visibility.iter().map(|visibility| ("visibility", Binding::Texture(visibility))));
+        cx.dispatch(&shader, &bindings, [region.size.x.div_ceil(TILE), region.size.y.div_ceil(TILE), 1])
     });
     indirect
 }
@@ -120,5 +182,84 @@ pub(in crate::render::indirect) fn uniform(settings: &Clpv, volumes: &[Volume]) 
         // The thesis looks light up at the surface itself.
         offset: if settings.formulas == Formulas::Printed { 0.0 } else { 0.5 },
         damping: finite(settings.gradient_damping),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneCamera, SceneId, ViewProjection};
+    use glam::{Affine3A, Mat4, Quat};
+
+    fn view(eye: Vec3, turn: Quat, projection: ViewProjection) -> SceneView {
+        let camera = SceneCamera {
+            id: SceneId(1),
+            name: "camera".into(),
+            world_from_view: Affine3A::from_rotation_translation(turn, eye),
+            projection,
+            near: 0.05,
+            far: None,
+            primary: true,
+            lens: Default::default(),
+            grading: None,
+        };
+        SceneView { camera, size: [203, 117], jitter: [0.3, -0.2] }
+    }
+
+    /// The pixel that shows a point before the camera.
+    fn pixel(view: &SceneView, point: Vec3) -> Option<UVec2> {
+        let clip_from_world: Mat4 = view.clip_from_world();
+        let clip = clip_from_world * point.extend(1.0);
+        if clip.w <= 0.0 || !(0.0..=1.0).contains(&(clip.z / clip.w)) {
+            return None;
+        }
+        let at = glam::Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5;
+        let size = UVec2::from(view.size);
+        let at = at * size.as_vec2();
+        (at.cmpge(glam::Vec2::ZERO).all() && at.cmplt(size.as_vec2()).all()).then(|| at.as_uvec2())
+    }
+
+    /// No pixel is left out that shows a point of a volume, or nearly one: what is left out is black all the same.
+    #[test]
+    fn all_points_of_all_volumes_are_relit() {
+        let mut state = 1_u32;
+        let mut random = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0
+        };
+        let (mut partial, mut shown) = (0, 0);
+        for case in 0..400 {
+            let mut vector = |size: f32| Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * size;
+            let (eye, turn, origin, other) = (vector(6.0), vector(6.0), vector(8.0), vector(8.0));
+            let turn = Quat::from_scaled_axis(turn);
+            let projection = match case % 3 {
+                0 => ViewProjection::Orthographic { height: 4.0 },
+                _ => ViewProjection::Perspective { vertical_fov: 0.9 },
+            };
+            let view = view(eye, turn, projection);
+            let volume = |origin: Vec3, cell: f32| Volume {
+                origin,
+                cell,
+                cells: glam::UVec3::new(4, 7, 5),
+                fade_center: origin,
+                fade_half: Vec3::ONE,
+            };
+            let volumes = [volume(origin, 0.1), volume(other, 0.2)];
+            let region = relit_region(&volumes, &view);
+            let end = region.origin + region.size;
+            assert!(end.cmple(UVec2::from(view.size)).all() && region.origin % TILE == UVec2::ZERO, "{region:?}");
+            partial += u32::from(region.size != UVec2::from(view.size));
+            for i in 0..200 {
+                let bounds = volumes[i % 2].bounds();
+                let at = Vec3::new(random(), random(), random()).map(|t| (1.2 * t - 0.1).clamp(0.0, 1.0));
+                let point = bounds.min + at * bounds.size();
+                if let Some(pixel) = pixel(&view, point) {
+                    shown += 1;
+                    let is_relit = pixel.cmpge(region.origin).all() && pixel.cmplt(end).all();
+                    assert!(is_relit, "{point} is at {pixel}, beyond {region:?}");
+                }
+            }
+        }
+        assert!(partial > 50 && shown > 5000, "{partial} views, {shown} points");
     }
 }

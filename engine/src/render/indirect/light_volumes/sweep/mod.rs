@@ -54,7 +54,6 @@ pub(crate) use self::{
     march::{CollectUniform, MarchUniform},
     mirror::MirrorUniform,
     mirror_filter::MirrorFilterUniform,
-    rsm_samples::DrawUniform,
 };
 
 use super::volume::Volume;
