@@ -5,7 +5,8 @@ use super::plan::{Plan, Task};
 use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
 use super::{
-    cliffs, error, flicker, growth, host, instant_radiosity, light_culling, machine, report, rooms, thesis, timing,
+    cliffs, error, flicker, growth, host, instant_radiosity, light_culling, machine, noise, report, response, rooms,
+    thesis, timing,
 };
 use crate::cli::BenchArgs;
 use anyhow::{Context, Result, bail};
@@ -42,6 +43,12 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     }
     if args.cliffs {
         return cliffs::run(args, common);
+    }
+    if args.noise {
+        return noise::run(args, common);
+    }
+    if args.response {
+        return response::run(args, common);
     }
     let plan = Plan::of(args)?;
     if args.host {

@@ -21,6 +21,8 @@ Examples:
   lightwell bench --light-culling -o out/culling           tables and figures of the culling paper, side by side
   lightwell bench --instant-radiosity -o out/report        figures of the report on virtual point lights
   lightwell bench --cliffs -o out/cliffs                   what one small thing of each kind adds to a room's cost
+  lightwell bench --noise -o out/noise                     noise of images and windows, at rest, in motion, after changes
+  lightwell bench --response -o out/response               how soon a window follows lights, doors, objects, the camera
   lightwell bench --rooms 100 --seed 1 -o out/rooms        errors over random rooms
   lightwell bench cornell -o out/pt --method reference --spp 1,4,16,64,256
 
@@ -64,10 +66,11 @@ pub struct BenchArgs {
     /// Size at which errors are taken [default: 256x256; quick: 128x128]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     pub error_size: Option<[u32; 2]>,
-    /// Frames with shifted pixel grids that are averaged for an error [default: 16; --rooms: 8]
+    /// Frames with shifted pixel grids that are averaged for an error [default: 16; --rooms: 8]; with --noise and --response
+    /// at most so many for the converged image [default: 1024 and 256; quick: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub aa: Option<u32>,
-    /// Frames that are timed [default: 20; quick: 7]
+    /// Frames that are timed [default: 20; quick: 7]; with --noise those of a window at rest [default: 256; quick: 32]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10000))]
     pub frames: Option<u32>,
     /// Frames before those
@@ -77,7 +80,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "S", value_delimiter = ',', value_parser = parse_time)]
     pub times: Vec<f64>,
     /// Samples a pixel of the references; with --rooms at most, fewer where they leave little noise
-    /// [default: 1024; --rooms: 4096]
+    /// [default: 1024; --rooms: 4096; --noise: 256]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1 << 24))]
     pub reference_spp: Option<u32>,
     /// Indirect bounces of the references, `inf` or a number; the first is the one that plots show [default: inf]
@@ -122,6 +125,27 @@ pub struct BenchArgs {
     /// pass in a plain room; nothing else is measured. Writes cliffs.json and cliffs.md [size: 64x64]
     #[arg(long, conflicts_with_all = ["scenes", "growth", "sweep", "method", "variant", "host", "rooms", "instant_radiosity"])]
     pub cliffs: bool,
+    /// Measure noise against what the method converges to: single images of each quality, windows at rest, in motion and
+    /// after changes, near geometric edges and elsewhere, fine and coarse, fireflies, bias, and blocks that jump. Writes
+    /// noise.json, noise.md and pictures [SCENE: cornell, bleeding_gloss, meeting_room, courtyard, gallery; --size: 512x512]
+    #[arg(
+        long, group = "sized", conflicts_with_all = [
+            "host", "growth", "sweep", "method", "variant", "bless", "times", "thesis", "light_culling", "instant_radiosity",
+            "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput",
+        ],
+    )]
+    pub noise: bool,
+    /// Measure how soon a window follows: a light's step, a door that opens, an object that stops, jumps and flights of the
+    /// camera; shadows after long motion, the same view twice, a sealed box. In rooms made for it. Writes response.json,
+    /// response.md and pictures [--size: 512x512]
+    #[arg(
+        long, group = "sized", conflicts_with_all = [
+            "scenes", "host", "growth", "sweep", "method", "variant", "bless", "times", "thesis", "light_culling",
+            "instant_radiosity", "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput", "frames",
+            "reference_spp", "camera",
+        ],
+    )]
+    pub response: bool,
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
     pub label: String,
@@ -129,7 +153,7 @@ pub struct BenchArgs {
     /// the volumes alone, or what --method and --variant name. Writes rooms.json, rooms.md with the distribution of errors,
     /// each room as a scene, and images of the worst
     #[arg(
-        long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
+        long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000), group = "sized",
         conflicts_with_all = [
             "scenes", "quick", "sweep", "growth", "time_size", "error_size", "frames", "warm_up", "times", "bounces", "flicker",
             "host", "throughput", "camera", "cache", "bless",
@@ -139,8 +163,8 @@ pub struct BenchArgs {
     /// Seed of the random rooms: another one gives other rooms
     #[arg(long, value_name = "S", default_value_t = 1, requires = "rooms")]
     pub seed: u64,
-    /// Image size of the random rooms [default: 128x128]
-    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "rooms")]
+    /// Image size of --noise and --response [default: 512x512], and of the random rooms [default: 128x128]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "sized")]
     pub size: Option<[u32; 2]>,
     /// Write the random rooms as scenes and measure nothing
     #[arg(long, requires = "rooms")]

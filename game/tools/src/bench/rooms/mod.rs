@@ -35,6 +35,8 @@ mod wall;
 #[cfg(test)]
 mod tests;
 
+pub(super) use edges::near_edges;
+
 use super::fixture::{self, Fixture};
 use super::picture;
 use super::results::write_whole;
