@@ -1,10 +1,14 @@
 //! Graphs on a device.
 
 use std::fs;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::desc;
 use crate::gpu::{Binding, ComputeKey, Gpu, GpuOptions, read_texture};
-use crate::graph::{CompileOptions, FrameReport, Graph, GraphError, PassError, PassState, TargetCache, TextureDesc};
+use crate::graph::{
+    CompileOptions, FramePacing, FrameReport, Graph, GraphError, PassError, PassState, TargetCache, TextureDesc,
+};
 
 const FILL: &str = "
 @group(0) @binding(0) var target_image: texture_storage_2d<r32uint, write>;
@@ -152,6 +156,47 @@ fn what_the_device_refuses_is_an_error_and_nothing_is_kept() {
     assert!(matches!(error, GraphError::Device { .. }), "{error}");
     assert_eq!(is_written(&gpu, &mut cache), [false, false]);
     assert!(gpu.take_errors().is_empty(), "the error is told once");
+}
+
+#[test]
+fn a_frame_that_is_dropped_ends_in_the_middle_of_long_work_and_is_made_anew() {
+    let (_dir, gpu) = gpu();
+    let mut cache = TargetCache::new();
+    let pacing = Arc::new(FramePacing::new(&gpu.info));
+    cache.set_pacing(Some(pacing.clone()));
+    // One pass in ten pieces, in the third of which another picture is asked for.
+    let long = |drops: bool| {
+        let mut graph = Graph::new(1);
+        let filled = graph.retained_texture("filled", image());
+        let mut pass = graph.pass("fill");
+        let filled = pass.write(filled);
+        pass.key(&());
+        let (done, pacing) = (Arc::new(AtomicU32::new(0)), pacing.clone());
+        let count = done.clone();
+        pass.execute(move |cx| {
+            let view = cx.view(filled);
+            for piece in 0..10 {
+                cx.work(1, 1)?;
+                let bindings = [("target_image", Binding::Texture(&view))];
+                cx.dispatch(&ComputeKey::new("fill.wgsl", "fill"), &bindings, [2, 2, 1])?;
+                count.store(piece + 1, Ordering::Relaxed);
+                if drops && piece == 2 {
+                    pacing.drop_frame();
+                }
+            }
+            Ok(())
+        });
+        graph.output(filled);
+        (graph, done)
+    };
+    let (graph, done) = long(true);
+    assert!(matches!(run(&gpu, &mut cache, graph, false), Err(GraphError::Stopped)));
+    assert_eq!(done.load(Ordering::Relaxed), 3, "no piece after the third");
+    pacing.restart();
+    let (graph, done) = long(false);
+    let report = run(&gpu, &mut cache, graph, false).unwrap();
+    assert_eq!((report.ran_count(), done.load(Ordering::Relaxed)), (1, 10), "what was half done is not kept");
+    assert!(read_texture(&gpu, cache.texture("filled").unwrap(), 0, 0).is_ok());
 }
 
 #[test]
