@@ -1,6 +1,7 @@
 //! Which debug views there are, and which of them are on.
 
-use super::debug::Line;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
@@ -93,6 +94,34 @@ impl FromStr for DebugView {
             let names = Self::ALL.map(Self::name).join(", ");
             format!("there is no debug view `{text}`; there are {names}")
         })
+    }
+}
+
+/// A line in world space: `Line` of `debug/lines.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Line {
+    /// One end \[m\].
+    pub from: [f32; 3],
+    /// sRGB-encoded bytes, red lowest, alpha highest.
+    pub color: u32,
+    /// The other end \[m\].
+    pub to: [f32; 3],
+    /// Width \[pixels\]; below 0: the same, before all surfaces.
+    pub width: f32,
+}
+
+impl Line {
+    /// A line of an sRGB-encoded colour.
+    pub fn new(from: Vec3, to: Vec3, color: Vec3) -> Self {
+        let [r, g, b] = (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round().to_array().map(|c| c as u32);
+        let color = r | g << 8 | b << 16 | 255 << 24;
+        Self { from: from.into(), color, to: to.into(), width: 1.5 }
+    }
+
+    /// The same before all surfaces.
+    pub fn on_top(self) -> Self {
+        Self { width: -self.width.abs(), ..self }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Batches of lines over the image, dim where a surface lies before them: those of debug views, and those of a game.
 
 use super::overlay::{self, Draw};
-use super::shapes::{self, Line};
-use super::{DebugView, cascade_color};
+use super::shapes;
+use super::{DebugView, Line, cascade_color};
 use crate::gpu::Binding;
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::frame::Frame;

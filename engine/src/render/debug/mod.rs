@@ -19,12 +19,12 @@ mod points;
 mod shapes;
 mod targets;
 
-pub use shapes::{Line, box_edges};
+pub use shapes::box_edges;
 
 #[cfg(test)]
 pub(crate) use self::{cells::CellsUniform, coverage::CoverageUniform, points::PointsUniform, targets::TileUniform};
 
-pub use super::debug_settings::{DebugSettings, DebugView, ShownTarget};
+pub use super::debug_settings::{DebugSettings, DebugView, Line, ShownTarget};
 
 use super::frame::Frame;
 use super::geometry::gbuffer::GBuffer;

@@ -96,11 +96,15 @@ pub fn light_views(light: &SceneLight, bounds: &Aabb) -> Vec<LightView> {
 /// view. Depth is reversed floating point, so that a near plane far closer than anything visible costs no precision.
 fn depth_range(light: &SceneLight, bounds: &Aabb) -> Option<Depth> {
     let farthest = bounds.corners().iter().map(|c| c.distance(light.position)).fold(0.0, f32::max);
-    let far = quantised_size(light.range.map_or(farthest, |range| farthest.min(range)) * 1.001);
+    let reach = light.range.map_or(farthest, |range| farthest.min(range)) * 1.001;
+    if !(reach.is_finite() && reach > 1e-30) {
+        return None;
+    }
+    let far = quantised_size(reach);
     // Along the axis of a view a point may be nearer than its distance, by the cosine to the view's corner.
     let nearest = bounds.distance(light.position) / 3.0_f32.sqrt();
     let near = nearest.log2().floor().exp2().clamp(far * 1e-4, far * 0.5);
-    (far.is_finite() && far > 1e-30 && near < far).then_some(Depth { near, far })
+    (far.is_finite() && near < far).then_some(Depth { near, far })
 }
 
 fn perspective_view(

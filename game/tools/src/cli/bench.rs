@@ -131,7 +131,7 @@ pub struct BenchArgs {
     #[arg(
         long, group = "sized", conflicts_with_all = [
             "host", "growth", "sweep", "method", "variant", "bless", "times", "thesis", "light_culling", "instant_radiosity",
-            "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput",
+            "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput", "warm_up",
         ],
     )]
     pub noise: bool,
@@ -142,7 +142,7 @@ pub struct BenchArgs {
         long, group = "sized", conflicts_with_all = [
             "scenes", "host", "growth", "sweep", "method", "variant", "bless", "times", "thesis", "light_culling",
             "instant_radiosity", "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput", "frames",
-            "reference_spp", "camera",
+            "reference_spp", "camera", "warm_up",
         ],
     )]
     pub response: bool,

@@ -17,7 +17,7 @@ mod report;
 mod tests;
 
 pub(super) use change::turned;
-pub(super) use converged::Converged;
+pub(super) use converged::{Converged, direct};
 pub(super) use measures::{difference, local_means, percentile};
 
 use super::report::markdown;
@@ -34,6 +34,9 @@ use std::path::PathBuf;
 const SCENES: [&str; 5] = ["cornell", "bleeding_gloss", "meeting_room", "courtyard", "gallery"];
 /// Size of the images, if not said [pixels].
 const SIZE: [u32; 2] = [512; 2];
+
+/// Steps of a scene, at most.
+const STEPS: u64 = 13;
 
 /// How everything is measured.
 #[derive(Clone, Debug)]
@@ -105,20 +108,25 @@ pub(super) fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     let file = args.output.join("noise.json");
     let old = results::take_up(&file, &header, args.fresh, |old: &mut Results| &mut old.header)?;
     let mut results = old.unwrap_or_else(|| Results { header, scenes: Vec::new() });
-    let bar = progress::bar(subjects.len() as u64, "bench --noise");
+    let bar = progress::bar(subjects.len() as u64 * STEPS, "bench --noise");
     let report = args.output.join("noise.md");
-    for subject in &mut subjects {
+    for (index, subject) in (0..).zip(&mut subjects) {
         let name = subject.name();
         let is_done = |scene: &SceneFigures| scene.name == name && scene.course == course.in_words();
         if !results.scenes.iter().any(is_done) {
-            let told = &mut |what: &str| bar.set_message(format!("{name}: {what}"));
+            let mut step = index * STEPS;
+            let told = &mut |what: &str| {
+                bar.set_message(format!("{name}: {what}"));
+                bar.set_position(step);
+                step += 1;
+            };
             let measured = measure::measure(subject, &course, &args.output, told);
             let measured = measured.with_context(|| format!("scene `{name}`"))?;
             results.put(measured);
             results::write_whole(&file, serde_json::to_string_pretty(&results)?.as_bytes())?;
             results::write_whole(&report, report::text(&results).as_bytes())?;
         }
-        bar.inc(1);
+        bar.set_position((index + 1) * STEPS);
     }
     bar.finish_and_clear();
     results::write_whole(&report, report::text(&results).as_bytes())?;

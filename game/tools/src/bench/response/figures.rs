@@ -31,7 +31,7 @@ pub struct CaseFigures {
     pub errors: Vec<f64>,
     /// Frames after the change.
     pub frames: u32,
-    /// The part of the change that is left; empty where the camera moves.
+    /// The part of the change of indirect light that is left; empty where the camera moves.
     pub left: Vec<f64>,
     /// 95th percentile of the pixels' distance from the converged picture \[255ths\].
     pub residue: Vec<f64>,

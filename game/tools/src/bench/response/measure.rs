@@ -3,12 +3,13 @@
 use super::cases::{Case, Room, State};
 use super::figures::{CaseFigures, SameView, Sealed};
 use super::{AFTER, Course};
-use crate::bench::noise::{Converged, local_means, percentile};
+use crate::bench::noise::{self, Converged, local_means, percentile};
 use crate::bench::picture;
 use crate::bench::variant::Variant;
 use anyhow::{Context, Result};
 use lightwell::gpu::Gpu;
 use lightwell::measure::{Image, srgb_encode};
+use lightwell::render::{Layer, RenderSettings};
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::{Common, Gi, Switch};
 use lightwell_runtime::session::Session;
@@ -53,8 +54,15 @@ impl Rig<'_> {
     /// # Errors
     /// If it cannot be drawn, or a picture not be written.
     pub fn case(&self, case: &Case, course: &Course) -> Result<CaseFigures> {
-        let truth = self.converged(case, course)?;
-        let rested = self.rested(case, course)?;
+        let mut single = self.open(case.room, Switch::Off)?;
+        // Direct light is right at once: what a window shows late is indirect light.
+        let mut direct = |left| {
+            let view = case.apply(&mut single, left, course.size)?;
+            noise::direct(&mut single, &view, 1)
+        };
+        let [direct_before, direct] = [direct(1)?, direct(0)?];
+        let truth = Light::of_total(self.converged(case, course)?, &direct);
+        let rested = Light::of_indirect(self.rested(case, course)?, &direct);
         let mut session = self.open(case.room, Switch::On)?;
         let lead = case.lead.unwrap_or(course.lead);
         let mut frames = Vec::new();
@@ -62,10 +70,10 @@ impl Rig<'_> {
         for number in 0..lead + course.after {
             let left = lead.saturating_sub(number);
             let view = case.apply(&mut session, left, course.size)?;
-            draw(&mut session, &view)?;
+            draw(&mut session, &view, Layer::Indirect)?;
             match left {
-                0 => frames.push(session.radiance()?),
-                1 => before = Some(session.radiance()?),
+                0 => frames.push(Light::of_indirect(session.radiance()?, &direct)),
+                1 => before = Some(Light::of_indirect(session.radiance()?, &direct_before)),
                 _ => {}
             }
         }
@@ -75,7 +83,7 @@ impl Rig<'_> {
         Ok(CaseFigures { course: course.in_words(), ..figures })
     }
 
-    /// What single images of the last state converge to.
+    /// All light that single images of the last state converge to.
     fn converged(&self, case: &Case, course: &Course) -> Result<Image> {
         let mut session = self.open(case.room, Switch::Off)?;
         let view = case.apply(&mut session, 0, course.size)?;
@@ -84,22 +92,22 @@ impl Rig<'_> {
         Ok(crate::bench::error::mean(&mean.halves()?))
     }
 
-    /// A window that has stood in the last state for as many frames as the last one that is judged.
+    /// Indirect light in a window that has stood in the last state for as many frames as the last one that is judged.
     fn rested(&self, case: &Case, course: &Course) -> Result<Image> {
         let mut session = self.open(case.room, Switch::On)?;
         for _ in 0..AFTER[AFTER.len() - 1] {
             let view = case.apply(&mut session, 0, course.size)?;
-            draw(&mut session, &view)?;
+            draw(&mut session, &view, Layer::Indirect)?;
         }
         session.radiance()
     }
 
-    fn picture(&self, case: &Case, before: &Image, frames: &[Image], truth: &Image) -> Result<()> {
+    fn picture(&self, case: &Case, before: &Light, frames: &[Light], truth: &Light) -> Result<()> {
         let after = AFTER.iter().filter_map(|&frame| Some((frames.get(frame as usize - 1)?, format!("frame {frame}"))));
         let all = std::iter::once((before, "before".to_owned())).chain(after).chain([(truth, "converged".to_owned())]);
-        let images: Vec<(Image, String)> = all.map(|(image, text)| (image.clone(), text)).collect();
+        let images: Vec<(Image, String)> = all.map(|(light, text)| (light.total.clone(), text)).collect();
         let path = self.folder.join(case.picture());
-        picture::row(&path, case.name, &images, picture::exposure(truth))
+        picture::row(&path, case.name, &images, exposure(before, truth))
     }
 
     /// The same view twice: a window that has looked elsewhere in between, and a single image.
@@ -114,12 +122,12 @@ impl Rig<'_> {
             for stay in 0..2 {
                 for frame in 0..if stay > 0 { AWAY } else { 0 } {
                     let mut view = away.apply(&mut session, 0, course.size)?;
-                    view.camera = crate::bench::noise::turned(view.camera, 5.0 * (frame + 1) as f32);
-                    draw(&mut session, &view)?;
+                    view.camera = noise::turned(view.camera, 5.0 * (frame + 1) as f32);
+                    draw(&mut session, &view, Layer::Total)?;
                 }
                 for _ in 0..course.lead {
                     let view = away.apply(&mut session, 0, course.size)?;
-                    draw(&mut session, &view)?;
+                    draw(&mut session, &view, Layer::Total)?;
                 }
                 pictures.push(session.radiance()?);
             }
@@ -140,7 +148,7 @@ impl Rig<'_> {
             let (mut radiance, mut shown) = (0.0_f64, 0.0_f64);
             for left in (0..FLIGHT).rev() {
                 let view = State::in_the_box(left).apply(&mut session, course.size)?;
-                draw(&mut session, &view)?;
+                draw(&mut session, &view, Layer::Total)?;
                 let image = session.radiance()?;
                 radiance = image.values().map(f64::from).fold(radiance, f64::max);
                 shown = image.values().map(|value| on_screen(value, 1.0).round()).fold(shown, f64::max);
@@ -151,9 +159,41 @@ impl Rig<'_> {
     }
 }
 
-fn draw(session: &mut Session, view: &SceneView) -> Result<()> {
-    let settings = session.render_settings(false);
+fn draw(session: &mut Session, view: &SceneView, only: Layer) -> Result<()> {
+    let settings = RenderSettings { only, ..session.render_settings(false) };
     session.render(view, &settings).map(drop)
+}
+
+/// Light of an image.
+struct Light {
+    total: Image,
+    indirect: Image,
+}
+
+impl Light {
+    fn of_total(total: Image, direct: &Image) -> Self {
+        let indirect = added(&total, direct, -1.0);
+        Self { total, indirect }
+    }
+
+    fn of_indirect(indirect: Image, direct: &Image) -> Self {
+        let total = added(&indirect, direct, 1.0);
+        Self { total, indirect }
+    }
+}
+
+/// An image and another one times a factor.
+fn added(image: &Image, other: &Image, factor: f32) -> Image {
+    let mut sum = image.clone();
+    for (pixel, other) in sum.pixels_mut().iter_mut().zip(other.pixels()) {
+        *pixel = [0, 1, 2].map(|c| pixel[c] + factor * other[c]);
+    }
+    sum
+}
+
+/// The exposure of a camera that sees both and does not adapt: the brighter one is well exposed.
+fn exposure(before: &Light, truth: &Light) -> f64 {
+    picture::exposure(&before.total).min(picture::exposure(&truth.total))
 }
 
 /// A value as pictures of reports show it \[255ths\].
@@ -185,7 +225,7 @@ pub(super) fn left_of_change(image: &Image, before: &Image, after: &Image) -> Op
 
 /// Error of means of 13×13, relative to the mean of the truth.
 pub(super) fn coarse_error(image: &Image, truth: &Image) -> f64 {
-    let error = crate::bench::noise::difference(image, truth);
+    let error = noise::difference(image, truth);
     let coarse = local_means(&error, truth.size(), &vec![true; error.len()]);
     let square: f64 = coarse.as_flattened().iter().map(|value| value * value).sum();
     let scale = truth.mean();
@@ -199,18 +239,17 @@ pub(super) fn near_from(errors: &[f64], within: f64) -> Option<u32> {
     (first < errors.len()).then_some(first as u32 + 1)
 }
 
-fn judge(case: &Case, before: &Image, frames: &[Image], truth: &Image, rested: &Image) -> CaseFigures {
-    let exposure = picture::exposure(truth);
-    let errors: Vec<f64> = frames.iter().map(|image| coarse_error(image, truth)).collect();
-    let changed: Vec<bool> = changes(before, truth, exposure).iter().map(|change| *change > CHANGED).collect();
+fn judge(case: &Case, before: &Light, frames: &[Light], truth: &Light, rested: &Light) -> CaseFigures {
+    let exposure = exposure(before, truth);
+    let distance = |light: &Light| changes(&light.total, &truth.total, exposure);
+    let errors: Vec<f64> = frames.iter().map(|light| coarse_error(&light.total, &truth.total)).collect();
+    let changed: Vec<bool> = distance(before).iter().map(|change| *change > CHANGED).collect();
     let at = |frame: u32| frames.get(frame as usize - 1);
-    let residue = |image: &Image, share: f64| percentile(changes(image, truth, exposure), share);
-    let where_changed = |image: &Image| {
-        let all = changes(image, truth, exposure);
-        percentile(
-            all.into_iter().zip(&changed).filter(|(_, changed)| **changed).map(|(value, _)| value).collect(),
-            MOST,
-        )
+    let residue = |light: &Light, share: f64| percentile(distance(light), share);
+    let left = |light: &Light| left_of_change(&light.indirect, &before.indirect, &truth.indirect);
+    let where_changed = |light: &Light| {
+        let pixels = distance(light).into_iter().zip(&changed).filter(|(_, changed)| **changed);
+        percentile(pixels.map(|(value, _)| value).collect(), MOST)
     };
     let compares = !case.moves_camera;
     CaseFigures {
@@ -220,7 +259,7 @@ fn judge(case: &Case, before: &Image, frames: &[Image], truth: &Image, rested: &
         within: near_from(&errors, WITHIN),
         errors: AFTER.iter().filter_map(|&frame| errors.get(frame as usize - 1).copied()).collect(),
         frames: frames.len() as u32,
-        left: AFTER.iter().filter_map(|&f| left_of_change(at(f)?, before, truth)).filter(|_| compares).collect(),
+        left: AFTER.iter().filter_map(|&frame| left(at(frame)?)).filter(|_| compares).collect(),
         residue: AFTER.iter().filter_map(|&frame| Some(residue(at(frame)?, MOST))).collect(),
         nearly_all: AFTER.iter().filter_map(|&frame| Some(residue(at(frame)?, NEARLY_ALL))).collect(),
         where_changed: AFTER.iter().filter_map(|&f| Some(where_changed(at(f)?))).filter(|_| compares).collect(),

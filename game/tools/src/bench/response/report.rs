@@ -13,11 +13,11 @@ pub fn text(results: &Results) -> String {
         text,
         "Windows whose frames are averaged, in rooms made for it, against what single images of the last state converge to, \
          with the same pixel grid. Frame 1 is the first in the last state. *Within 5 %*: the frame from which on means of 13×13 \
-         pixels differ by no more (root mean square, of the mean of the converged picture). *Left*: the part of the change that \
-         is left, of frames {frames}. *p95*: 95th percentile of the distance of pixels from the converged picture, as pictures \
-         of this report show it; *where it changed*: of the pixels that the change changed by more than 2 of 255. *At rest*: \
-         p95 of a window that saw no change, after {} frames: noise. All in 255ths. Split RC: what Split Radiance Cascades calls \
-         the case.\n",
+         pixels differ by no more (root mean square, of the mean of the converged picture); *error*: that difference after \
+         {frames} frames. *Left*: the part of the change of indirect light that is left. *p95*: 95th percentile of the distance \
+         of pixels from the converged picture, at the exposure of the brighter of the pictures before and after; *where it \
+         changed*: of the pixels that the change changed by more than 2 of 255. *At rest*: p95 of a window that saw no change, \
+         after {} frames: noise. All in 255ths. Split RC: what Split Radiance Cascades calls the case.\n",
         AFTER[AFTER.len() - 1]
     );
     let head = ["case", "Split RC", "within 5 %", "error", "left", "p95", "p99", "p95 where it changed", "at rest"];
