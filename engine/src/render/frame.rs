@@ -50,6 +50,9 @@ pub struct Frame<'a> {
     pub refused_rays: Option<&'a str>,
     /// The view.
     pub view: &'a SceneView,
+    /// The same view with another shift of the pixel grid, at whose pixels light is gathered: see
+    /// [`RenderSettings::gathered_at`]. None: at those of `view`.
+    pub gathered_at: Option<&'a SceneView>,
     /// Settings.
     pub settings: &'a RenderSettings,
     /// Bounds of all primitives.
@@ -64,7 +67,12 @@ pub struct Frame<'a> {
     pub(in crate::render) history: &'a History,
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
+    /// The frame that light is gathered in; none: this one.
+    pub fn gathering(&self) -> Option<Self> {
+        self.gathered_at.map(|view| Self { view, gathered_at: None, ..self.clone() })
+    }
+
     /// An image of linear values for the pixels of the frame, rgba32float.
     pub fn image_desc(&self) -> TextureDesc {
         let [width, height] = self.view.size;

@@ -17,7 +17,7 @@ use super::indirect::light_culling::{
 };
 use super::indirect::light_volumes::sweep::{
     CollectUniform, EmitUniform, GatherUniform, LookupUniform, MarchUniform, MirrorFilterUniform, MirrorUniform,
-    ReachUniform, SumUniform, UpsampleUniform,
+    ReachUniform, ShiftUniform, SumUniform, UpsampleUniform,
 };
 use super::indirect::light_volumes::{
     CameraSamplesUniform, DrawUniform, EmissionUniform, FirstBounceUniform, LinksUniform, OcclusionUniform,
@@ -119,6 +119,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, TraceUniform::min_size().get(), "indirect/path_tracer/path_trace.wgsl", "Trace");
     check(&gpu, GatherUniform::min_size().get(), "indirect/light_volumes/sweep/gather.wgsl", "Gather");
     check(&gpu, ReachUniform::min_size().get(), "indirect/light_volumes/sweep/gather_filter.wgsl", "Reach");
+    check(&gpu, ShiftUniform::min_size().get(), "indirect/light_volumes/sweep/gather_shift.wgsl", "Shift");
     check(&gpu, UpsampleUniform::min_size().get(), "indirect/light_volumes/sweep/gather_upsample.wgsl", "Upsample");
     check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/diffusion/inject_samples.wgsl", "Draw");
     check(&gpu, DrawUniform::min_size().get(), "indirect/light_volumes/sweep/rsm_samples.wgsl", "Draw");

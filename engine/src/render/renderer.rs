@@ -152,6 +152,11 @@ impl Renderer {
         self.history.averaged()
     }
 
+    /// Whether images of the scene may share the light that one of them gathers: see [`RenderSettings::gathered_at`].
+    pub fn shares_light(&self, scene: &Scene, settings: &RenderSettings) -> bool {
+        settings.only.shows_indirect() && self.methods.get(settings.gi).is_ok_and(|method| method.gathers(scene))
+    }
+
     /// Draws the view. The images are [`Renderer::radiance`] and [`Renderer::display`]; the report says what ran,
     /// what was kept and what was skipped, and why.
     ///
@@ -215,6 +220,8 @@ impl Renderer {
         let step = self.history.step().filter(|_| is_averaged);
         let shifted = step.map(|step| SceneView { jitter: step.jitter, ..view.clone() });
         let view = shifted.as_ref().unwrap_or(view);
+        let gathered_at = settings.gathered_at.filter(|_| !settings.average);
+        let gathered_at = gathered_at.map(|jitter| SceneView { jitter, ..view.clone() });
         let bounds = self.update(gpu, scene, steady, settings)?;
         let method = self.methods.get(settings.gi)?;
         let casts_rays = self.ray_use(scene, &bounds, settings)? != RayUse::None;
@@ -238,6 +245,7 @@ impl Renderer {
             shadow_rays: rays.filter(|_| has_shadow_rays),
             refused_rays,
             view,
+            gathered_at: gathered_at.as_ref(),
             settings,
             bounds,
             probes: &self.probes,

@@ -171,6 +171,11 @@ pub struct RenderSettings {
     /// How many images, this one among them, with other jitter each, the caller averages: what is filtered against noise
     /// is then filtered less. 1 for an image that stands for itself.
     pub images: u32,
+    /// Shift of the pixel grid \[pixels\] of the image that gathers light for this one, as
+    /// [`SceneView::jitter`](crate::scene::SceneView::jitter): this one takes its light where both see the same surface. Images
+    /// that share it differ in their edges alone, and of a row of them the first one casts all rays. None: light is gathered
+    /// at the image's own pixels. Nothing to methods that do not gather, nor where frames are averaged.
+    pub gathered_at: Option<[f32; 2]>,
     /// Continues tracing the reference with every frame, and shows it beside the drawn image. Never touches the radiance
     /// image.
     pub beside: Option<Beside>,
@@ -224,6 +229,7 @@ impl Default for RenderSettings {
             moment: 0,
             average: false,
             images: 1,
+            gathered_at: None,
             beside: None,
             debug: DebugSettings::default(),
         }

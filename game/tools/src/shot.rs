@@ -1,5 +1,6 @@
 //! How an image for a file is taken: of how many frames, and of which kind.
 
+use crate::capture::Sampling;
 use crate::cli::{Quality, QualityArgs};
 use crate::still::{self, Goal, Outcome, Progress};
 use crate::{capture, jitter};
@@ -16,7 +17,7 @@ use lightwell_runtime::writer::Picture;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Images {
     /// So many with shifted pixel grids; one alone is not shifted.
-    Count(u32),
+    Count(Sampling),
     /// As many as it takes.
     Until(Goal),
 }
@@ -34,9 +35,7 @@ impl Images {
         look: &LookArgs,
         linear: bool,
     ) -> Result<Self> {
-        let fixed = if linear {
-            Some("an .exr image is a single frame, or as many as --aa asks for: write a .png file, or give --aa N")
-        } else if look.gi == Some(Gi::Reference) {
+        let alone = if look.gi == Some(Gi::Reference) {
             Some("path tracing takes as many samples as --spp says: give --spp N")
         } else if !look.only.is_light() {
             Some("--only albedo, normal and depth have no noise: leave it out, or give --aa N for smooth edges")
@@ -47,10 +46,16 @@ impl Images {
         } else {
             None
         };
+        let edges = quality.edges.unwrap_or(1);
+        if let Some(why) = alone.filter(|_| edges > 1) {
+            bail!("--edges does not apply: {why}");
+        }
+        let of_file = "an .exr image is a single frame, or as many as --aa asks for: write a .png file, or give --aa N";
+        let fixed = if linear { Some(of_file) } else { alone };
         match (aa, fixed, quality.given()) {
-            (Some(count), _, _) => Ok(Self::Count(count)),
+            (Some(images), _, _) => Ok(Self::Count(Sampling { images, edges })),
             (None, Some(why), Some(option)) => bail!("{option} does not apply: {why}"),
-            (None, Some(_), None) => Ok(Self::Count(1)),
+            (None, Some(_), None) => Ok(Self::Count(Sampling { images: 1, edges })),
             (None, None, _) => Ok(Self::Until(Goal::new(quality, default))),
         }
     }
@@ -58,7 +63,7 @@ impl Images {
     /// How many there will be, as far as is known before the first.
     pub fn expected(&self) -> u64 {
         match self {
-            Self::Count(count) => u64::from(*count),
+            Self::Count(sampling) => u64::from(sampling.frames()),
             Self::Until(goal) => u64::from(goal.least),
         }
     }
@@ -132,17 +137,17 @@ impl Shot {
     /// As [`Shot::take`].
     pub fn begin(&self, session: &mut Session, told: &mut dyn FnMut(Step)) -> Result<(Taken, Option<Outcome>)> {
         let settings = session.render_settings(!self.linear);
-        let count = match self.images {
+        let sampling = match self.images {
             // The tracer filters over the pixel by itself.
-            Images::Count(_) if settings.gi == GiMethod::REFERENCE && settings.only.is_light() => 1,
-            Images::Count(count) => count,
+            Images::Count(_) if settings.gi == GiMethod::REFERENCE && settings.only.is_light() => Sampling::images(1),
+            Images::Count(sampling) => sampling,
             Images::Until(goal) => {
                 let told = &mut |progress| told(Step::Average(progress));
                 let (image, outcome) = still::average(session, self.size, &settings, goal, told)?;
                 return Ok((Taken::Ready(Picture::Linear(image)), Some(outcome)));
             }
         };
-        if count == 1 {
+        if sampling.frames() == 1 {
             let view = SceneView { camera: session.camera()?, size: self.size, jitter: jitter::shift(0, 1) };
             let settings = if self.linear { settings } else { session.display_settings() };
             session.render(&view, &settings)?;
@@ -150,7 +155,7 @@ impl Shot {
             return Ok((Taken::Coming(session.rendering.begin_reading(self.linear)?), None));
         }
         let told = &mut || told(Step::Frame);
-        let image = capture::take_telling(session, self.size, count, &settings, told)?;
+        let image = capture::take_telling(session, self.size, sampling, &settings, told)?;
         Ok((Taken::Ready(Picture::Linear(image)), None))
     }
 }
@@ -165,14 +170,14 @@ mod tests {
     #[test]
     fn what_has_no_quality_says_so() {
         let look = LookArgs::default();
-        let asked = QualityArgs { quality: Some(Quality::Best), time_limit: None };
+        let asked = QualityArgs { quality: Some(Quality::Best), time_limit: None, edges: None };
         let choose = |aa, quality: &QualityArgs, look: &LookArgs, linear| {
             Images::choose(aa, quality, Quality::Good, look, linear)
         };
         let plain = QualityArgs::default();
         assert!(matches!(choose(None, &plain, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.02));
         assert!(matches!(choose(None, &asked, &look, false), Ok(Images::Until(goal)) if goal.bound == 0.01));
-        assert_eq!(choose(Some(3), &plain, &look, false).unwrap(), Images::Count(3));
+        assert_eq!(choose(Some(3), &plain, &look, false).unwrap(), Images::Count(Sampling::images(3)));
         let debug = DebugArgs { views: vec![DebugView::Lights], ..DebugArgs::default() };
         let cases = [
             (look.clone(), true, "give --aa N"),
@@ -182,11 +187,11 @@ mod tests {
             (LookArgs { average: Some(Switch::On), ..look.clone() }, false, "--average on"),
         ];
         for (look, linear, expected) in cases {
-            assert_eq!(choose(None, &plain, &look, linear).unwrap(), Images::Count(1), "{expected}");
+            assert_eq!(choose(None, &plain, &look, linear).unwrap(), Images::Count(Sampling::images(1)), "{expected}");
             let error = format!("{:#}", choose(None, &asked, &look, linear).unwrap_err());
             assert!(error.starts_with("--quality does not apply: ") && error.contains(expected), "{error}");
         }
-        let limited = QualityArgs { quality: None, time_limit: Some(1.0) };
+        let limited = QualityArgs { quality: None, time_limit: Some(1.0), edges: None };
         let error = format!("{:#}", choose(None, &limited, &look, true).unwrap_err());
         assert!(error.starts_with("--time-limit does not apply"), "{error}");
     }

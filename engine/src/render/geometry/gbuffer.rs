@@ -41,15 +41,20 @@ pub struct GBuffer {
 
 /// Declares the pass that draws the scene into the G-buffer.
 pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>) -> GBuffer {
+    declare_as(graph, frame, "")
+}
+
+/// The same of another view beside the frame's own: its names begin with `prefix`.
+pub(in crate::render) fn declare_as<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, prefix: &str) -> GBuffer {
     let [width, height] = frame.view.size;
     let [base_color, normal, emissive, object] = COLOR_TARGETS;
     let targets = [base_color, normal, emissive, object, ("gbuffer depth", DEPTH_FORMAT)]
-        .map(|(name, format)| (name.to_owned(), TextureDesc::d2(width, height, format, USAGE)));
+        .map(|(name, format)| (format!("{prefix}{name}"), TextureDesc::d2(width, height, format, USAGE)));
     let frustum = frame.frustum();
     let (drawn, key) = (frame.clone(), frame.view_key());
     let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 5], motion| draw(cx, &drawn, targets, motion);
     let [base_color, normal, emissive, object, depth] =
-        static_layers::declare(graph, frame, "gbuffer", targets, &[DrawFilter::opaque(&frustum)], &key, draw);
+        static_layers::declare(graph, frame, &format!("{prefix}gbuffer"), targets, &[DrawFilter::opaque(&frustum)], &key, draw);
     GBuffer { base_color, normal, emissive, object, depth, surfaces: Surfaces::Nearest }
 }
 

@@ -94,6 +94,13 @@ pub trait IndirectMethod: Any + Send {
         false
     }
 
+    /// Whether it gathers light along rays from the visible surfaces, which images whose pixel grids are shifted may share:
+    /// see [`RenderSettings::gathered_at`].
+    fn gathers(&self, scene: &Scene) -> bool {
+        let _ = scene;
+        false
+    }
+
     /// Whether it casts rays into the scene: [`Frame::rays`] is ready then.
     fn rays(&self, scene: &Scene) -> RayUse {
         let _ = scene;

@@ -303,6 +303,11 @@ impl Session {
         self.library.remarks()
     }
 
+    /// Whether images of the scene may share the light that one of them gathers.
+    pub fn shares_light(&self, settings: &RenderSettings) -> bool {
+        self.rendering.renderer.shares_light(&self.rendering.scene, settings)
+    }
+
     /// Draws a view of the scene as it stands.
     ///
     /// # Errors

@@ -94,6 +94,7 @@ impl RenderState {
             moment: world.clock().tick(),
             average: self.look.average == Some(Switch::On),
             images: 1,
+            gathered_at: None,
             beside: None,
             debug: DebugSettings {
                 views: self.look.debug.views.iter().copied().collect(),

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 /// 99 % of the pixels may be so many times as wrong as the mean over all.
 const MOST_OVER_MEAN: f64 = 5.0;
+/// Shifts at which an image is drawn, unless it is said: all of them together then take about as long as the gather of one.
+const EDGES: u32 = 8;
 
 /// When an average ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +21,8 @@ pub struct Goal {
     /// Images that the filter against noise in each of them counts on: it is the narrower the more there are, and what it
     /// blurs is no part of the estimate.
     pub filtered_for: u32,
+    /// Shifts of the pixel grid at which each image is drawn, where one of them may gather the light of all.
+    pub edges: u32,
     /// Time for an image.
     pub time_limit: Duration,
 }
@@ -33,7 +37,8 @@ impl Goal {
         };
         // A longer time than can be told is no limit.
         let limit = Duration::try_from_secs_f64(args.time_limit.unwrap_or(seconds));
-        Self { bound, least, most, filtered_for, time_limit: limit.unwrap_or(Duration::MAX) }
+        let edges = args.edges.unwrap_or(EDGES);
+        Self { bound, least, most, filtered_for, edges, time_limit: limit.unwrap_or(Duration::MAX) }
     }
 
     /// How far an estimate is from the bound: above 1 it is past it.
@@ -61,16 +66,16 @@ mod tests {
 
     #[test]
     fn better_takes_more() {
-        let goal = |quality| Goal::new(&QualityArgs { quality: Some(quality), time_limit: None }, Quality::Fast);
+        let goal = |quality| Goal::new(&QualityArgs { quality: Some(quality), time_limit: None, edges: None }, Quality::Fast);
         let goals = [Quality::Fast, Quality::Good, Quality::Best].map(goal);
         for pair in goals.windows(2) {
             assert!(pair[1].bound < pair[0].bound && pair[1].time_limit > pair[0].time_limit);
             assert!(pair[1].least > pair[0].least && pair[1].most > pair[0].most);
         }
         assert!(goals.iter().all(|goal| goal.least % 2 == 0 && goal.most % 2 == 0));
-        let limited = Goal::new(&QualityArgs { quality: None, time_limit: Some(2.5) }, Quality::Best);
+        let limited = Goal::new(&QualityArgs { quality: None, time_limit: Some(2.5), edges: None }, Quality::Best);
         assert_eq!((limited.bound, limited.time_limit), (goals[2].bound, Duration::from_millis(2500)));
-        let endless = Goal::new(&QualityArgs { quality: None, time_limit: Some(1e300) }, Quality::Best);
+        let endless = Goal::new(&QualityArgs { quality: None, time_limit: Some(1e300), edges: None }, Quality::Best);
         assert_eq!(endless.time_limit, Duration::MAX);
     }
 

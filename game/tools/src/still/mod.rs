@@ -16,7 +16,6 @@ use anyhow::Result;
 use halves::Halves;
 use lightwell::measure::Image;
 use lightwell::render::RenderSettings;
-use lightwell::scene::SceneView;
 use lightwell_runtime::session::Session;
 use std::time::{Duration, Instant};
 
@@ -47,10 +46,11 @@ pub fn average(
     // Shifted images are smooth at their edges, and are averaged anyway, each by itself.
     let settings =
         RenderSettings { display: true, mlaa: false, average: false, images: goal.filtered_for, ..settings.clone() };
+    let edges = if session.shares_light(&settings) { goal.edges } else { 1 };
     let mut halves = Halves::new(size);
     let (mut look, mut estimate) = (goal.least, None);
     loop {
-        let (pair, frame_time) = draw_pair(session, size, &settings, halves.images() / 2)?;
+        let (pair, frame_time) = draw_pair(session, size, &settings, (halves.images() / 2, edges))?;
         halves.add(&pair);
         let images = halves.images();
         let is_late = start.elapsed() + 2 * frame_time > goal.time_limit;
@@ -74,21 +74,20 @@ pub fn average(
     }
 }
 
-/// An image for each half, and how long the second took: the very first frame also compiles shaders.
+/// An image for each half, of so many frames each, and how long the second took: the very first frame also compiles shaders.
 fn draw_pair(
     session: &mut Session,
     size: [u32; 2],
     settings: &RenderSettings,
-    pair: u32,
+    (pair, edges): (u32, u32),
 ) -> Result<([Image; 2], Duration)> {
-    let camera = session.camera()?;
-    let [first, second] = jitter::pair(pair);
-    let mut draw = |jitter| {
-        session.render(&SceneView { camera: camera.clone(), size, jitter }, settings)?;
-        capture::display(session)
+    let shifts: Vec<_> = (0..edges).map(|edge| jitter::pair(pair * edges + edge)).collect();
+    let mut draw = |half: usize| {
+        let shifts: Vec<_> = shifts.iter().map(|pair| pair[half]).collect();
+        capture::take_at(session, size, &shifts, settings)
     };
-    let first = draw(first)?;
+    let first = draw(0)?;
     let start = Instant::now();
-    let second = draw(second)?;
+    let second = draw(1)?;
     Ok(([first, second], start.elapsed()))
 }

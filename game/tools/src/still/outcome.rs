@@ -102,7 +102,7 @@ mod tests {
     use crate::cli::{Quality, QualityArgs};
 
     fn outcome(mean: f64, end: End) -> Outcome {
-        let goal = Goal::new(&QualityArgs { quality: None, time_limit: Some(2.0) }, Quality::Good);
+        let goal = Goal::new(&QualityArgs { quality: None, time_limit: Some(2.0), edges: None }, Quality::Good);
         let estimate = Estimate { mean, most: 0.05 };
         Outcome { images: 16, estimate, goal, time: Duration::from_millis(1500), end }
     }

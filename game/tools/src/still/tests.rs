@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::capture::Sampling;
 use crate::cli::{Quality, QualityArgs};
 use crate::shot::{Images, Shot};
 use lightwell::measure::flip_displayed;
+use lightwell::scene::SceneView;
 use lightwell_runtime::cli::{Common, LookArgs};
 use lightwell_runtime::writer::Picture;
 
@@ -87,7 +89,7 @@ fn single_frames_are_as_they_were() {
     let (place, settings) = (view(&plain), plain.display_settings());
     plain.render(&place, &settings).unwrap();
     let (_, bytes) = plain.display_bytes().unwrap();
-    let shot = |linear, count| Shot { size: SIZE, images: Images::Count(count), linear };
+    let shot = |linear, count| Shot { size: SIZE, images: Images::Count(Sampling::images(count)), linear };
     let (picture, outcome) = shot(false, 1).take(&mut session, &mut |_| ()).unwrap();
     let Picture::Display { rgb, .. } = picture else { panic!("no picture for a screen") };
     assert!(outcome.is_none() && rgb == bytes);

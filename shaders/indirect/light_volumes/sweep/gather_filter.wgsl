@@ -208,10 +208,10 @@ fn limited(light: vec3f, limit: f32) -> vec3f {
     return select(light, light * (limit / max(found, 1e-37)), found > limit);
 }
 
-// What is left of the light of one pixel in four, for `gather_upsample`. Of the few rays of a frame a single one may meet
+// The light of the gathered pixels, for `gather_upsample` and `gather_shift`. Of the few rays of a frame a single one may meet
 // something small and bright: no light is `stray` times as bright as all that is next to it.
 @compute @workgroup_size(8, 8)
-fn vertical_sparse(@builtin(global_invocation_id) thread: vec3u) {
+fn vertical_apart(@builtin(global_invocation_id) thread: vec3u) {
     let texel = thread.xy;
     if any(texel >= reach.interleave.texels) {
         return;

@@ -37,6 +37,10 @@ impl IndirectMethod for LightVolumesMethod {
         settings(scene).is_some_and(|clpv| gather::is_wanted(clpv) || sweep::varies(clpv) || diffusion::varies(clpv))
     }
 
+    fn gathers(&self, scene: &Scene) -> bool {
+        settings(scene).is_some_and(gather::is_wanted)
+    }
+
     fn rays(&self, scene: &Scene) -> RayUse {
         match settings(scene).is_some_and(|clpv| clpv.transport == Transport::Sweep) {
             true => RayUse::Optional,

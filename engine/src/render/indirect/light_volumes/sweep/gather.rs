@@ -1,6 +1,7 @@
 //! The final gather: rays from the visible surfaces, to the light of patches. See `indirect/light_volumes/sweep/gather.wgsl`.
 
 use super::gather_filter::{self, Gathered};
+use super::gather_shift::{self, Seen};
 use super::haze_cells::HazeCells;
 use super::interleave::{Interleave, InterleaveUniform};
 use super::mirror;
@@ -8,7 +9,6 @@ use super::rsm_samples::{self, RsmSamples};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
-use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
 use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
 use encase::ShaderType;
@@ -50,16 +50,18 @@ pub(crate) struct GatherUniform {
 }
 
 /// Declares the gather and its filter; the result is reflected radiance. `light` is that of the patches, if
-/// more than one bounce counts and rays end in it, `haze` that in the air, if there are media.
+/// more than one bounce counts and rays end in it, `haze` that in the air, if there are media. `shown` is the image that
+/// takes its light from this one, if it is another.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
-    gbuffer: &GBuffer,
+    seen: Seen<'_, 'a>,
+    shown: Option<Seen<'_, 'a>>,
     settings: &Clpv,
     (light, haze): (Option<Handle<Buffer>>, Option<HazeCells>),
     lit: Option<RsmSamples>,
     interleave: Interleave,
 ) -> Handle<Texture> {
+    let Seen { frame, gbuffer } = seen;
     let gathered = Gathered {
         diffuse: graph.retained_texture("gathered diffuse", interleave.image_desc(frame)),
         specular: graph.retained_texture("gathered specular", interleave.image_desc(frame)),
@@ -106,14 +108,14 @@ pub(super) fn declare<'a>(
         interleave,
     };
     pass.execute(move |cx| work.run(cx));
-    gather_filter::declare(
-        graph,
-        frame,
-        gbuffer,
-        gathered,
-        interleave,
-        filter_radius(settings, gathered_images(frame, settings, interleave)),
-    )
+    let radius = filter_radius(settings, gathered_images(frame, settings, interleave));
+    match shown {
+        Some(shown) => {
+            let filtered = gather_filter::declare_apart(graph, frame, gbuffer, gathered, interleave, radius);
+            gather_shift::declare(graph, shown, seen, filtered)
+        }
+        None => gather_filter::declare(graph, frame, gbuffer, gathered, interleave, radius),
+    }
 }
 
 struct Work<'a> {

@@ -49,18 +49,30 @@ pub(super) fn declare<'a>(
     interleave: Interleave,
     radius: u32,
 ) -> Handle<Texture> {
-    let reach = Reach { radius: interleave.radius(radius), interleave };
-    let half = match reach.radius {
-        0 | 1 => gathered,
-        _ => horizontal(graph, frame, gbuffer, gathered, reach),
-    };
-    match interleave.is_sparse() {
-        true => {
-            let filtered = if reach.radius > 1 { vertical_sparse(graph, frame, gbuffer, half, reach) } else { half };
-            gather_upsample::declare(graph, frame, gbuffer, filtered, interleave)
-        }
-        false => vertical(graph, frame, gbuffer, half, reach),
+    if interleave.is_sparse() {
+        let filtered = declare_apart(graph, frame, gbuffer, gathered, interleave, radius);
+        return gather_upsample::declare(graph, frame, gbuffer, filtered, interleave);
     }
+    let reach = Reach { radius: interleave.radius(radius), interleave };
+    let half = if reach.radius > 1 { horizontal(graph, frame, gbuffer, gathered, reach) } else { gathered };
+    vertical(graph, frame, gbuffer, half, reach)
+}
+
+/// Declares the filter alone, for images that take their light from the gathered pixels. It is kept, for there may be many.
+pub(super) fn declare_apart<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    gathered: Gathered,
+    interleave: Interleave,
+    radius: u32,
+) -> Gathered {
+    let reach = Reach { radius: interleave.radius(radius), interleave };
+    if reach.radius <= 1 {
+        return gathered;
+    }
+    let half = horizontal(graph, frame, gbuffer, gathered, reach);
+    vertical_apart(graph, frame, gbuffer, half, reach)
 }
 
 fn vertical<'a>(
@@ -86,10 +98,12 @@ fn horizontal<'a>(
     reach: Reach,
 ) -> Gathered {
     let names = ["gathered diffuse, filtered along rows", "gathered specular, filtered along rows"];
-    apart(graph, frame, gbuffer, gathered, names, ["gather filter, horizontal", "horizontal"], reach)
+    let [diffuse, specular] = names.map(|name| graph.texture(name, reach.interleave.image_desc(frame)));
+    let which = ["gather filter, horizontal", "horizontal"];
+    apart(graph, frame, gbuffer, gathered, Gathered { diffuse, specular }, which, reach)
 }
 
-fn vertical_sparse<'a>(
+fn vertical_apart<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
@@ -97,7 +111,12 @@ fn vertical_sparse<'a>(
     reach: Reach,
 ) -> Gathered {
     let names = ["gathered diffuse, filtered", "gathered specular, filtered"];
-    apart(graph, frame, gbuffer, half, names, ["gather filter, vertical", "vertical_sparse"], reach)
+    let desc = reach.interleave.image_desc(frame);
+    let is_kept = !reach.interleave.is_sparse();
+    let [diffuse, specular] =
+        names.map(|name| if is_kept { graph.retained_texture(name, desc.clone()) } else { graph.texture(name, desc.clone()) });
+    let which = ["gather filter, vertical", "vertical_apart"];
+    apart(graph, frame, gbuffer, half, Gathered { diffuse, specular }, which, reach)
 }
 
 /// Declares a pass that leaves diffuse and specular light apart.
@@ -106,12 +125,11 @@ fn apart<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     gathered: Gathered,
-    names: [&'static str; 2],
+    filtered: Gathered,
     which: [&'static str; 2],
     reach: Reach,
 ) -> Gathered {
-    let [diffuse, specular] = names.map(|name| graph.texture(name, reach.interleave.image_desc(frame)));
-    let outputs = [("diffuse_out", diffuse), ("specular_out", specular)];
+    let outputs = [("diffuse_out", filtered.diffuse), ("specular_out", filtered.specular)];
     let inputs = along_axis(gbuffer, gathered).into();
     let [diffuse, specular] = pass(graph, frame, which, inputs, outputs, reach);
     Gathered { diffuse, specular }

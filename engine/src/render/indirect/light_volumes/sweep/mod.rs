@@ -23,6 +23,7 @@ mod emit;
 mod further;
 pub(in crate::render) mod gather;
 mod gather_filter;
+mod gather_shift;
 mod gather_upsample;
 mod grid;
 pub(in crate::render) mod haze_cells;
@@ -49,6 +50,7 @@ pub(crate) use self::{
     emit::EmitUniform,
     gather::GatherUniform,
     gather_filter::ReachUniform,
+    gather_shift::ShiftUniform,
     gather_upsample::UpsampleUniform,
     irradiance::LookupUniform,
     march::{CollectUniform, MarchUniform},
@@ -61,13 +63,14 @@ use super::{Indirect, radiosity};
 use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::render::RenderError;
 use crate::render::frame::Frame;
-use crate::render::geometry::gbuffer::GBuffer;
+use crate::render::geometry::gbuffer::{self, GBuffer};
 use crate::render::indirect::{Scattered, sky_reflection};
 use crate::render::rays::mirror_define;
 use crate::render::shadows::reflective::{self, Rsm};
 use crate::scene::{Aabb, SceneClpv, SceneLight};
 use crate::world::{Bounces, Clpv, Precision, Quality, Transport};
 use directions::Directions;
+use gather_shift::Seen;
 use glam::Vec3;
 pub(crate) use haze_cells::HazeCells;
 use interleave::Interleave;
@@ -126,6 +129,11 @@ pub(super) fn declare<'a>(
     clpv: &'a SceneClpv,
 ) -> Result<Option<Indirect>, RenderError> {
     let settings = &clpv.settings;
+    let shown = Seen { frame, gbuffer };
+    let is_gathered = gather::is_possible(graph, frame, settings);
+    // Everything but what is seen at the frame's own pixels belongs to the image that is gathered.
+    let gathering = frame.gathering().filter(|_| is_gathered);
+    let frame = gathering.as_ref().unwrap_or(frame);
     let quality = quality(frame, settings);
     let volumes = volumes(clpv, quality, &frame.bounds, frame.view)?;
     let reach = volumes.iter().fold(Aabb::EMPTY, |reach, volume| reach.union(&volume.bounds()));
@@ -141,7 +149,6 @@ pub(super) fn declare<'a>(
         None => directions,
     };
     let surfels = surfels::declare(graph, frame);
-    let is_gathered = gather::is_possible(graph, frame, settings);
     let names: Vec<String> = (0..volumes.len()).map(|index| format!("cascade {index}")).collect();
     let lamp_light: Vec<_> =
         names.iter().zip(&volumes).map(|(name, volume)| lamp_light::declare(graph, frame, name, volume)).collect();
@@ -192,9 +199,12 @@ pub(super) fn declare<'a>(
     let mut mirrored = None;
     let radiance = if is_gathered {
         let interleave = Interleave::new(frame, patches.is_some());
-        mirrored = declare_mirrors(graph, frame, gbuffer, settings, scattered, interleave);
+        mirrored = declare_mirrors(graph, shown, settings, scattered, interleave);
         let lit = rsm_samples::declare(graph, frame, &rsms, (reach, scale), gather::points(settings, interleave));
-        gather::declare(graph, frame, gbuffer, settings, (patches, haze), lit, interleave)
+        let gbuffer = gathering.as_ref().map(|frame| gbuffer::declare_as(graph, frame, "gathered "));
+        let gathered_at = Seen { frame, gbuffer: gbuffer.as_ref().unwrap_or(shown.gbuffer) };
+        let shown = gathering.as_ref().map(|_| shown);
+        gather::declare(graph, gathered_at, shown, settings, (patches, haze), lit, interleave)
     } else {
         let names = irradiance::Names { pass: "relight", image: "indirect radiance" };
         irradiance::relight(graph, frame, gbuffer, names, settings.border_fade.max(0.0), &levels)
@@ -224,8 +234,7 @@ pub(super) fn declare<'a>(
 /// Declares the rays of mirrors, where there are any.
 fn declare_mirrors<'a>(
     graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
-    gbuffer: &GBuffer,
+    Seen { frame, gbuffer }: Seen<'_, 'a>,
     settings: &Clpv,
     light: Scattered,
     interleave: Interleave,
