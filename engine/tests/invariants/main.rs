@@ -14,6 +14,7 @@ mod moving_rays;
 mod overlays;
 mod posed_meshes;
 mod shaders;
+mod shared_light;
 #[path = "../support/mod.rs"]
 mod support;
 mod temporal;

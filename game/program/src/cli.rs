@@ -5,6 +5,7 @@ use lightwell_runtime::cli::{Common, LookArgs, parse_frame_rate, parse_scale, pa
 use lightwell_tools::cli::{
     BenchArgs, CompareArgs, ExplainArgs, PackArgs, QualityArgs, RenderArgs, SheetArgs, StressArgs, TestArgs,
 };
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -91,6 +92,10 @@ pub struct PlayArgs {
     /// 0: never [default: the display's rate, or 10 with a software driver]
     #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
     pub fps: Option<f32>,
+    /// Measure the window and end: when it first shows something, how often it does while the scene plays, how soon it
+    /// answers, and how fast it comes to rest. `bench --window` makes a report of it
+    #[arg(long, value_name = "FILE.ron")]
+    pub measure: Option<PathBuf>,
     /// How quiet the images without a display are.
     #[command(flatten)]
     pub quality: QualityArgs,

@@ -28,4 +28,5 @@ pub mod set;
 pub mod steps;
 pub mod watch;
 pub mod window;
+pub mod window_figures;
 pub mod writer;

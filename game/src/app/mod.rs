@@ -266,7 +266,7 @@ impl App {
         let scene = args.scene.clone().unwrap_or_else(|| self.scene.clone());
         scene_path::find(&scene)?;
         let (size, scale, look) = (args.size, args.scale, args.look());
-        let opening = Opening { scene, size, scale, frames_per_second: args.fps, look };
+        let opening = Opening { scene, size, scale, frames_per_second: args.fps, look, measure: None };
         let (types, shown) = (self.game.options().types.clone(), std::mem::take(&mut self.shown));
         let game = EditedGame { types, shown, new_game: Some(in_editor::new_game(self, again, &args.common)) };
         Display::open().context("the editor needs a display")?.edit(&opening, &args.common, &game)

@@ -73,12 +73,7 @@ pub fn take_telling(
 ///
 /// # Errors
 /// As [`take`].
-pub fn take_at(
-    session: &mut Session,
-    size: [u32; 2],
-    shifts: &[[f32; 2]],
-    settings: &RenderSettings,
-) -> Result<Image> {
+pub fn take_at(session: &mut Session, size: [u32; 2], shifts: &[[f32; 2]], settings: &RenderSettings) -> Result<Image> {
     let gathered_at = shifts.first().copied().filter(|_| shifts.len() > 1);
     let settings = RenderSettings { gathered_at, ..settings.clone() };
     let mut sum = Sum::new(size);

@@ -53,8 +53,15 @@ pub(in crate::render) fn declare_as<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>
     let frustum = frame.frustum();
     let (drawn, key) = (frame.clone(), frame.view_key());
     let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 5], motion| draw(cx, &drawn, targets, motion);
-    let [base_color, normal, emissive, object, depth] =
-        static_layers::declare(graph, frame, &format!("{prefix}gbuffer"), targets, &[DrawFilter::opaque(&frustum)], &key, draw);
+    let [base_color, normal, emissive, object, depth] = static_layers::declare(
+        graph,
+        frame,
+        &format!("{prefix}gbuffer"),
+        targets,
+        &[DrawFilter::opaque(&frustum)],
+        &key,
+        draw,
+    );
     GBuffer { base_color, normal, emissive, object, depth, surfaces: Surfaces::Nearest }
 }
 

@@ -3,6 +3,7 @@
 mod answers;
 pub(crate) mod export;
 mod game;
+mod measurement;
 mod memory;
 mod meter;
 mod picture;
@@ -17,6 +18,8 @@ use anyhow::Result;
 use lightwell::files::ComponentTypes;
 use lightwell_runtime::cli::{Common, LookArgs};
 use lightwell_runtime::{logging, scene_path};
+use std::path::PathBuf;
+use std::time::Instant;
 use winit::event_loop::EventLoop;
 
 /// What the window shows at first.
@@ -33,6 +36,8 @@ pub struct Opening {
     pub frames_per_second: Option<f32>,
     /// Choices that change the picture.
     pub look: LookArgs,
+    /// A file that figures of the window go to, and when the program was started: it measures itself then, and ends.
+    pub measure: Option<(PathBuf, Instant)>,
 }
 
 pub use playing::{NewGame, Overlay, PlayedGame};

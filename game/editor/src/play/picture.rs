@@ -1,7 +1,8 @@
 //! The picture of the window: begun when there is something new to see, taken up when it is finished.
 
+use super::measurement::Shown;
 use super::player::Player;
-use super::render_thread::{Finished, Purpose};
+use super::render_thread::{Begun, Finished, Purpose};
 use anyhow::Result;
 use lightwell::graph::{FrameReport, GraphError};
 use lightwell::profile::FrameRecorder;
@@ -35,6 +36,8 @@ pub struct Picture {
     changed: Option<Instant>,
     /// Whether the picture that was begun last is one of motion.
     is_moving: bool,
+    /// Whether it has indirect light, as the first one has not.
+    is_whole_light: bool,
 }
 
 impl Picture {
@@ -105,6 +108,7 @@ impl Player {
         if is_first && settings.gi != GiMethod::REFERENCE {
             settings.gi = GiMethod::NONE;
         }
+        self.picture.is_whole_light = !is_first;
         self.picture.note(&subject);
         let rests_at = self.picture.rests_at();
         self.picture.is_moving = self.clock.playing || self.play.is_some() || rests_at.is_some();
@@ -188,6 +192,7 @@ impl Player {
                 self.report = report;
                 self.frame_error = None;
                 self.show_picture();
+                self.note_shown(&begun);
                 let measured = match begun.purpose {
                     // The session's settings are those of the edited scene.
                     Purpose::View if self.play.is_some() => Ok(()),
@@ -215,6 +220,19 @@ impl Player {
             self.answer(request);
         }
         Ok(true)
+    }
+
+    /// Tells the measurement what came.
+    fn note_shown(&mut self, begun: &Begun) {
+        let Some(measurement) = self.measurement.as_mut().filter(|_| begun.purpose == Purpose::View) else { return };
+        let averaged = self.session.rendering.renderer.averaged();
+        let is_whole = begun.view.size == self.editor.view.size;
+        measurement.picture(Shown {
+            size: begun.view.size,
+            begun: begun.start,
+            is_indirect: self.picture.is_whole_light,
+            rested: averaged.filter(|_| is_whole && !self.picture.is_moving),
+        });
     }
 
     /// Tells the budget how long a frame took, on the render thread or on the device. One that the path tracer worked on

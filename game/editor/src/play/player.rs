@@ -2,6 +2,7 @@
 
 use super::export::Job;
 use super::game::Play;
+use super::measurement::Measurement;
 use super::memory::Memory;
 use super::meter::Meter;
 use super::picture::Picture;
@@ -77,6 +78,7 @@ pub struct Player {
     pub(super) waiting: Vec<Request>,
     recorder: Option<FrameRecorder>,
     pub(super) meter: Meter,
+    pub(super) measurement: Option<Measurement>,
     /// Version of the history up to which parts are watched.
     pub(super) followed: u64,
 }
@@ -140,6 +142,7 @@ impl Player {
             waiting: Vec::new(),
             recorder: None,
             meter: Meter::default(),
+            measurement: args.measure.clone().map(|(file, started)| Measurement::new(file, started)),
             followed: 0,
         };
         player.editor.set_own(own.shown.clone());
@@ -187,6 +190,7 @@ impl Player {
             self.repaint_at = None;
             self.stale = true;
         }
+        self.stale |= self.measurement.as_ref().is_some_and(Measurement::is_waiting);
         let goes_on = self.render_thread.is_idle()
             && (self.clock.playing && self.play.is_none() || self.job.is_some() || self.game_runs());
         let busy = self.stale || goes_on || self.render_thread.is_finished();
@@ -207,6 +211,7 @@ impl Player {
             return Ok(());
         }
         self.stale = false;
+        self.go_on_measuring()?;
         // A picture that the interface outruns is one frame of the profile all the same.
         let mut frame = self.recorder.take().unwrap_or_else(FrameRecorder::begin);
         let mut is_new = self.take_picture(&mut frame, Duration::ZERO)?;

@@ -31,7 +31,9 @@ struct App<'a> {
 
 impl App<'_> {
     fn open(&self, event_loop: &ActiveEventLoop) -> Result<Player> {
-        let memory = super::memory::Memory::file().map(|file| super::memory::Memory::read(&file)).unwrap_or_default();
+        // What is measured does not depend on what the window was like last.
+        let file = super::memory::Memory::file().filter(|_| self.args.measure.is_none());
+        let memory = file.map(|file| super::memory::Memory::read(&file)).unwrap_or_default();
         let [width, height] = self.args.size.or(memory.window).unwrap_or([1280, 800]);
         let attributes =
             Window::default_attributes().with_title("Lightwell").with_inner_size(PhysicalSize::new(width, height));
@@ -60,7 +62,9 @@ impl ApplicationHandler for App<'_> {
         match player.event(&event) {
             Ok(true) => {}
             Ok(false) => {
-                player.remember();
+                if self.args.measure.is_none() {
+                    player.remember();
+                }
                 event_loop.exit();
             }
             Err(error) => self.fail(event_loop, error),

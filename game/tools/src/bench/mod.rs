@@ -33,6 +33,7 @@ mod stage;
 mod thesis;
 mod timing;
 mod variant;
+mod window;
 
 #[cfg(test)]
 mod tests;

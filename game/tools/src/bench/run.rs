@@ -6,7 +6,7 @@ use super::reference::{References, Wanted};
 use super::results::{ErrorFigures, Flicker, Mode, Store, ThroughputFigures, Timing};
 use super::{
     cliffs, error, flicker, growth, host, instant_radiosity, light_culling, machine, noise, report, response, rooms,
-    thesis, timing,
+    thesis, timing, window,
 };
 use crate::cli::BenchArgs;
 use anyhow::{Context, Result, bail};
@@ -49,6 +49,9 @@ pub fn run(args: &BenchArgs, common: &Common) -> Result<PathBuf> {
     }
     if args.response {
         return response::run(args, common);
+    }
+    if args.window {
+        return window::run(args, common);
     }
     let plan = Plan::of(args)?;
     if args.host {

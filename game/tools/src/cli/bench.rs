@@ -146,6 +146,17 @@ pub struct BenchArgs {
         ],
     )]
     pub response: bool,
+    /// Measure windows as their users see them, on the display there is (`xvfb-run` gives one): when the first picture comes,
+    /// pictures a second while the scene plays, how soon a turn of the camera shows, and how fast a view comes to rest. Writes
+    /// window.json and window.md [SCENE: cornell, courtyard; --size: 1280x800]
+    #[arg(
+        long, group = "sized", conflicts_with_all = [
+            "host", "growth", "sweep", "method", "variant", "bless", "times", "thesis", "light_culling", "instant_radiosity",
+            "cliffs", "time_size", "error_size", "spp", "bounces", "flicker", "throughput", "frames", "aa", "reference_spp",
+            "camera", "warm_up", "quick", "fresh",
+        ],
+    )]
+    pub window: bool,
     /// Name of this run in the report of --host, beside others in DIR; the same name replaces its figures
     #[arg(long, value_name = "NAME", default_value = "now", requires = "host")]
     pub label: String,
@@ -163,7 +174,7 @@ pub struct BenchArgs {
     /// Seed of the random rooms: another one gives other rooms
     #[arg(long, value_name = "S", default_value_t = 1, requires = "rooms")]
     pub seed: u64,
-    /// Image size of --noise and --response [default: 512x512], and of the random rooms [default: 128x128]
+    /// Image size of --noise and --response [default: 512x512], of the windows [default: 1280x800], and of the random rooms [default: 128x128]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "sized")]
     pub size: Option<[u32; 2]>,
     /// Write the random rooms as scenes and measure nothing

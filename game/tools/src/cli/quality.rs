@@ -27,7 +27,7 @@ pub struct QualityArgs {
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     pub time_limit: Option<f64>,
     /// Draw each averaged image at N shifts of the pixel grid, and gather its indirect light at one of them: edges get
-    /// smooth at the price of surfaces and direct light alone [default: 8 where a quality is asked for, else 1]
+    /// smooth at the price of surfaces and direct light alone [default: 4 where a quality is asked for, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub edges: Option<u32>,
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 /// 99 % of the pixels may be so many times as wrong as the mean over all.
 const MOST_OVER_MEAN: f64 = 5.0;
-/// Shifts at which an image is drawn, unless it is said: all of them together then take about as long as the gather of one.
-const EDGES: u32 = 8;
+/// Shifts at which an image is drawn, unless it is said: more of them would cost more than the noise of so many images is worth.
+const EDGES: u32 = 4;
 
 /// When an average ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn better_takes_more() {
-        let goal = |quality| Goal::new(&QualityArgs { quality: Some(quality), time_limit: None, edges: None }, Quality::Fast);
+        let goal =
+            |quality| Goal::new(&QualityArgs { quality: Some(quality), time_limit: None, edges: None }, Quality::Fast);
         let goals = [Quality::Fast, Quality::Good, Quality::Best].map(goal);
         for pair in goals.windows(2) {
             assert!(pair[1].bound < pair[0].bound && pair[1].time_limit > pair[0].time_limit);

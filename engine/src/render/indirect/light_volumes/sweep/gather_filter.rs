@@ -114,7 +114,9 @@ fn vertical_apart<'a>(
     let desc = reach.interleave.image_desc(frame);
     let is_kept = !reach.interleave.is_sparse();
     let [diffuse, specular] =
-        names.map(|name| if is_kept { graph.retained_texture(name, desc.clone()) } else { graph.texture(name, desc.clone()) });
+        names.map(
+            |name| if is_kept { graph.retained_texture(name, desc.clone()) } else { graph.texture(name, desc.clone()) },
+        );
     let which = ["gather filter, vertical", "vertical_apart"];
     apart(graph, frame, gbuffer, half, Gathered { diffuse, specular }, which, reach)
 }
