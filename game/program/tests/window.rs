@@ -6,6 +6,7 @@
 mod screen;
 
 use lightwell_needs::needs;
+use lightwell_runtime::window_figures::{RESTED, WindowFigures};
 use screen::{Display, PATIENCE, Place, Window, difference};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -342,4 +343,20 @@ fn a_monitor_of_another_scale_is_followed() {
     window.focus("Lightwell");
     window.key("ctrl+q");
     assert!(window.wait_for_end(), "{}", window.said());
+}
+
+#[needs("Xvfb", "xdotool", "import")]
+fn a_window_measures_itself_and_ends() {
+    let display = Display::open();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell.scene.ron");
+    let file = folder.path().join("figures.ron");
+    let words = ["play", scene.to_str().unwrap(), "--scale", "0.1", "--measure", file.to_str().unwrap()];
+    let mut window = Window::start(&display, Path::new(env!("CARGO_BIN_EXE_lightwell")), &words, folder.path());
+    assert!(window.wait_for_end(), "{}", window.said());
+    let figures = WindowFigures::read(&file).unwrap();
+    assert!(0.0 < figures.first_picture && figures.first_picture < figures.first_indirect, "{figures:?}");
+    assert!(figures.rate() > 0.0 && figures.answers.len() == 8 && figures.answers_at_rest.len() == 8, "{figures:?}");
+    assert!(figures.rested.len() == RESTED.len() && figures.rested.is_sorted(), "{figures:?}");
+    assert!(!folder.path().join("config").exists(), "a measured window remembers nothing");
 }

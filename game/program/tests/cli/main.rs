@@ -262,6 +262,23 @@ fn play_without_a_display_writes_frames() {
 }
 
 #[test]
+#[cfg(not(any(windows, target_os = "macos")))]
+fn windows_are_measured_where_there_is_a_display() {
+    let dir = tempfile::tempdir().unwrap();
+    for words in [&["play", "cornell", "--measure", "a.ron"][..], &["bench", "--window", "-o", "out"]] {
+        let output = Command::new(env!("CARGO_BIN_EXE_lightwell"))
+            .args(words)
+            .current_dir(dir.path())
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET")
+            .output()
+            .unwrap();
+        assert!(!output.status.success() && err(&output).contains("there is no display"), "{}", err(&output));
+    }
+}
+
+#[test]
 fn sheets_show_bad_files_too() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("broken.gltf"), b"{").unwrap();
