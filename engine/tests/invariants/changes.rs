@@ -193,6 +193,6 @@ fn a_light_that_fades_fades_on_all_objects() {
 #[test]
 fn a_door_that_shuts_takes_the_light_of_all_objects() {
     let part = |share: f32| move |stage: &mut Stage| move_door(stage, OPEN.lerp(SHUT, share));
-    assert_followed(&gpu(), parted_room(), &[&part(0.3), &part(0.6), &part(1.0)], TOLERANCES);
+    assert_followed(&gpu(), parted_room(), &[&part(0.3), &part(0.6), &part(1.0)], [0.08, 0.05]);
 }
 
