@@ -15,11 +15,8 @@ const LEAD: u32 = 16;
 /// Images without averaging whose mean is what a window should show.
 const IMAGES: u32 = 16;
 /// Reflectances, by which objects are told apart in an image: a ball, a chest and a pillar. All else is the room.
-const OBJECTS: [(&str, Vec3); 3] = [
-    ("ball", Vec3::new(0.7, 0.7, 0.5)),
-    ("chest", Vec3::new(0.7, 0.5, 0.7)),
-    ("pillar", Vec3::new(0.5, 0.7, 0.7)),
-];
+const OBJECTS: [(&str, Vec3); 3] =
+    [("ball", Vec3::new(0.7, 0.7, 0.5)), ("chest", Vec3::new(0.7, 0.5, 0.7)), ("pillar", Vec3::new(0.5, 0.7, 0.7))];
 
 fn settings(only: Layer, average: bool) -> RenderSettings {
     RenderSettings { only, display: false, average, ..Default::default() }
@@ -195,4 +192,3 @@ fn a_door_that_shuts_takes_the_light_of_all_objects() {
     let part = |share: f32| move |stage: &mut Stage| move_door(stage, OPEN.lerp(SHUT, share));
     assert_followed(&gpu(), parted_room(), &[&part(0.3), &part(0.6), &part(1.0)], [0.08, 0.05]);
 }
-
