@@ -75,9 +75,10 @@ const STRAY: f32 = 4.0;
 const LEAST_SPREAD: f32 = 0.25;
 const FEW: f32 = 2.0;
 // Noise of a frame's light, in mean deviations and at least of the light itself: it decides whether a change of the patch's
-// light is followed.
+// light is followed; and the logarithm of the odds that it is where the pixel's own light says nothing.
 const NOISE: f32 = 0.8;
 const LEAST_NOISE: f32 = 0.03;
+const TRUST: f32 = 3.0;
 
 struct Past {
     light: vec3f,
@@ -85,23 +86,23 @@ struct Past {
     quick: f32,            // luminance of the quick mean
     spread: f32,           // mean deviation of a frame's luminance
     change: vec3f,         // how its patch's light changed since: a factor
-    left: f32,             // and how much of the number of frames is left then
+    doubt: f32,            // and the relative variance of how it did itself beside that
 }
 
 fn nothing() -> Past {
-    return Past(vec3f(0.0), 0.0, 0.0, 0.0, vec3f(1.0), 1.0);
+    return Past(vec3f(0.0), 0.0, 0.0, 0.0, vec3f(1.0), 0.0);
 }
 
 // What was kept of a pixel.
 fn kept(at: vec2i, spread: f32, frames: f32) -> Past {
     let texel = textureLoad(light_before, at, 0);
-    var past = Past(decode_radiance(texel.xy), frames, bitcast<f32>(texel.z), spread, vec3f(1.0), 1.0);
+    var past = Past(decode_radiance(texel.xy), frames, bitcast<f32>(texel.z), spread, vec3f(1.0), 0.0);
 #ifdef PATCHES
     let patch_index = texel.w;
     if patch_index < min(NO_PATCH, arrayLength(&patch_change)) {
         let change = patch_change[patch_index];
         past.change = change.rgb;
-        past.left = change.a;
+        past.doubt = change.a;
     }
 #endif
     return past;
@@ -151,7 +152,7 @@ fn around(position: vec3f, n: vec3f, footprint: f32) -> Past {
         sum.frames += weight * found.frames;
         sum.quick += weight * found.quick;
         sum.spread += weight * found.spread;
-        change += weight * vec4f(found.change, found.left);
+        change += weight * vec4f(found.change, found.doubt);
         weights += weight;
     }
     if weights <= 0.01 {
@@ -193,20 +194,23 @@ fn without_strays(past: Past, light: vec3f) -> vec3f {
     return select(light, light * (limit / max(found, 1e-37)), is_changing() && past.frames > FEW && found > limit);
 }
 
-// What is remembered, in the light of now. The light of a patch is a sum over few links, so that its change may be chance: it
-// is followed as far as the pixel's own light says, by the odds of the two for normally distributed noise.
+// What is remembered, in the light of now. The light of a patch may change otherwise than that of a point of it: the change is
+// followed as far as the pixel's own light does not speak against it, by the odds of the two for normally distributed noise. What
+// is followed has an error then, of variance `doubt`, which frames do not average away: beside those of n frames with noise σ² each,
+// as in a Kalman filter, it leaves n/(1 + n·doubt/σ²) of them.
 fn followed(past: Past, fresh: f32) -> Past {
     let was = luminance(past.light);
     let would = luminance(past.light * past.change);
     let noise = max(NOISE * past.spread, LEAST_NOISE * max(was, would));
     let odds = (would - was) / max(noise, 1e-30) * ((fresh - 0.5 * (was + would)) / max(noise, 1e-30));
-    let share = 1.0 / (1.0 + exp(-clamp(odds, -20.0, 20.0)));
+    let share = 1.0 / (1.0 + exp(-clamp(TRUST + odds, -20.0, 20.0)));
     var now = past;
     now.light *= mix(vec3f(1.0), past.change, share);
     let factor = luminance(now.light) / max(was, 1e-37);
     now.quick *= factor;
     now.spread *= factor;
-    now.frames *= mix(1.0, past.left, share);
+    let relative = max(NOISE * past.spread / max(was, 1e-30), LEAST_NOISE);
+    now.frames /= 1.0 + share * min(past.frames, average.most) * past.doubt / (relative * relative);
     return now;
 }
 
@@ -217,8 +221,10 @@ fn updated(before: Past, all: vec3f, count: f32, most: f32) -> Past {
     let frames = min(past.frames, most);
     let share = count / (frames + count);
     let fresh = luminance(light);
-    let deviation = select(0.5 * fresh, abs(fresh - luminance(past.light)), frames > 0.0);
-    var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread, vec3f(1.0), 1.0);
+    // From the quick mean: the long one may lag behind, and that is no noise. Nor is what a frame of other light is off by.
+    let known = min(abs(fresh - past.quick), STRAY * max(past.spread, LEAST_NOISE * past.quick));
+    let deviation = select(0.5 * fresh, known, frames > 0.0);
+    var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread, vec3f(1.0), 0.0);
     now.quick = mix(past.quick, fresh, max(min(1.0, QUICK * count), share));
     now.spread = mix(past.spread, deviation, max(min(1.0, STEADY * count), share));
     let mean = luminance(now.light);

@@ -24,6 +24,8 @@ const TOLERANCE: f32 = 1.6;
 const MOST_WHILE_CHANGING: f32 = 7.0 / 3.0;
 /// The same where the light of patches tells how it changes, so that frames count that were drawn in other light.
 const MOST_WHILE_FOLLOWED: f32 = 24.0;
+/// Of `PatchHistory` of `light_volumes/radiosity/change.wgsl`.
+const PATCH_BYTES: u64 = 32;
 /// For so many frames after a change.
 const UNREST: u32 = 8;
 
@@ -68,7 +70,7 @@ pub(crate) struct History {
     /// Written alternately: the image of this frame, and that of the frame before.
     targets: Option<[Target; 2]>,
     motions: Motions,
-    /// Irradiance of the patches of surfels of a layout [W/m²].
+    /// Irradiance of the patches of surfels of a layout [W/m²], and what of its changes was not followed.
     patches: Option<(u64, InTurns<wgpu::Buffer>)>,
     /// Radiance with smooth edges [W/(m² sr)], see `post/temporal_antialiasing.wgsl`.
     colors: Option<InTurns<wgpu::TextureView>>,
@@ -209,7 +211,7 @@ impl History {
         match self.patches.as_mut().filter(|(layout, _)| *layout == surfels.layout()) {
             Some((_, known)) => known.go_on(number),
             None => {
-                let size = 16 * u64::from(surfels.patch_count().max(1));
+                let size = PATCH_BYTES * u64::from(surfels.patch_count().max(1));
                 let buffer = |()| {
                     gpu.create_buffer(&wgpu::BufferDescriptor {
                         label: Some("light of patches of earlier frames"),

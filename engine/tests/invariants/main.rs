@@ -4,6 +4,7 @@
 mod average;
 mod batches;
 mod cached_frames;
+mod changes;
 mod host;
 mod keyed_fields;
 mod mirroring;

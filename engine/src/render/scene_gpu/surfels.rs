@@ -11,6 +11,14 @@ fn rows(m: &Affine3A) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]])
 }
 
+/// Identities in ascending order, filled up to whole vectors of four with the largest number. Buffers are that long, and
+/// shaders search all that is in one: zeros after the last identity would be out of order.
+fn searchable(ids: &[u32]) -> Vec<u32> {
+    let mut all = ids.to_vec();
+    all.resize(ids.len().next_multiple_of(4).max(4), u32::MAX);
+    all
+}
+
 /// `PatchGrid` of `lib/patches.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -123,7 +131,7 @@ impl GpuSurfels {
             is_replaced: false,
             placed: Vec::new(),
             ids: Vec::new(),
-            primitive_ids: gpu.storage("ids of primitives", &[0_u32; 4], BufferUsages::empty()),
+            primitive_ids: gpu.storage("ids of primitives", &searchable(&[]), BufferUsages::empty()),
         }
     }
 
@@ -171,9 +179,8 @@ impl GpuSurfels {
         let ids = || scene.primitives.iter().map(|primitive| primitive.id.0 as u32);
         if !ids().eq(self.ids.iter().copied()) {
             self.ids = ids().collect();
-            let none = [0];
-            let named = if self.ids.is_empty() { &none[..] } else { &self.ids };
-            self.primitive_ids = gpu.storage("ids of primitives", named, BufferUsages::empty());
+            let named = searchable(&self.ids);
+            self.primitive_ids = gpu.storage("ids of primitives", &named, BufferUsages::empty());
         }
     }
 

@@ -5,8 +5,8 @@ use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::{Frame, linear_groups};
 use wgpu::BufferUsages;
 
-/// Declares the pass, if frames are averaged: for each patch its light over that of the frame before, by channel, and how much
-/// frames before still count.
+/// Declares the pass, if frames are averaged: for each patch its light over that of the frame before, by channel, and how
+/// uncertain that is for single points of it.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -29,12 +29,12 @@ pub(super) fn declare<'a>(
         let mut key = ComputeKey::new("indirect/light_volumes/radiosity/change.wgsl", "main");
         let mut group = vec![
             ("patch_light", Binding::Buffer(&patches)),
-            ("light_now", Binding::Buffer(now)),
+            ("history_now", Binding::Buffer(now)),
             ("patch_change", Binding::Buffer(&change)),
         ];
         if history.is_known() {
             key = key.def("KNOWN", ShaderDef::Flag(true));
-            group.extend([("light_before", Binding::Buffer(before)), ("patches", cloud.patches().ranges())]);
+            group.extend([("history_before", Binding::Buffer(before)), ("patches", cloud.patches().ranges())]);
             group.extend([("surfels", Binding::Buffer(&surfels)), ("spacing", Binding::Buffer(&spacing))]);
             group.extend(cloud.patches().bindings().into_iter().filter(|(name, _)| *name != "place_of_primitive"));
         }
