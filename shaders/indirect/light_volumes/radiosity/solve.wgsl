@@ -44,7 +44,7 @@ fn linear_index(thread: vec3u, groups: vec3u) -> u32 {
 @compute @workgroup_size(64)
 fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = linear_index(thread, groups);
-    if index >= arrayLength(&patches) {
+    if index >= arrayLength(&patch_light) {
         return;
     }
     let range = patches[index];
@@ -62,7 +62,7 @@ fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) 
 @compute @workgroup_size(64)
 fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = linear_index(thread, groups);
-    if index >= arrayLength(&patches) {
+    if index >= arrayLength(&patch_light) {
         return;
     }
     let range = patches[index];
@@ -95,7 +95,7 @@ var<workgroup> sums: array<array<vec3f, 2>, THREADS>;
 fn find_rest(@builtin(local_invocation_index) thread: u32) {
     var before = vec3f(0.0);
     var now = vec3f(0.0);
-    for (var i = thread; i < arrayLength(&patches); i += THREADS) {
+    for (var i = thread; i < arrayLength(&last_bounce); i += THREADS) {
         before += last_bounce[i].w * (SCALE * last_bounce[i].rgb);
         now += this_bounce[i].w * (SCALE * this_bounce[i].rgb);
     }
@@ -116,7 +116,7 @@ fn find_rest(@builtin(local_invocation_index) thread: u32) {
 @compute @workgroup_size(64)
 fn finish(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = linear_index(thread, groups);
-    if index >= arrayLength(&patches) {
+    if index >= arrayLength(&patch_light) {
         return;
     }
     let light = patch_light[index].rgb + rest[0].rgb * this_bounce[index].rgb;
