@@ -310,17 +310,18 @@ fn volumes_alone_lose_what_is_absorbed() {
     assert!(bias.abs() < 0.15, "the mean is off by {bias}");
 }
 
-/// A box of haze with the sun from the side, past a fence of bars.
+/// A box of haze with the sun from the side, past a fence of bars beside the view.
 fn shafts() -> Stage {
-    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 64);
-    for i in 0..9 {
-        let bar = Shape::Box { size: [0.02, 0.25, 8.0] };
-        let at = Vec3::new(3.0, 0.5 * i as f32 - 2.0, 0.0);
-        stage.add(bar, Vec3::ZERO, Affine3A::from_translation(at));
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 96);
+    for i in 0..12 {
+        let bar = Shape::Box { size: [0.02, 0.3, 4.2] };
+        stage.add(bar, Vec3::ZERO, Affine3A::from_translation(Vec3::new(7.3, 0.6 * i as f32, 0.0)));
     }
-    stage.light(LightShape::Directional, Vec3::splat(3.0), Vec3::ZERO, Vec3::new(-1.0, -0.4, 0.5));
-    let place = Affine3A::from_scale(Vec3::splat(2.0));
-    stage.medium(MediumShape::Box, place, 0.1);
+    // Black, so that nothing but haze is seen.
+    let wall = Shape::Box { size: [40.0, 40.0, 0.1] };
+    stage.add(wall, Vec3::ZERO, Affine3A::from_translation(Vec3::new(0.0, 0.0, -6.0)));
+    stage.light(LightShape::Directional, Vec3::splat(3.0), Vec3::ZERO, Vec3::new(-1.0, -0.4, 0.0)).shadow_size = 2048;
+    stage.medium(MediumShape::Box, Affine3A::from_scale(Vec3::splat(2.0)), 0.1);
     stage
 }
 

@@ -65,10 +65,10 @@ pub(in crate::render) fn declare<'a>(
     region: Region,
 ) -> Handle<Texture> {
     let mask = glass_depth::declare(graph, frame);
-    let seen = graph.texture("seen through glass", frame.image_desc());
+    let seen = graph.retained_texture("seen through glass", frame.image_desc());
     let rough = TextureDesc { format: wgpu::TextureFormat::Rgba32Uint, ..frame.image_desc() };
-    let rough = graph.texture("rough glass", rough);
-    let glow = graph.texture("glow of glass", frame.image_desc());
+    let rough = graph.retained_texture("rough glass", rough);
+    let glow = graph.retained_texture("glow of glass", frame.image_desc());
     let mut pass = graph.pass("glass");
     [depth, mask, opaque].into_iter().for_each(|input| pass.read(input));
     light.handles().for_each(|light| pass.read(light));
