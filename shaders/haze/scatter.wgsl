@@ -9,7 +9,7 @@
 
 #import lightwell::haze::{Haze, SLICES, haze_index, sight_through, slice_distance}
 #ifdef LIT
-#import lightwell::haze_lamps::{arriving, lamp_count, lamps}
+#import lightwell::haze_lamps::{POINTS, arriving_between, lamp_count, lamps}
 #import lightwell::lights::{Light, is_distant}
 #import lightwell::media::{equiangular, equiangular_distance}
 #endif
@@ -133,7 +133,9 @@ fn from_lights(slice: Slice, thread: u32) -> vec3f {
     // Also where there is no medium: a branch around it all makes Mesa's software driver (22.3) crash.
     for (var i = 0u; i < lamp_count(thread); i++) {
         let at = lookup_of(slice, lamps[i]);
-        let light = arriving(i, slice.origin + slice.direction * at.distance);
+        let step = (slice.high - slice.low) / f32(POINTS);
+        let first = slice.origin + slice.direction * (slice.low + slice.quantile * step);
+        let light = arriving_between(i, slice.origin + slice.direction * at.distance, first, slice.direction * step);
         sum += response(slice, light.to_light) * light.irradiance * at.share;
     }
     return min(sum, vec3f(MAX_RADIANCE));

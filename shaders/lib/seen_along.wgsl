@@ -53,6 +53,12 @@ struct Around {
 }
 
 var<private> around: Around;
+#ifdef GLASS
+// What lights make of the glass at which a way begins [W/(m² sr)]: apart, since it has no noise of where the way goes on.
+var<private> light_at_glass: vec3f;
+// Surfaces that the last way has met, with all that part from it.
+var<private> surfaces_met: u32;
+#endif
 
 @group(0) @binding(10) var sky: texture_2d<f32>;
 #ifndef ONE_BOUNCE
@@ -376,6 +382,7 @@ fn follow(start: Branch, glass_hit: Hit, random: ptr<function, Sampler>) -> Refl
     var branch = start;
     let begins_at_glass = glass_hit.triangle != NONE;
     for (var step = 0u; step < MOST_SURFACES + u32(begins_at_glass); step++) {
+        surfaces_met = step + 1u;
         let is_first = begins_at_glass && step == 0u;
         let ray = branch.ray.ray;
         var hit = trace(around.root, ray, select(3e38, 0.0, is_first), SEEN);
@@ -390,7 +397,8 @@ fn follow(start: Branch, glass_hit: Hit, random: ptr<function, Sampler>) -> Refl
             branch.ray.throughput *= between.passing;
         }
 #endif
-        found.distance = select(found.distance, clamp(hit.t, 1e-6, FAR), step == 0u);
+        // Of glass that the camera sees, that of what lies behind.
+        found.distance = select(found.distance, clamp(hit.t, 1e-6, FAR), step == u32(begins_at_glass));
         let throughput = branch.ray.throughput;
         var light = vec3f(0.0);
         if hit.triangle == NONE {
@@ -426,7 +434,11 @@ fn follow(start: Branch, glass_hit: Hit, random: ptr<function, Sampler>) -> Refl
                 light = shown(blurred(surface, branch.blur), hit, of_lights, &branch, random);
             }
         }
-        found.radiance += bounded(throughput * light);
+        if is_first {
+            light_at_glass = bounded(throughput * light);
+        } else {
+            found.radiance += bounded(throughput * light);
+        }
         if !any(branch.ray.throughput > vec3f(0.0)) {
             if left == 0u {
                 break;

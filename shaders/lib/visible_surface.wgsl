@@ -3,7 +3,7 @@
 // A visible surface that rays start from, and their contributions, apart by what reflects them: diffuse light as if the surface
 // were white, so that it can be filtered without its texture, and the light of the specular lobe.
 //   MIRRORS   roughness [%] up to which a pass of its own traces the specular lobe, see
-//             indirect/light_volumes/sweep/mirror.wgsl
+//             indirect/light_volumes/sweep/mirror.wgsl; of what reflects by that lobe more than diffusely, up to 45 at least
 
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::gbuffer::{Surface as Drawn}
@@ -12,6 +12,13 @@
 #import lightwell::rays::Ray
 #import lightwell::sampling::{INVERSE_PI, Sampler, next_pair}
 #import lightwell::view::{View, position_error, toward_eye}
+
+#ifdef MIRRORS
+// `MIRROR_ROUGHNESS` of rays/materials.rs [%].
+const GLOSSY_MIRRORS: f32 = 45.0;
+// Share of the specular lobe in what a surface reflects above which it is a mirror before all.
+const GLOSSY: f32 = 0.5;
+#endif
 
 struct VisibleSurface {
     surface: Surface,      // white, as far as it is diffuse
@@ -55,7 +62,8 @@ fn seen_surface(view: View, drawn: Drawn) -> VisibleSurface {
     seen.to_specular = specular_share(seen.surface, seen.to_eye);
     seen.surface.albedo = vec3f(1.0);
 #ifdef MIRRORS
-    seen.is_mirror = drawn.roughness <= f32(#{MIRRORS}u) / 100.0 && seen.to_specular > 0.0;
+    let percent = max(f32(#{MIRRORS}u), select(0.0, GLOSSY_MIRRORS, seen.to_specular > GLOSSY));
+    seen.is_mirror = drawn.roughness <= percent / 100.0 && seen.to_specular > 0.0;
     seen.to_specular = select(seen.to_specular, 0.0, seen.is_mirror);
     seen.surface.albedo = select(vec3f(1.0), vec3f(0.0), seen.is_mirror && all(drawn.albedo <= vec3f(0.0)));
 #endif

@@ -7,8 +7,9 @@
 //   LAYER       the light that is asked for
 //   ONE_BOUNCE, HAZE and others: as in lib/seen_along.wgsl
 
+#import lightwell::color::luminance
 #import lightwell::gbuffer::world_position
-#import lightwell::ray_scene::NONE
+#import lightwell::ray_scene::{NONE, primitive_of}
 #ifdef DISPERSION
 #import lightwell::ray_surfaces::followed_color
 #endif
@@ -16,8 +17,9 @@
 #import lightwell::rays::{Hit, PANE, Ray}
 #import lightwell::walk::trace
 #import lightwell::refraction::CLEAR
+#import lightwell::rough_glass::{RoughGlass, encode_rough_glass}
 #import lightwell::sampling::{Sampler, hash_pair}
-#import lightwell::seen_along::{Around, Branch, around, follow, screen}
+#import lightwell::seen_along::{Around, Branch, FAR, around, follow, light_at_glass, screen, surfaces_met}
 #import lightwell::view::{View, toward_eye}
 #import lightwell::visible_surface::{SeenRay, number_of}
 
@@ -36,6 +38,10 @@ struct SeenThrough {
 @group(0) @binding(0) var<uniform> glass: SeenThrough;
 // Radiance [W/(m² sr)], and how far from where the camera's rays start the glass is [m]; 0: there is none.
 @group(0) @binding(1) var seen_through: texture_storage_2d<rgba32float, write>;
+// What lights make of it, which no filter may blur [W/(m² sr)].
+@group(0) @binding(5) var glow_at_glass: texture_storage_2d<rgba32float, write>;
+// See lib/rough_glass.wgsl; 0: there is none.
+@group(0) @binding(4) var rough_glass: texture_storage_2d<rgba32uint, write>;
 @group(0) @binding(2) var depth: texture_depth_2d;
 // That of the nearest glass.
 @group(0) @binding(3) var mask: texture_depth_2d;
@@ -45,6 +51,17 @@ const RAYS: u32 = #{RAYS}u;
 #else
 const RAYS: u32 = 1u;
 #endif
+
+// Surfaces from which on a way through clear glass is one of many that a pixel shows: what is reflected within a body again and again
+// changes from point to point. Such a pixel has more rays, and where they differ it is filtered by about a pixel.
+const MANY_SURFACES: u32 = 10u;
+// How much rays of such a pixel differ, over what they bring in the mean, from which on no image is seen.
+const NO_IMAGE: f32 = 0.3;
+// Mark of such pixels in the number of their primitive: they share with no others.
+const MANIFOLD: u32 = 0x80000000u;
+const RAYS_OF_MANY_SURFACES: u32 = max(RAYS / 2u, 1u);
+// Width of that filter [pixels].
+const PIXELS_OF_MANY_SURFACES: f32 = 1.2;
 
 // The depth behind which a pixel's line of sight has no other beginning [of the near plane's].
 const FARTHEST_DEPTH: f32 = 1e-4;
@@ -66,31 +83,55 @@ fn sight_of(pixel: vec2u) -> Sight {
     return Sight(Ray(start, direction), reach);
 }
 
+struct InGlass {
+    radiance: vec3f,       // [W/(m² sr)]
+    glow: vec3f,           // [W/(m² sr)]
+    distance: f32,         // from the glass to what is seen [m]
+    is_manifold: bool,     // clear as it is, no image is seen
+}
+
+fn seen_in(surface: Surface, hit: Hit, ray: Ray, number: u32) -> InGlass {
+    var rays = select(1u, RAYS, surface.alpha > CLEAR);
+    var sum = InGlass(vec3f(0.0), vec3f(0.0), 0.0, false);
+    var squares = 0.0;
+    for (var i = 0u; i < rays; i++) {
+        var random = Sampler(hash_pair(glass.seed, 0x3c6ef372u), number * RAYS + i, 0u);
+        let found = follow(Branch(SeenRay(ray, 0.0, vec3f(1.0)), vec3f(0.0), 0.0, true), hit, &random);
+        sum.radiance += found.radiance;
+        sum.glow += light_at_glass;
+        // What is near parts most from what a pixel beside it shows.
+        sum.distance += 1.0 / found.distance;
+        let brightness = min(luminance(found.radiance), 1e15);
+        squares += brightness * brightness;
+        if surface.alpha <= CLEAR && surfaces_met >= MANY_SURFACES {
+            rays = RAYS_OF_MANY_SURFACES;
+        }
+    }
+    let share = 1.0 / f32(rays);
+    let mean = share * luminance(sum.radiance);
+    sum.is_manifold = surface.alpha <= CLEAR && share * squares > (1.0 + NO_IMAGE * NO_IMAGE) * mean * mean;
+    return InGlass(share * sum.radiance, share * sum.glow, 1.0 / (share * sum.distance), sum.is_manifold);
+}
+
 #ifdef DISPERSION
 // Where the nearest surface parts colours, each goes its own way.
-fn radiance_of_colors(surface: Surface, hit: Hit, ray: Ray, number: u32) -> vec3f {
+fn seen_in_colors(surface: Surface, hit: Hit, ray: Ray, number: u32) -> InGlass {
     if surface.dispersion <= 0.0 {
-        return radiance_of(surface, hit, ray, number);
+        return seen_in(surface, hit, ray, number);
     }
-    var sum = vec3f(0.0);
+    var sum = InGlass(vec3f(0.0), vec3f(0.0), 0.0, false);
     for (var color = 0u; color < 3u; color++) {
         followed_color = f32(color) - 1.0;
-        let found = radiance_of(surface, hit, ray, number);
-        sum = select(sum, found, vec3u(0u, 1u, 2u) == vec3u(color));
+        let found = seen_in(surface, hit, ray, number);
+        let is_own = vec3u(0u, 1u, 2u) == vec3u(color);
+        sum.radiance = select(sum.radiance, found.radiance, is_own);
+        sum.glow = select(sum.glow, found.glow, is_own);
+        sum.distance = found.distance;
+        sum.is_manifold = sum.is_manifold || found.is_manifold;
     }
     return sum;
 }
 #endif
-
-fn radiance_of(surface: Surface, hit: Hit, ray: Ray, number: u32) -> vec3f {
-    let rays = select(1u, RAYS, surface.alpha > CLEAR);
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < rays; i++) {
-        var random = Sampler(hash_pair(glass.seed, 0x3c6ef372u), number * RAYS + i, 0u);
-        sum += follow(Branch(SeenRay(ray, 0.0, vec3f(1.0)), vec3f(0.0), 0.0, true), hit, &random).radiance;
-    }
-    return sum / f32(rays);
-}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
@@ -105,13 +146,26 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     let is_there = z > 0.0 && z >= textureLoad(depth, pixel, 0) * (1.0 - SLACK);
     let hit = trace(glass.root, sight.ray, select(0.0, sight.reach, is_there), PANE);
     var seen = vec4f(0.0);
+    var rough = vec4u(0u);
+    var shone = vec3f(0.0);
     if hit.triangle != NONE {
         let surface = surface_at(hit, sight.ray.direction);
 #ifdef DISPERSION
-        seen = vec4f(radiance_of_colors(surface, hit, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+        let found = seen_in_colors(surface, hit, sight.ray, number_of(pixel));
 #else
-        seen = vec4f(radiance_of(surface, hit, sight.ray, number_of(pixel)), max(hit.t, 1e-6));
+        let found = seen_in(surface, hit, sight.ray, number_of(pixel));
 #endif
+        seen = vec4f(found.radiance, max(hit.t, 1e-6));
+        shone = found.glow;
+        if surface.alpha > CLEAR && any(surface.passing > vec3f(0.0)) {
+            let known = RoughGlass(surface.normal, surface.alpha, surface.is_solid);
+            rough = encode_rough_glass(known, primitive_of(hit.triangle), found.distance);
+        } else if found.is_manifold {
+            let known = RoughGlass(surface.normal, PIXELS_OF_MANY_SURFACES * glass.view.pixel, false);
+            rough = encode_rough_glass(known, MANIFOLD | primitive_of(hit.triangle), FAR);
+        }
     }
     textureStore(seen_through, pixel, seen);
+    textureStore(glow_at_glass, pixel, vec4f(shone, 0.0));
+    textureStore(rough_glass, pixel, rough);
 }

@@ -297,6 +297,39 @@ fn a_room_is_lit_through_glass() {
 }
 
 /// Nothing is done for glass where there is none, nor again where nothing changed.
+/// A frosted pane before stripes that shine.
+fn frosted() -> Stage {
+    let mut stage = before_wall(Vec3::splat(0.1));
+    for x in [-3.0, -1.0, 1.0, 3.0] {
+        let strip = Shape::Plane { size: [0.5, 20.0], subdivisions: [1; 2] };
+        let shining = Material { emissive: Vec3::splat(4.0), ..Material::diffuse("strip", Vec3::ZERO) };
+        stage.add_material(strip, shining, Affine3A::from_translation(Vec3::X * x) * facing(-1.9));
+    }
+    let frost = Material { roughness: 0.4, double_sided: true, ..clear(Vec3::ONE, 1.5, None) };
+    stage.add_material(facing_plane(3.0), frost, facing(0.5));
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Default::default() });
+    stage
+}
+
+#[test]
+fn frosted_glass_is_quiet_and_as_bright_as_traced() {
+    let gpu = gpu();
+    let stage = frosted();
+    let one = image_of(&stage.render(&gpu, GiMethod::CLPV, Layer::Total));
+    let truth = trace(&gpu, &stage, 1024, Layer::Total);
+    // Of the pane alone, which fills the middle.
+    let pixels = (0..EDGE)
+        .flat_map(|y| (0..EDGE).map(move |x| (x, y)))
+        .filter(|&(x, y)| [x, y].iter().all(|&place| (8..24).contains(&place)));
+    let pairs: Vec<_> = pixels.map(|(x, y)| (color_at(&one, x, y).x, color_at(&truth, x, y).x)).collect();
+    let count = pairs.len() as f32;
+    let mean = pairs.iter().map(|pair| pair.1).sum::<f32>() / count;
+    let bias = pairs.iter().map(|pair| pair.0).sum::<f32>() / count / mean - 1.0;
+    let off = (pairs.iter().map(|pair| (pair.0 - pair.1).powi(2)).sum::<f32>() / count).sqrt() / mean;
+    println!("bias {bias}, off {off}");
+    assert!(bias.abs() < 0.03 && off < 0.2, "bias {bias}, off {off}");
+}
+
 #[test]
 fn without_glass_nothing_is_done_for_it() {
     let gpu = gpu();

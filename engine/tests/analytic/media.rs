@@ -309,3 +309,30 @@ fn volumes_alone_lose_what_is_absorbed() {
     println!("volumes alone: bias {bias:+.3}");
     assert!(bias.abs() < 0.15, "the mean is off by {bias}");
 }
+
+/// A box of haze with the sun from the side, past a fence of bars beside the view.
+fn shafts() -> Stage {
+    let mut stage = Stage::new(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 64);
+    for i in 0..12 {
+        let bar = Shape::Box { size: [0.02, 0.3, 4.2] };
+        stage.add(bar, Vec3::ZERO, Affine3A::from_translation(Vec3::new(7.3, 0.6 * i as f32, 0.0)));
+    }
+    // Black, so that nothing but haze is seen.
+    let wall = Shape::Box { size: [40.0, 40.0, 0.1] };
+    stage.add(wall, Vec3::ZERO, Affine3A::from_translation(Vec3::new(0.0, 0.0, -6.0)));
+    stage.light(LightShape::Directional, Vec3::splat(3.0), Vec3::ZERO, Vec3::new(-1.0, -0.4, 0.0)).shadow_size = 2048;
+    stage.medium(MediumShape::Box, Affine3A::from_scale(Vec3::splat(2.0)), 0.1);
+    stage
+}
+
+/// The shafts of one image are those of the mean of many, whose grid is shifted.
+#[test]
+fn borders_of_shafts_are_smooth() {
+    let gpu = gpu();
+    let stage = shafts();
+    let [one, many] = [1, 16].map(|images| drawn(&gpu, &stage, Layer::Direct, images));
+    let many = Image::from_rgba(many.width, many.height, &many.rgba).expect("an image");
+    let (off, bias) = error_of_blocks(&one, &many);
+    println!("off {off}, bias {bias}");
+    assert!(off < 0.033 && bias.abs() < 0.01, "off {off}, bias {bias}");
+}

@@ -89,7 +89,7 @@ pub(in crate::render) fn declare<'a>(
             group.push(("moved", Binding::Buffer(moved)));
         }
         if has_mirrors {
-            let (name, value) = mirror_define();
+            let (name, value) = mirror_define(false);
             key = key.def(name, value);
         }
         if let Some(change) = &change {

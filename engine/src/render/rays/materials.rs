@@ -10,9 +10,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Perceptual roughness up to which a surface shows an image of what it reflects: the lobe is then no wider than a few
-/// pixels' view of the surface, and the filter of the gather leaves it alone.
-const MIRROR_ROUGHNESS: f32 = 0.25;
+/// Perceptual roughness up to which a surface has rays of its own for what it reflects by its specular lobe. The gather's rays
+/// follow that by chance, and its filter leaves the light of a narrow lobe alone.
+const MIRROR_ROUGHNESS: f32 = 0.45;
+/// The same in windows, of surfaces that reflect more diffusely: their rays are the gather's, of which a window has few, and what a
+/// rough lobe adds to the rest is faint.
+const MIRROR_ROUGHNESS_IN_WINDOWS: f32 = 0.25;
 
 /// How shaders know of which uses there are textures, in the order of [`Material::textures`]: see `lib/ray_textures.wgsl`.
 const TEXTURE_DEFINES: [&str; TEXTURE_COUNT] = [
@@ -33,9 +36,10 @@ const TEXTURE_DEFINES: [&str; TEXTURE_COUNT] = [
     "IRIDESCENCE_THICKNESS_TEXTURES",
 ];
 
-/// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\].
-pub(in crate::render) fn mirror_define() -> (&'static str, ShaderDef) {
-    ("MIRRORS", ShaderDef::Uint((MIRROR_ROUGHNESS * 100.0).round() as u32))
+/// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\], in a window or not.
+pub(in crate::render) fn mirror_define(is_window: bool) -> (&'static str, ShaderDef) {
+    let roughness = if is_window { MIRROR_ROUGHNESS_IN_WINDOWS } else { MIRROR_ROUGHNESS };
+    ("MIRRORS", ShaderDef::Uint((roughness * 100.0).round() as u32))
 }
 
 /// The same where all of them have.

@@ -5,11 +5,12 @@
 
 use super::glass_depth;
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::direct::{Region, region_around};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::indirect::Scattered;
 use crate::render::indirect::light_volumes::sweep::HazeCells;
+use crate::render::indirect::light_volumes::sweep::mirror_filter::{self, InGlass};
 use crate::render::rays::{RayScene, dispatch_rays};
 use encase::ShaderType;
 use glam::{UVec2, Vec3};
@@ -17,7 +18,7 @@ use glam::{UVec2, Vec3};
 /// Paths of one submit: each may be a dozen rays and as many shadow rays.
 const PATHS_A_SUBMIT: u64 = 1 << 15;
 /// Rays of a pixel through rough glass, in an image that stands by itself.
-const RAYS: u32 = 4;
+const RAYS: u32 = 8;
 /// The same where images or frames are averaged.
 const RAYS_OF_MANY: u32 = 2;
 
@@ -65,10 +66,13 @@ pub(in crate::render) fn declare<'a>(
 ) -> Handle<Texture> {
     let mask = glass_depth::declare(graph, frame);
     let seen = graph.retained_texture("seen through glass", frame.image_desc());
+    let rough = TextureDesc { format: wgpu::TextureFormat::Rgba32Uint, ..frame.image_desc() };
+    let rough = graph.retained_texture("rough glass", rough);
+    let glow = graph.retained_texture("glow of glass", frame.image_desc());
     let mut pass = graph.pass("glass");
     [depth, mask, opaque].into_iter().for_each(|input| pass.read(input));
     light.handles().for_each(|light| pass.read(light));
-    let seen = pass.write(seen);
+    let seen = InGlass { seen: pass.write(seen), glow: pass.write(glow), rough: pass.write(rough) };
     let rays = if frame.number().is_some() || frame.images() >= 4 { RAYS_OF_MANY } else { RAYS };
     let revisions = &frame.scene.revisions;
     pass.key(&(rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
@@ -76,7 +80,7 @@ pub(in crate::render) fn declare<'a>(
     pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
     let work = Work { frame: frame.clone(), depth, mask, opaque, light, seen, region, rays };
     pass.execute(move |cx| work.run(cx));
-    seen
+    mirror_filter::declare_through_glass(graph, frame, seen, region)
 }
 
 struct Work<'a> {
@@ -85,7 +89,7 @@ struct Work<'a> {
     mask: Handle<Texture>,
     opaque: Handle<Texture>,
     light: Scattered,
-    seen: Handle<Texture>,
+    seen: InGlass,
     region: Region,
     rays: u32,
 }
@@ -110,7 +114,9 @@ impl Work<'_> {
 
     fn dispatch(&self, cx: &mut PassContext, scene: &RayScene, part: Region) -> Result<(), PassError> {
         let uniform = cx.gpu.uniform("glass", &self.uniform(scene, part));
-        let [depth, mask, opaque, seen] = [self.depth, self.mask, self.opaque, self.seen].map(|handle| cx.view(handle));
+        let InGlass { seen, glow, rough } = self.seen;
+        let targets = [seen, glow, rough].map(|handle| cx.view(handle));
+        let [depth, mask, opaque] = [self.depth, self.mask, self.opaque].map(|handle| cx.view(handle));
         let key = scene
             .shader("transparency/glass.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.rays))
@@ -119,7 +125,9 @@ impl Work<'_> {
         let light = self.light.buffers(cx);
         let mut group = vec![
             ("glass", Binding::Buffer(&uniform)),
-            ("seen_through", Binding::Texture(&seen)),
+            ("seen_through", Binding::Texture(&targets[0])),
+            ("glow_at_glass", Binding::Texture(&targets[1])),
+            ("rough_glass", Binding::Texture(&targets[2])),
             ("depth", Binding::Texture(&depth)),
             ("mask", Binding::Texture(&mask)),
             ("opaque_depth", Binding::Texture(&depth)),

@@ -44,7 +44,11 @@ pub const STAGES: &[Stage] = &[
         what: "final gather by rays, and its filter",
         passes: &["flux of lit texels", "RSM samples", "gather", "gather filter"],
     },
-    Stage { name: "MIR", what: "mirror reflections by rays", passes: &["mirror", "mirror filter", "mirror average"] },
+    Stage {
+        name: "MIR",
+        what: "mirror reflections by rays",
+        passes: &["mirror", "mirror strays", "mirror filter, once", "mirror filter", "mirror average"],
+    },
     Stage {
         name: "VPL",
         what: "virtual lights: particles, or texels of maps",

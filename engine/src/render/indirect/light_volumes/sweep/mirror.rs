@@ -33,7 +33,10 @@ pub(crate) struct MirrorUniform {
     patch_size: f32,
 }
 
-/// Most rays of a pixel that mirrors; none: the gather's rays bring what mirrors show.
+/// Most rays of a pixel, over the usual ones, of what is round: no other pixel sees the same there, and no filter helps.
+const MORE: u32 = 4;
+
+/// Rays of a pixel that mirrors; none: the gather's rays bring what mirrors show.
 pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u32> {
     let is_needed = frame.rays.is_some_and(RayScene::has_mirrors) && !gather::are_paths(settings);
     let wanted = match settings.mirror_rays {
@@ -43,10 +46,16 @@ pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u3
     (is_needed && wanted > 0).then_some(if is_sparse { 1 } else { wanted })
 }
 
+/// Most rays of a pixel. In a mean of images those of the others make up for few.
+fn most_rays(frame: &Frame, rays: u32) -> u32 {
+    let stands_alone = frame.number().is_none() && frame.images() < 4;
+    if stands_alone { (MORE * rays).min(gather::MAX_RAYS).max(rays) } else { rays }
+}
+
 /// What is traced.
 #[derive(Clone, Copy)]
 pub(in crate::render) struct Mirrors {
-    /// Most rays of a pixel.
+    /// Rays of a pixel that reflects by its specular lobe alone, where others see the same.
     pub rays: u32,
     /// Which surfaces mirror: those up to a roughness, by [`mirror_define`](crate::render::rays::mirror_define) or
     /// [`all_mirror_define`](crate::render::rays::all_mirror_define).
@@ -68,11 +77,19 @@ pub(in crate::render) fn declare<'a>(
     inputs.into_iter().for_each(|handle| pass.read(handle));
     light.handles().for_each(|light| pass.read(light));
     let mirrored = pass.write(mirrored);
-    pass.key(&(mirrors.rays, frame.seed(), frame.view_key(), light.patches.is_some(), frame.surfels.revision()));
+    let most_rays = most_rays(frame, mirrors.rays);
+    pass.key(&(
+        mirrors.rays,
+        most_rays,
+        frame.seed(),
+        frame.view_key(),
+        light.patches.is_some(),
+        frame.surfels.revision(),
+    ));
     let revisions = &frame.scene.revisions;
     pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
     pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
-    let work = Work { frame: frame.clone(), surfaces: gbuffer.surfaces, inputs, light, mirrored, mirrors };
+    let work = Work { frame: frame.clone(), surfaces: gbuffer.surfaces, inputs, light, mirrored, mirrors, most_rays };
     pass.execute(move |cx| work.run(cx));
     mirrored
 }
@@ -84,6 +101,7 @@ struct Work<'a> {
     light: Scattered,
     mirrored: Handle<Texture>,
     mirrors: Mirrors,
+    most_rays: u32,
 }
 
 impl Work<'_> {
@@ -117,6 +135,7 @@ impl Work<'_> {
         let key = scene
             .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(self.mirrors.rays))
+            .def("MOST_RAYS", ShaderDef::Uint(self.most_rays))
             .def(name, value);
         let key = self.surfaces.define(self.light.defined(&self.frame, key));
         let light = self.light.buffers(cx);
