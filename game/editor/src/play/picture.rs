@@ -226,12 +226,12 @@ impl Player {
     fn note_shown(&mut self, begun: &Begun) {
         let Some(measurement) = self.measurement.as_mut().filter(|_| begun.purpose == Purpose::View) else { return };
         let averaged = self.session.rendering.renderer.averaged();
-        let is_whole = begun.view.size == self.editor.view.size;
         measurement.picture(Shown {
             size: begun.view.size,
             begun: begun.start,
             is_indirect: self.picture.is_whole_light,
-            rested: averaged.filter(|_| is_whole && !self.picture.is_moving),
+            // At rest it has its full size.
+            rested: averaged.filter(|_| !self.picture.is_moving),
         });
     }
 
