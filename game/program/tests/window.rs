@@ -353,7 +353,7 @@ fn a_window_measures_itself_and_ends() {
     let file = folder.path().join("figures.ron");
     let words = ["play", scene.to_str().unwrap(), "--scale", "0.1", "--measure", file.to_str().unwrap()];
     let mut window = Window::start(&display, Path::new(env!("CARGO_BIN_EXE_lightwell")), &words, folder.path());
-    assert!(window.wait_for_end(), "{}", window.said());
+    assert!(window.wait_for_end_within(4 * PATIENCE), "{}", window.said());
     let figures = WindowFigures::read(&file).unwrap();
     assert!(0.0 < figures.first_picture && figures.first_picture < figures.first_indirect, "{figures:?}");
     assert!(figures.rate() > 0.0 && figures.answers.len() == 8 && figures.answers_at_rest.len() == 8, "{figures:?}");

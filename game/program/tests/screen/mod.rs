@@ -159,12 +159,17 @@ impl<'a> Window<'a> {
 
     /// Waits for the program to end by itself; whether it was content.
     pub fn wait_for_end(&mut self) -> bool {
+        self.wait_for_end_within(PATIENCE)
+    }
+
+    /// The same, of one that takes its time.
+    pub fn wait_for_end_within(&mut self, patience: Duration) -> bool {
         let start = Instant::now();
         loop {
             if let Some(status) = self.program.try_wait().unwrap() {
                 return status.success();
             }
-            assert!(start.elapsed() < PATIENCE, "it does not end; it said {}", self.said());
+            assert!(start.elapsed() < patience, "it does not end; it said {}", self.said());
             std::thread::sleep(Duration::from_millis(100));
         }
     }
