@@ -4,6 +4,7 @@
 // were white, so that it can be filtered without its texture, and the light of the specular lobe.
 //   MIRRORS   roughness [%] up to which a pass of its own traces the specular lobe, see
 //             indirect/light_volumes/sweep/mirror.wgsl; of what reflects by that lobe more than diffusely, up to 45 at least
+//             where nothing emits light
 
 #import lightwell::brdf::fresnel_schlick
 #import lightwell::gbuffer::{Surface as Drawn}
@@ -14,8 +15,13 @@
 #import lightwell::view::{View, position_error, toward_eye}
 
 #ifdef MIRRORS
+#ifdef UNLIT
 // `MIRROR_ROUGHNESS` of rays/materials.rs [%].
 const GLOSSY_MIRRORS: f32 = 45.0;
+#else
+// The gather samples what emits light; rays of rough mirrors would meet it by chance alone.
+const GLOSSY_MIRRORS: f32 = 0.0;
+#endif
 // Share of the specular lobe in what a surface reflects above which it is a mirror before all.
 const GLOSSY: f32 = 0.5;
 #endif

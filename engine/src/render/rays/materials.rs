@@ -13,9 +13,10 @@ use std::collections::HashMap;
 /// Perceptual roughness up to which a surface has rays of its own for what it reflects by its specular lobe. The gather's rays
 /// follow that by chance, and its filter leaves the light of a narrow lobe alone.
 const MIRROR_ROUGHNESS: f32 = 0.45;
-/// The same in windows, of surfaces that reflect more diffusely: their rays are the gather's, of which a window has few, and what a
-/// rough lobe adds to the rest is faint.
-const MIRROR_ROUGHNESS_IN_WINDOWS: f32 = 0.25;
+/// The same where the gather's rays serve rough lobes: of surfaces that reflect more diffusely in windows, where rays are few and
+/// what a rough lobe adds is faint; and of all where something emits light, which the gather samples and rays of mirrors meet by
+/// chance alone.
+const SMOOTH: f32 = 0.25;
 
 /// How shaders know of which uses there are textures, in the order of [`Material::textures`]: see `lib/ray_textures.wgsl`.
 const TEXTURE_DEFINES: [&str; TEXTURE_COUNT] = [
@@ -36,9 +37,10 @@ const TEXTURE_DEFINES: [&str; TEXTURE_COUNT] = [
     "IRIDESCENCE_THICKNESS_TEXTURES",
 ];
 
-/// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\], in a window or not.
-pub(in crate::render) fn mirror_define(is_window: bool) -> (&'static str, ShaderDef) {
-    let roughness = if is_window { MIRROR_ROUGHNESS_IN_WINDOWS } else { MIRROR_ROUGHNESS };
+/// How shaders know which surfaces have rays of their own for what they mirror: those up to that roughness \[%\], or the
+/// smooth ones alone.
+pub(in crate::render) fn mirror_define(are_smooth: bool) -> (&'static str, ShaderDef) {
+    let roughness = if are_smooth { SMOOTH } else { MIRROR_ROUGHNESS };
     ("MIRRORS", ShaderDef::Uint((roughness * 100.0).round() as u32))
 }
 

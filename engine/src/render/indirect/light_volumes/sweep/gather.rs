@@ -193,7 +193,7 @@ impl Work<'_> {
             None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
         }
         if self.has_mirrors {
-            let (name, value) = mirror_define(self.frame.number().is_some());
+            let (name, value) = mirror_define(mirror::are_smooth(&self.frame));
             key = key.def(name, value);
         }
         if let Some(further) = self.paths {

@@ -46,6 +46,11 @@ pub(super) fn rays(frame: &Frame, settings: &Clpv, is_sparse: bool) -> Option<u3
     (is_needed && wanted > 0).then_some(if is_sparse { 1 } else { wanted })
 }
 
+/// Whether smooth surfaces alone have rays of their own, in windows of those that reflect more diffusely.
+pub(super) fn are_smooth(frame: &Frame) -> bool {
+    frame.number().is_some() || frame.rays.is_some_and(|rays| rays.emitter_count > 0)
+}
+
 /// Most rays of a pixel. In a mean of images those of the others make up for few.
 fn most_rays(frame: &Frame, rays: u32) -> u32 {
     let stands_alone = frame.number().is_none() && frame.images() < 4;

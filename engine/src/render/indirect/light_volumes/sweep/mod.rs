@@ -241,7 +241,7 @@ fn declare_mirrors<'a>(
 ) -> Option<Handle<Texture>> {
     match mirror::rays(frame, settings, interleave.is_sparse()) {
         Some(rays) => {
-            let mirrors = mirror::Mirrors { rays, define: mirror_define(frame.number().is_some()) };
+            let mirrors = mirror::Mirrors { rays, define: mirror_define(mirror::are_smooth(frame)) };
             let mirrored = mirror::declare(graph, frame, gbuffer, light, mirrors);
             Some(mirror_filter::declare(graph, frame, gbuffer, mirrored))
         }
