@@ -47,9 +47,9 @@ pub struct Player {
     /// The reference beside the picture.
     pub(super) comparison: Comparison,
     pub(super) camera: FlyCamera,
-    /// How large frames are drawn; none: as large as they are shown.
     /// Part of the view's size that is drawn.
     pub(super) scale: f32,
+    /// How large frames are drawn; none: as large as they are shown.
     pub(super) budget: Option<FrameBudget>,
     pub(super) memory: Memory,
     pub(super) memory_file: Option<PathBuf>,

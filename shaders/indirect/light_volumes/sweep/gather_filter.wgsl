@@ -56,6 +56,9 @@ const LEAST: f32 = 2.0;
 // The same over the distance of light from what glows, without a least.
 const TOLERANCE_EMITTED: f32 = 0.3;
 
+// `stray` of frames in which nothing is cut off.
+const ANY: f32 = 1e6;
+
 struct Filtered {
     diffuse: vec3f,
     specular: vec3f,
@@ -220,7 +223,8 @@ fn vertical_apart(@builtin(global_invocation_id) thread: vec3u) {
     var result = Filtered(vec3f(0.0), vec3f(0.0));
     if z > 0.0 {
         let light = filtered_vertically(texel, z);
-        let limit = reach.stray * brightest_beside(texel);
+        // Where anything goes, what stands alone before the sky keeps its light too.
+        let limit = select(reach.stray * brightest_beside(texel), vec2f(3e38), reach.stray >= ANY);
         result = Filtered(limited(light.diffuse, limit.x), limited(light.specular, limit.y));
     }
     store_filtered(texel, result, vec3f(0.0));
