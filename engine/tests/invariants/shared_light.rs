@@ -137,3 +137,19 @@ fn methods_that_do_not_gather_draw_what_they_drew() {
     assert!(renderer.shares_light(&room().scene, &settings));
     assert!(!renderer.shares_light(&room().scene, &RenderSettings { gi: GiMethod::NONE, ..settings }));
 }
+
+/// A surface of a single pixel has no lit pixel beside it.
+#[test]
+fn what_stands_alone_before_the_sky_has_light() {
+    let gpu = gpu();
+    let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 33);
+    stage.add(Shape::Box { size: [1.0; 3] }, Vec3::splat(0.6), Affine3A::from_translation(Vec3::new(0.0, 0.0, -20.0)));
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(Vec3::new(0.0, 0.0, -20.0), Clpv { quality: Quality::Medium, ..Default::default() });
+    let mut light = |gathered_at| {
+        let (image, _) = draw(&gpu, &mut Renderer::new(&gpu), &mut stage, GATHERED_AT, gathered_at);
+        image.pixel(16, 16)[1]
+    };
+    let (own, shared) = (light(None), light(Some(GATHERED_AT)));
+    assert!(own > 0.1 && (shared / own - 1.0).abs() < 0.05, "{shared} of {own}");
+}
