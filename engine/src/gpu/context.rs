@@ -292,12 +292,7 @@ impl Gpu {
     /// A uniform buffer with the value in WGSL's layout: the same one as long as frames ask for the same value. It is not
     /// to be written to.
     pub fn uniform<T: ShaderType + WriteInto>(&self, label: &str, value: &T) -> wgpu::Buffer {
-        let mut bytes = encase::UniformBuffer::new(Vec::new());
-        if let Err(error) = bytes.write(value) {
-            // A vector grows as needed, so that there is nothing to fail; a message is all that is left to do.
-            log::error!("uniform buffer `{label}`: {error}");
-        }
-        self.kept(label, bytes.into_inner(), wgpu::BufferUsages::UNIFORM)
+        self.kept(label, uniform_bytes(label, value), wgpu::BufferUsages::UNIFORM)
     }
 
     /// A storage buffer with the values, and at least 16 bytes long.
@@ -317,11 +312,7 @@ impl Gpu {
     where
         for<'a> &'a [T]: ShaderType + WriteInto,
     {
-        let mut bytes = encase::StorageBuffer::new(Vec::new());
-        if let Err(error) = bytes.write(&values) {
-            log::error!("storage buffer `{label}`: {error}");
-        }
-        self.kept(label, bytes.into_inner(), wgpu::BufferUsages::STORAGE)
+        self.kept(label, constants_bytes(label, values), wgpu::BufferUsages::STORAGE)
     }
 
     pub(super) fn filled_buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
@@ -347,6 +338,28 @@ impl Gpu {
         let mut samplers = self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
         samplers.entry(key).or_insert_with(|| self.device.create_sampler(descriptor)).clone()
     }
+}
+
+/// A value in the layout that WGSL has for uniforms.
+pub(crate) fn uniform_bytes<T: ShaderType + WriteInto>(label: &str, value: &T) -> Vec<u8> {
+    let mut bytes = encase::UniformBuffer::new(Vec::new());
+    if let Err(error) = bytes.write(value) {
+        // A vector grows as needed, so that there is nothing to fail; a message is all that is left to do.
+        log::error!("uniform buffer `{label}`: {error}");
+    }
+    bytes.into_inner()
+}
+
+/// Structs in the layout that WGSL has for storage buffers.
+pub(crate) fn constants_bytes<T>(label: &str, values: &[T]) -> Vec<u8>
+where
+    for<'a> &'a [T]: ShaderType + WriteInto,
+{
+    let mut bytes = encase::StorageBuffer::new(Vec::new());
+    if let Err(error) = bytes.write(&values) {
+        log::error!("storage buffer `{label}`: {error}");
+    }
+    bytes.into_inner()
 }
 
 /// The limits of the device that does nothing: what common graphics cards have beyond the least.

@@ -21,6 +21,7 @@ mod watch;
 pub(crate) use audit::Note;
 pub(crate) use changing::{Changing, changed};
 pub use context::{Gpu, GpuError, GpuOptions, RayNodes, instance_descriptor};
+pub(crate) use context::{constants_bytes, uniform_bytes};
 pub use counters::HostCounts;
 pub use pipeline::{BindError, Binding, ComputeKey, Pipeline, RasterKey};
 pub use pipeline_cache::PipelineCache;

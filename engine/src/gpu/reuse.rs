@@ -112,7 +112,7 @@ impl Gpu {
     }
 
     /// The buffer with that content, which is made and uploaded if no frame lately had it.
-    pub(super) fn kept(&self, label: &str, bytes: Vec<u8>, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    pub(crate) fn kept(&self, label: &str, bytes: Vec<u8>, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.audit.note(label, &bytes);
         let is_uniform = usage.contains(wgpu::BufferUsages::UNIFORM);
         let kept = if is_uniform { &self.uniforms } else { &self.constants };

@@ -306,6 +306,12 @@ impl<'a> PassBuilder<'_, 'a> {
         self.id()
     }
 
+    /// Name of a resource of this graph.
+    pub(super) fn resource_name<K: Kind>(&self, handle: Handle<K>) -> Option<&str> {
+        let resource = self.graph.resources.get(handle.at.resource).filter(|_| handle.graph == self.graph.id);
+        resource.map(|resource| resource.name.as_str())
+    }
+
     fn node(&mut self) -> &mut PassNode<'a> {
         &mut self.graph.passes[self.index]
     }

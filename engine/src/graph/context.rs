@@ -224,8 +224,7 @@ impl<'c> PassContext<'c> {
         bindings: &[(&str, Binding)],
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        self.record(&Dispatch::new(self.gpu, key, bindings, None)?, groups);
-        Ok(())
+        self.dispatch_threads(key, bindings, None, |_| groups)
     }
 
     /// As [`PassContext::dispatch`], with group 1 bound by `shared`.
@@ -239,7 +238,19 @@ impl<'c> PassContext<'c> {
         shared: &BindGroup,
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        self.record(&Dispatch::new(self.gpu, key, bindings, Some(shared))?, groups);
+        self.dispatch_threads(key, bindings, Some(shared), |_| groups)
+    }
+
+    /// As [`PassContext::dispatch`], with the number of workgroups by their size.
+    pub(super) fn dispatch_threads(
+        &mut self,
+        key: &ComputeKey,
+        bindings: &[(&str, Binding)],
+        shared: Option<&BindGroup>,
+        groups: impl FnOnce([u32; 3]) -> [u32; 3],
+    ) -> Result<(), PassError> {
+        let dispatch = Dispatch::new(self.gpu, key, bindings, shared)?;
+        self.record(&dispatch, groups(dispatch.workgroup_size));
         Ok(())
     }
 
@@ -254,7 +265,7 @@ impl<'c> PassContext<'c> {
 }
 
 /// Makes the bind group of a pipeline.
-type BindGroup<'a> = dyn Fn(&Gpu, &Pipeline) -> Result<wgpu::BindGroup, BindError> + 'a;
+pub(super) type BindGroup<'a> = dyn Fn(&Gpu, &Pipeline) -> Result<wgpu::BindGroup, BindError> + 'a;
 
 /// Records a dispatch outside of any pass: group 0 from the bindings, group 1 by `shared`.
 ///
@@ -281,6 +292,7 @@ fn begin_compute_pass<'e>(gpu: &Gpu, encoder: &'e mut wgpu::CommandEncoder) -> w
 /// A compute shader with all that it binds.
 struct Dispatch {
     pipeline: wgpu::ComputePipeline,
+    workgroup_size: [u32; 3],
     own: wgpu::BindGroup,
     shared: Option<wgpu::BindGroup>,
 }
@@ -297,7 +309,8 @@ impl Dispatch {
         let shared = shared.map(|bind| bind(gpu, &pipeline)).transpose()?;
         let compute = pipeline.compute().cloned();
         let no_compute = || PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader));
-        Ok(Self { pipeline: compute.ok_or_else(no_compute)?, own, shared })
+        let workgroup_size = pipeline.workgroup_size();
+        Ok(Self { pipeline: compute.ok_or_else(no_compute)?, workgroup_size, own, shared })
     }
 
     fn record(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, groups: [u32; 3]) {

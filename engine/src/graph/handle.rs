@@ -41,6 +41,11 @@ impl<K> Handle<K> {
     pub(super) fn new(graph: u64, at: Version) -> Self {
         Self { graph, at, kind: PhantomData }
     }
+
+    /// The same version, said to be of the other kind: for code that is the same for both.
+    pub(super) fn cast<L>(self) -> Handle<L> {
+        Handle::new(self.graph, self.at)
+    }
 }
 
 /// A pass of one graph, for [`Graph::order`](super::Graph::order).

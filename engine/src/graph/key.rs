@@ -8,7 +8,7 @@ use super::builder::{Graph, ResourceNode, Storage};
 pub(super) type Key = Option<u64>;
 
 /// Hashes with SipHash under fixed keys, so that equal inputs give equal keys in every run.
-pub(super) fn hash(value: &impl Hash) -> u64 {
+pub(crate) fn hash(value: &impl Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
     value.hash(&mut hasher);
     hasher.finish()

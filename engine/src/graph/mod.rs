@@ -15,8 +15,9 @@
 //!
 //! Two rules keep cached and uncached frames equal bit by bit:
 //!
-//! - A pass states in its key everything that its output depends on besides what it reads. An audit checks it while
-//!   frames are drawn ([`TargetCache::set_audit`]).
+//! - A pass states in its key everything that its output depends on besides what it reads. Passes of one dispatch do so by
+//!   what they bind ([`Graph::compute`]); an audit checks the others while frames are drawn
+//!   ([`TargetCache::set_audit`]).
 //! - The content of a target before its first write of the frame is undefined (it may be left over
 //!   from another target or frame): the first writer writes all of it or clears it.
 
@@ -25,6 +26,7 @@ mod audit;
 mod builder;
 mod cache;
 mod compile;
+mod compute;
 mod context;
 mod cost;
 mod desc;
@@ -44,12 +46,14 @@ mod timer;
 pub use builder::{Graph, PassBuilder};
 pub use cache::{CacheFigures, Target, TargetCache};
 pub use compile::CompileOptions;
+pub use compute::{ComputeBuilder, RowWork, Rows, SharedGroup, Tracked};
 pub use context::PassContext;
 pub(crate) use context::record_dispatch;
 pub use desc::{BufferDesc, ResourceDesc, TextureDesc};
 pub use error::{GraphError, PassError};
 pub use frame_pacing::FramePacing;
 pub use handle::{Buffer, Handle, Kind, PassId, Texture};
+pub(crate) use key::hash;
 pub use plan::Plan;
 pub use report::{Counts, FrameReport, PassReport, PassState, ResourceReport};
 pub use timer::Timing;

@@ -6,14 +6,14 @@ use super::scene_gpu::GpuScene;
 use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
 use super::views::Views;
-use crate::gpu::Gpu;
-use crate::graph::TextureDesc;
+use crate::gpu::{Gpu, ShaderDef};
+use crate::graph::{ComputeBuilder, TextureDesc, Tracked};
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
 use encase::ShaderType;
 use glam::{Mat4, UVec2, Vec4};
 
 /// `View` of `lib/view.wgsl`.
-#[derive(ShaderType)]
+#[derive(Clone, Copy, ShaderType)]
 pub(crate) struct ViewUniform {
     clip_from_world: Mat4,
     world_from_clip: Mat4,
@@ -121,6 +121,23 @@ impl<'a> Frame<'a> {
     /// A buffer with the view's matrices for the shaders.
     pub fn view_uniform(&self, gpu: &Gpu) -> wgpu::Buffer {
         gpu.uniform("view", &self.view_values())
+    }
+
+    /// Binds that to a pass.
+    pub(super) fn bind_view(&self, pass: &mut ComputeBuilder) {
+        pass.uniform("view", &self.view_values());
+    }
+
+    /// Binds to a pass where the patches of surfels lie.
+    pub(super) fn bind_patches(&self, pass: &mut ComputeBuilder<'_, 'a>) {
+        self.surfels.patches().bind(pass, &(self.geometry_key(), self.surfels.revision()));
+    }
+
+    /// Binds to a pass where objects that moved stood in the frame before.
+    pub(super) fn bind_motions(&self, pass: &mut ComputeBuilder<'_, 'a>) {
+        let Some((step, moved)) = self.history.step().zip(self.history.motions().buffer()) else { return };
+        pass.define("MOVED", ShaderDef::Flag(true));
+        pass.tracked("moved", Tracked::buffer(moved, &step.key()));
     }
 
     /// The contents of that buffer.

@@ -109,10 +109,10 @@ fn declare_glass<'a>(
     lights: Lights,
     scattered: Scattered,
 ) -> Option<Handle<Texture>> {
-    let region = glass::region(graph, frame)?;
+    let place = glass::region(graph, frame).zip(frame.shadow_rays)?;
     let opaque =
         compose::declare(graph, frame, gbuffer, Lights { haze: None, particles: None, ..lights }, Purpose::Opaque);
-    Some(glass::declare(graph, frame, gbuffer.depth, opaque, scattered, region))
+    Some(glass::declare(graph, frame, gbuffer.depth, opaque, scattered, place))
 }
 
 /// The surfaces that direct light meets.

@@ -56,6 +56,13 @@ pub(crate) struct Step {
     pub unshifted: [Mat4; 2],
 }
 
+impl Step {
+    /// Another one for each frame: the content of what is kept of the frames before.
+    pub fn key(&self) -> (u64, u32) {
+        (self.row, self.number)
+    }
+}
+
 /// The light of the frames before, and what is known of the last.
 #[derive(Default)]
 pub(crate) struct History {

@@ -1,6 +1,7 @@
 //! Which surfaces of the pixels a G-buffer holds.
 
 use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::ComputeBuilder;
 
 /// Which surfaces of the pixels a G-buffer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,6 +18,13 @@ impl Surfaces {
         match self {
             Self::Nearest => key,
             Self::SecondLobes => key.def("STRETCHED", ShaderDef::Flag(true)),
+        }
+    }
+
+    /// The same for a pass.
+    pub(in crate::render) fn define_for(self, pass: &mut ComputeBuilder) {
+        if self == Self::SecondLobes {
+            pass.define("STRETCHED", ShaderDef::Flag(true));
         }
     }
 

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod caching;
+mod compute;
 mod device;
 mod errors;
 mod frame_pacing;

@@ -2,12 +2,12 @@
 //! arrives. See `direct/area.wgsl`.
 
 use super::area_shadows::{self, Shadows};
-use super::{DirectLight, Region, comparison_sampler, layered_view};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use super::{DirectLight, Region, comparison};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{ComputeBuilder, Counts, Graph, Handle, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::rays::{RayScene, dispatch_rays};
+use crate::render::rays::RayScene;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::shadow_map::ShadowMap;
 use encase::ShaderType;
@@ -44,105 +44,55 @@ pub(super) fn declare<'a>(
     direct_light: DirectLight<'a>,
 ) -> Handle<Texture> {
     let share = match (&direct_light.shadow, frame.shadow_rays) {
-        (None, Some(_)) if direct_light.may_be_filtered(frame) => {
-            Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light))
+        (None, Some(rays)) if direct_light.may_be_filtered(frame) => {
+            Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light, rays))
         }
         (None, _) => Share::Whole,
-        (Some(_), Some(_)) => Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light)),
+        (Some(_), Some(rays)) => Share::Rays(area_shadows::declare(graph, frame, gbuffer, &direct_light, rays)),
         (Some(map), None) => Share::Map(map.clone()),
     };
-    let mut pass = graph.pass(gbuffer.surfaces.name(&format!("direct {}", direct_light.light.pass_name())));
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    inputs.into_iter().for_each(|input| pass.read(input));
-    match &share {
-        Share::Whole => {}
-        Share::Rays(shadows) => {
-            pass.read(shadows.arrived);
-            pass.read(shadows.tiles);
-        }
-        Share::Map(shadow) => pass.read(shadow.map),
+    let name = gbuffer.surfaces.name(&format!("direct {}", direct_light.light.pass_name()));
+    // Glass may colour what comes by rays.
+    let glass = frame.shadow_rays.filter(|_| direct_light.may_be_filtered(frame));
+    let glass = glass.filter(|_| matches!(share, Share::Rays(_)));
+    let mut pass = graph.compute(name, ComputeKey::new("direct/area.wgsl", "main"));
+    match glass {
+        Some(scene) => scene.bind_surfaces(&mut pass),
+        None => frame.gpu_scene.bind_media(&mut pass),
     }
-    let radiance = pass.write(radiance);
-    let kind = match &share {
-        Share::Whole => 0,
-        Share::Rays(shadows) => 1 + shadows.radius,
-        Share::Map(_) => u32::MAX,
-    };
-    pass.key(&(frame.media_key(), direct_light.light.revision, kind, frame.view_key()));
-    pass.key(&direct_light.may_be_filtered(frame).then(|| frame.geometry_key()));
-    let work = Work { frame: frame.clone(), direct_light, share, inputs, radiance };
-    pass.execute(move |cx| work.run(cx));
+    let Region { origin, size } = direct_light.region;
+    let (radius, root) = (share.radius(), glass.map_or(0, RayScene::root));
+    frame.bind_view(&mut pass);
+    pass.uniform("light", &LightUniform::new(direct_light.light));
+    pass.uniform("area", &AreaUniform { origin, size, radius, root });
+    pass.values_of("lobes", &(), || LOBES.to_vec());
+    gbuffer.bind(&mut pass);
+    share.bind(&mut pass);
+    let radiance = pass.write("radiance", radiance);
+    pass.count(Counts { lights: 1, ..Counts::default() });
+    pass.dispatch_over(size.into());
     radiance
 }
 
-struct Work<'a> {
-    frame: Frame<'a>,
-    direct_light: DirectLight<'a>,
-    share: Share,
-    inputs: [Handle<Texture>; 4],
-    radiance: Handle<Texture>,
-}
-
-impl<'a> Work<'a> {
-    /// The scene for rays, if glass may colour the light.
-    fn glass(&self) -> Option<&'a RayScene> {
-        self.frame.shadow_rays.filter(|_| self.direct_light.may_be_filtered(&self.frame))
+impl Share {
+    /// Radius of the filter over shadow rays \[pixels\].
+    fn radius(&self) -> u32 {
+        if let Self::Rays(shadows) = self { shadows.radius } else { 0 }
     }
 
-    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
-        let gpu = cx.gpu;
-        let Region { origin, size } = self.direct_light.region;
-        let counts = cx.counts();
-        counts.lights += 1;
-        counts.texels += u64::from(size.x) * u64::from(size.y);
-        let [base_color, normal, object, depth] = self.inputs.map(|handle| cx.view(handle));
-        let target = cx.view(self.radiance);
-        let view = self.frame.view_uniform(gpu);
-        let light = LightUniform::buffer(gpu, self.direct_light.light);
-        let radius = if let Share::Rays(shadows) = &self.share { shadows.radius } else { 0 };
-        let area =
-            gpu.uniform("area", &AreaUniform { origin, size, radius, root: self.glass().map_or(0, RayScene::root) });
-        let lobes = gpu.constants("lobes", LOBES);
-        let mut group = vec![
-            ("view", Binding::Buffer(&view)),
-            ("light", Binding::Buffer(&light)),
-            ("area", Binding::Buffer(&area)),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("object", Binding::Texture(&object)),
-            ("depth", Binding::Texture(&depth)),
-            ("lobes", Binding::Buffer(&lobes)),
-            ("radiance", Binding::Texture(&target)),
-        ];
-        let media = self.frame.gpu_scene.media_binding(gpu);
-        group.extend(media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        let key = self.frame.gpu_scene.with_media(ComputeKey::new("direct/area.wgsl", "main"));
-        let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
-        match &self.share {
-            Share::Whole => cx.dispatch(&key, &group, groups),
-            Share::Rays(shadows) => {
-                let (arrived, tiles) = (cx.view(shadows.arrived), cx.buffer(shadows.tiles).clone());
-                group.extend([("arrived", Binding::Texture(&arrived)), ("tiles", Binding::Buffer(&tiles))]);
-                let flag = ("SHADOW_RAYS", ShaderDef::Flag(true));
-                match self.glass() {
-                    Some(scene) => {
-                        let key = scene.shader("direct/area.wgsl", "main").def(flag.0, flag.1);
-                        let group: Vec<_> = group.into_iter().filter(|(name, _)| *name != "media").collect();
-                        dispatch_rays(cx, &key, &group, scene, groups)
-                    }
-                    None => cx.dispatch(&key.def(flag.0, flag.1), &group, groups),
-                }
+    fn bind(&self, pass: &mut ComputeBuilder) {
+        match self {
+            Self::Whole => {}
+            Self::Rays(shadows) => {
+                pass.define("SHADOW_RAYS", ShaderDef::Flag(true));
+                pass.read("arrived", shadows.arrived);
+                pass.read("tiles", shadows.tiles);
             }
-            Share::Map(shadow) => {
-                let (uniform, map) =
-                    (gpu.uniform("shadow", &shadow.uniform()), layered_view(gpu, cx.texture(shadow.map)));
-                let sampler = comparison_sampler(gpu);
-                group.extend([
-                    ("shadow", Binding::Buffer(&uniform)),
-                    ("shadow_map", Binding::Texture(&map)),
-                    ("shadow_sampler", Binding::Sampler(&sampler)),
-                ]);
-                cx.dispatch(&key.def("SHADOW_MAP", ShaderDef::Flag(true)), &group, groups)
+            Self::Map(shadow) => {
+                pass.define("SHADOW_MAP", ShaderDef::Flag(true));
+                pass.uniform("shadow", &shadow.uniform());
+                pass.read_layers("shadow_map", shadow.map);
+                pass.sampler("shadow_sampler", comparison());
             }
         }
     }

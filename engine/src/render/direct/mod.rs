@@ -12,9 +12,9 @@ pub(in crate::render) mod tiled;
 use super::frame::Frame;
 use super::geometry::gbuffer::GBuffer;
 use super::shadows::shadow_map::{self, ShadowMap};
-use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
-use crate::graph::{Graph, Handle, Texture, TextureDesc};
-use crate::render::rays::{RayScene, dispatch_rays};
+use crate::gpu::{ComputeKey, Gpu, ShaderDef};
+use crate::graph::{Counts, Graph, Handle, Texture, TextureDesc};
+use crate::render::rays::RayScene;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::scene::{Aabb, SceneLight, SceneView};
 use encase::ShaderType;
@@ -65,7 +65,7 @@ pub(in crate::render) fn add<'a>(
     let (alone, tiled) = if is_tiled { (shadowed, others) } else { (points, Vec::new()) };
     for direct_light in alone {
         let name = gbuffer.surfaces.name(&format!("direct {}", direct_light.light.pass_name()));
-        radiance = declare_light(graph, frame, gbuffer, radiance, &name, direct_light.clone());
+        radiance = declare_light(graph, frame, gbuffer, radiance, &name, direct_light);
     }
     if tiled.is_empty() {
         return radiance;
@@ -115,14 +115,9 @@ pub(in crate::render) fn declare_clear<'a>(graph: &mut Graph<'a>, frame: &Frame<
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2_array(width, height, 3, wgpu::TextureFormat::R32Float, usage);
     let radiance = graph.retained_texture("direct radiance", desc);
-    let mut pass = graph.pass("direct clear");
-    let radiance = pass.write(radiance);
-    pass.key(&());
-    pass.execute(move |cx| {
-        let target = cx.view(radiance);
-        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
-        cx.dispatch(&ComputeKey::new("direct/direct.wgsl", "clear"), &[("radiance", Binding::Texture(&target))], groups)
-    });
+    let mut pass = graph.compute("direct clear", ComputeKey::new("direct/direct.wgsl", "clear"));
+    let radiance = pass.write("radiance", radiance);
+    pass.dispatch_over([width, height]);
     radiance
 }
 
@@ -132,65 +127,34 @@ fn declare_light<'a>(
     gbuffer: &GBuffer,
     radiance: Handle<Texture>,
     name: &str,
-    direct_light: DirectLight<'a>,
+    direct_light: &DirectLight<'a>,
 ) -> Handle<Texture> {
-    let mut pass = graph.pass(name);
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    for input in inputs {
-        pass.read(input);
-    }
-    if let Some(shadow) = &direct_light.shadow {
-        pass.read(shadow.map);
-    }
-    let radiance = pass.write(radiance);
-    pass.key(&(frame.media_key(), direct_light.light.revision, direct_light.shadow.is_some(), frame.view_key()));
     let may_cast = direct_light.shadow.is_some() || direct_light.may_be_filtered(frame);
-    let casts_rays = frame.shadow_rays.is_some() && may_cast;
-    pass.key(&casts_rays.then(|| frame.geometry_key()));
-    let (frame, surfaces) = (frame.clone(), gbuffer.surfaces);
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let shadow_map =
-            direct_light.shadow.as_ref().map_or_else(|| no_shadow_map(gpu), |s| layered_view(gpu, cx.texture(s.map)));
-        let shadow = direct_light.shadow.as_ref().map_or_else(ShadowMap::none_uniform, ShadowMap::uniform);
-        let [base_color, normal, object, depth] = inputs.map(|handle| cx.view(handle));
-        let size = direct_light.region.size;
-        let counts = cx.counts();
-        counts.lights += 1;
-        counts.texels += u64::from(size.x) * u64::from(size.y);
-        let target = cx.view(radiance);
-        let rays = frame.shadow_rays.filter(|_| casts_rays);
-        let Region { origin, .. } = direct_light.region;
-        let region = RegionUniform { origin, size, root: rays.map_or(0, RayScene::root) };
-        let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
-        let group = [
-            ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-            ("light", Binding::Buffer(&LightUniform::buffer(gpu, direct_light.light))),
-            ("shadow", Binding::Buffer(&gpu.uniform("shadow", &shadow))),
-            ("region", Binding::Buffer(&gpu.uniform("region", &region))),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("object", Binding::Texture(&object)),
-            ("depth", Binding::Texture(&depth)),
-            ("shadow_map", Binding::Texture(&shadow_map)),
-            ("shadow_sampler", Binding::Sampler(&comparison_sampler(gpu))),
-            ("radiance", Binding::Texture(&target)),
-        ];
-        match rays {
-            Some(rays) => {
-                let key = rays.shader("direct/direct.wgsl", "add_light").def("SHADOW_RAYS", ShaderDef::Flag(true));
-                let key = surfaces.define(key);
-                dispatch_rays(cx, &key, &group, rays, groups)
-            }
-            None => {
-                let key =
-                    frame.gpu_scene.with_media(surfaces.define(ComputeKey::new("direct/direct.wgsl", "add_light")));
-                let media = frame.gpu_scene.media_binding(gpu);
-                let media = media.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer)));
-                cx.dispatch(&key, &group.into_iter().chain(media).collect::<Vec<_>>(), groups)
-            }
+    let rays = frame.shadow_rays.filter(|_| may_cast);
+    let mut pass = graph.compute(name, ComputeKey::new("direct/direct.wgsl", "add_light"));
+    match rays {
+        Some(rays) => {
+            pass.define("SHADOW_RAYS", ShaderDef::Flag(true));
+            rays.bind_surfaces(&mut pass);
         }
-    });
+        None => frame.gpu_scene.bind_media(&mut pass),
+    }
+    gbuffer.surfaces.define_for(&mut pass);
+    frame.bind_view(&mut pass);
+    pass.uniform("light", &LightUniform::new(direct_light.light));
+    let Region { origin, size } = direct_light.region;
+    pass.uniform("region", &RegionUniform { origin, size, root: rays.map_or(0, RayScene::root) });
+    gbuffer.bind(&mut pass);
+    let shadow = direct_light.shadow.as_ref();
+    pass.uniform("shadow", &shadow.map_or_else(ShadowMap::none_uniform, ShadowMap::uniform));
+    pass.sampler("shadow_sampler", comparison());
+    match shadow {
+        Some(shadow) => pass.read_layers("shadow_map", shadow.map),
+        None => pass.stand_in("shadow_map", no_shadow_map),
+    }
+    let radiance = pass.write("radiance", radiance);
+    pass.count(Counts { lights: 1, ..Counts::default() });
+    pass.dispatch_over(size.into());
     radiance
 }
 
@@ -218,13 +182,17 @@ pub(in crate::render) fn no_shadow_map(gpu: &Gpu) -> wgpu::TextureView {
 
 /// Lit where the receiver's reversed depth is not below the stored one.
 pub(in crate::render) fn comparison_sampler(gpu: &Gpu) -> wgpu::Sampler {
-    gpu.sampler(&wgpu::SamplerDescriptor {
+    gpu.sampler(&comparison())
+}
+
+fn comparison() -> wgpu::SamplerDescriptor<'static> {
+    wgpu::SamplerDescriptor {
         label: Some("shadow comparison"),
         mag_filter: wgpu::FilterMode::Linear,
         min_filter: wgpu::FilterMode::Linear,
         compare: Some(wgpu::CompareFunction::GreaterEqual),
         ..Default::default()
-    })
+    }
 }
 
 /// The pixels that a light of limited range can reach: the rectangle around its box. None if that is outside.

@@ -2,7 +2,7 @@
 
 use super::static_layers;
 use crate::gpu::RasterKey;
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{ComputeBuilder, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
 use crate::render::surfaces::Surfaces;
@@ -37,6 +37,16 @@ pub struct GBuffer {
     pub depth: Handle<Texture>,
     /// Which surfaces of the pixels it holds.
     pub surfaces: Surfaces,
+}
+
+impl GBuffer {
+    /// Binds what passes need that reflect light: `base_color`, `normal`, `object` and `depth`.
+    pub(in crate::render) fn bind(&self, pass: &mut ComputeBuilder) {
+        pass.read("base_color", self.base_color);
+        pass.read("normal", self.normal);
+        pass.read("object", self.object);
+        pass.read("depth", self.depth);
+    }
 }
 
 /// Declares the pass that draws the scene into the G-buffer.

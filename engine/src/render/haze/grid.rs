@@ -1,6 +1,7 @@
 //! The grid before the camera.
 
 use crate::gpu::Gpu;
+use crate::graph::ComputeBuilder;
 use crate::render::frame::Frame;
 use crate::scene::{MediumShape, SceneMedium};
 use encase::ShaderType;
@@ -61,6 +62,10 @@ impl Grid {
 
     pub fn uniform(&self, gpu: &Gpu) -> wgpu::Buffer {
         gpu.uniform("haze", &self.uniform)
+    }
+
+    pub fn bind(&self, pass: &mut ComputeBuilder) {
+        pass.uniform("haze", &self.uniform);
     }
 
     pub fn columns(&self) -> u32 {

@@ -15,7 +15,7 @@ use super::frame::Frame;
 use super::geometry::GBuffer;
 use super::indirect::light_volumes::Field;
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext};
+use crate::graph::{Buffer, ComputeBuilder, Graph, Handle, PassContext};
 use grid::Grid;
 
 /// Whether the frame shows media.
@@ -66,6 +66,14 @@ impl Haze {
     /// Changes with where the grid lies.
     pub fn key(&self) -> [u32; 8] {
         self.grid.key()
+    }
+
+    /// Binds it to a pass that looks it up.
+    pub fn bind(&self, pass: &mut ComputeBuilder, frame: &Frame) {
+        pass.define("HAZE", ShaderDef::Flag(true));
+        self.grid.bind(pass);
+        pass.read("in_scattered", self.in_scattered);
+        frame.gpu_scene.bind_media(pass);
     }
 
     /// The definitions of shaders that look it up.

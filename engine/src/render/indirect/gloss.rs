@@ -2,7 +2,7 @@
 
 use super::light_volumes::{Field, Indirect};
 use super::sky_reflection;
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -42,7 +42,7 @@ pub(in crate::render) fn declare<'a>(
         graph.skip(names.pass, "the method found what glossy surfaces reflect itself");
         return diffuse;
     }
-    let Field::Swept { volume, .. } = field else {
+    let Field::Swept { .. } = field else {
         graph.skip(names.pass, "propagated light is reflected diffusely alone");
         return diffuse;
     };
@@ -55,36 +55,17 @@ pub(in crate::render) fn declare<'a>(
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let indirect = graph.retained_texture(names.image, desc);
-    let mut pass = graph.pass(names.pass);
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth, diffuse];
-    for input in inputs.into_iter().chain(sky) {
-        pass.read(input);
-    }
-    field.buffers().iter().for_each(|&buffer| pass.read(buffer));
-    let indirect = pass.write(indirect);
-    pass.key(&(volume.key(), frame.view_key(), sky.is_some()));
-    let (frame, field) = (frame.clone(), field.clone());
-    pass.execute(move |cx| {
-        let views = inputs.map(|handle| cx.view(handle));
+    let mut pass = graph.compute(names.pass, ComputeKey::new("indirect/gloss.wgsl", "main"));
+    frame.bind_view(&mut pass);
+    gbuffer.bind(&mut pass);
+    pass.read("diffuse", diffuse);
+    match sky {
+        Some(sky) => pass.read("sky", sky),
         // Without a reflection of its own the sky is in the light; nothing is added.
-        let sky = sky.map_or_else(|| zero_texture(cx.gpu, 1), |handle| cx.view(handle));
-        let target = cx.view(indirect);
-        let volume = field.bindings(cx);
-        let view = frame.view_uniform(cx.gpu);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut bindings = vec![
-            ("view", Binding::Buffer(&view)),
-            ("sky", Binding::Texture(&sky)),
-            ("indirect", Binding::Texture(&target)),
-        ];
-        let names = ["base_color", "normal", "object", "depth", "diffuse"];
-        bindings.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        bindings.extend(volume.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        cx.dispatch(
-            &ComputeKey::new("indirect/gloss.wgsl", "main"),
-            &bindings,
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+        None => pass.stand_in("sky", |gpu| zero_texture(gpu, 1)),
+    }
+    field.bind_swept(&mut pass);
+    let indirect = pass.write("indirect", indirect);
+    pass.dispatch_over([width, height]);
     indirect
 }

@@ -1,8 +1,8 @@
 //! Temporal accumulation of mirror reflections, which move otherwise than the surfaces that show them. See
 //! `indirect/mirror_average.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, Texture};
+use crate::gpu::ComputeKey;
+use crate::graph::{Graph, Handle, Texture, Tracked};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
@@ -36,12 +36,6 @@ pub(in crate::render) fn declare<'a>(
         return mirrored;
     };
     let averaged = graph.retained_texture(gbuffer.surfaces.name("averaged mirrored radiance"), frame.image_desc());
-    let mut pass = graph.pass(name);
-    let inputs = [gbuffer.normal, gbuffer.object, gbuffer.depth, mirrored];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
-    let averaged = pass.write(averaged);
-    pass.key(&(step.row, step.number, frame.view_key(), images.is_known()));
-    let [width, height] = frame.view.size;
     let is_resting = step.is_still && !frame.history.is_changing();
     let uniform = MirrorAverageUniform {
         view: frame.view_values(),
@@ -51,27 +45,17 @@ pub(in crate::render) fn declare<'a>(
         is_still: u32::from(step.is_still),
         is_bounded: u32::from(!is_resting),
     };
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let [now, before] = images.now_and_before();
-        let views = inputs.map(|handle| cx.view(handle));
-        let target = cx.view(averaged);
-        let uniform = cx.gpu.uniform("mirror average", &uniform);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut key = ComputeKey::new("indirect/mirror_average.wgsl", "main");
-        let mut group = vec![
-            ("average", Binding::Buffer(&uniform)),
-            ("before", Binding::Texture(before)),
-            ("now", Binding::Texture(now)),
-            ("averaged", Binding::Texture(&target)),
-        ];
-        let names = ["normal", "object", "depth", "mirrored"];
-        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        if let Some(moved) = frame.history.motions().buffer() {
-            key = key.def("MOVED", ShaderDef::Flag(true));
-            group.push(("moved", Binding::Buffer(moved)));
-        }
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
-    });
+    let [now, before] = images.now_and_before();
+    let mut pass = graph.compute(name, ComputeKey::new("indirect/mirror_average.wgsl", "main"));
+    pass.uniform("average", &uniform);
+    pass.tracked("before", Tracked::texture(before, &step.key()));
+    pass.tracked("now", Tracked::texture(now, &step.key()));
+    pass.read("normal", gbuffer.normal);
+    pass.read("object", gbuffer.object);
+    pass.read("depth", gbuffer.depth);
+    pass.read("mirrored", mirrored);
+    frame.bind_motions(&mut pass);
+    let averaged = pass.write("averaged", averaged);
+    pass.dispatch_over(frame.view.size);
     averaged
 }

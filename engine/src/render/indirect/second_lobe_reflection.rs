@@ -23,18 +23,18 @@ pub(in crate::render) fn declare<'a>(
     lobes: &GBuffer,
     light: Scattered,
 ) -> Option<Handle<Texture>> {
-    if frame.rays.is_none() {
+    let Some(scene) = frame.rays else {
         graph.skip(lobes.surfaces.name("mirror"), "the scene is not ready for rays");
         let warn = |why| format!("clear coats and stretched highlights reflect lights alone: {why}");
         frame.refused_rays.iter().for_each(|why| graph.warn(warn(why)));
         return None;
-    }
+    };
     let rays = match frame.number() {
         Some(_) => RAYS_OF_FRAMES,
         None if frame.images() >= 4 => RAYS_OF_MANY,
         None => RAYS,
     };
-    let mirrors = mirror::Mirrors { rays, define: all_mirror_define() };
+    let mirrors = mirror::Mirrors { scene, rays, define: all_mirror_define() };
     let mirrored = mirror::declare(graph, frame, lobes, light, mirrors);
     let filtered = mirror_filter::declare(graph, frame, lobes, mirrored);
     Some(mirror_average::declare(graph, frame, lobes, filtered))

@@ -3,7 +3,7 @@
 use super::gloss;
 use super::light_volumes::Field;
 use crate::assets::{REFLECTION_LEVELS, SkyMap};
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
@@ -35,50 +35,29 @@ pub(in crate::render) fn reflection<'a>(
     field: &Field,
 ) -> Option<Handle<Texture>> {
     let map = frame.scene.sky_map.as_deref()?;
-    let Field::Swept { volume, .. } = field else { return None };
+    let Field::Swept { .. } = field else { return None };
     let levels = levels(graph, map);
     let [width, height] = frame.view.size;
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let reflected = graph.retained_texture("sky reflection", desc);
-    let mut pass = graph.pass("sky reflection");
-    let inputs = [gbuffer.normal, gbuffer.object, gbuffer.depth];
-    for input in inputs {
-        pass.read(input);
-    }
-    pass.read(levels);
-    field.buffers().iter().for_each(|&buffer| pass.read(buffer));
-    let reflected = pass.write(reflected);
-    pass.key(&(volume.key(), frame.view_key(), map.id));
-    let (frame, field) = (frame.clone(), field.clone());
-    pass.execute(move |cx| {
-        let uniform = ReflectionUniform {
-            irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
-            size: map.reflection_size().into(),
-            levels: REFLECTION_LEVELS,
-            mean: frame.scene.sky,
-            turn: map.turn,
-        };
-        let [normal, object, depth] = inputs.map(|handle| cx.view(handle));
-        let levels = cx.view(levels);
-        let target = cx.view(reflected);
-        let volume = field.bindings(cx);
-        let view = frame.view_uniform(cx.gpu);
-        let uniform = cx.gpu.uniform("sky reflection", &uniform);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut bindings = vec![
-            ("view", Binding::Buffer(&view)),
-            ("reflection", Binding::Buffer(&uniform)),
-            ("normal", Binding::Texture(&normal)),
-            ("object", Binding::Texture(&object)),
-            ("depth", Binding::Texture(&depth)),
-            ("levels", Binding::Texture(&levels)),
-            ("reflected", Binding::Texture(&target)),
-        ];
-        bindings.extend(volume.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
-        cx.dispatch(&ComputeKey::new("indirect/sky_reflection.wgsl", "main"), &bindings, groups)
-    });
+    let uniform = ReflectionUniform {
+        irradiance: map.irradiance_harmonics().map(|c| c.extend(0.0)),
+        size: map.reflection_size().into(),
+        levels: REFLECTION_LEVELS,
+        mean: frame.scene.sky,
+        turn: map.turn,
+    };
+    let mut pass = graph.compute("sky reflection", ComputeKey::new("indirect/sky_reflection.wgsl", "main"));
+    frame.bind_view(&mut pass);
+    pass.uniform("reflection", &uniform);
+    pass.read("normal", gbuffer.normal);
+    pass.read("object", gbuffer.object);
+    pass.read("depth", gbuffer.depth);
+    pass.read("levels", levels);
+    field.bind_swept(&mut pass);
+    let reflected = pass.write("reflected", reflected);
+    pass.dispatch_over([width, height]);
     Some(reflected)
 }
 

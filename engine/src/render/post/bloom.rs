@@ -6,7 +6,7 @@
 //! energy. Its radiance falls with about the square of the distance, as measured of the eye's glare (Spencer et al. 1995)
 //! and of lenses. See `post/bloom.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::world::Bloom;
 use encase::ShaderType;
@@ -66,21 +66,12 @@ fn declare_down(
     level: u32,
     finer: Handle<Texture>,
     image: Handle<Texture>,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
 ) -> Handle<Texture> {
-    let mut pass = graph.pass(format!("bloom down {level}"));
-    pass.read(finer);
-    let image = pass.write(image);
-    pass.key(&());
-    pass.execute(move |cx| {
-        let (finer, target) = (cx.view(finer), cx.view(image));
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("post/bloom.wgsl", "down_main"),
-            &[("finer", Binding::Texture(&finer)), ("result", Binding::Texture(&target))],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    let mut pass = graph.compute(format!("bloom down {level}"), ComputeKey::new("post/bloom.wgsl", "down_main"));
+    pass.read("finer", finer);
+    let image = pass.write("result", image);
+    pass.dispatch_over(size);
     image
 }
 
@@ -91,28 +82,14 @@ fn declare_up(
     share: f32,
     [image, wider]: [Handle<Texture>; 2],
     result: Handle<Texture>,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
 ) -> Handle<Texture> {
-    let mut pass = graph.pass(name);
-    pass.read(image);
-    pass.read(wider);
-    let result = pass.write(result);
-    pass.key(&share.to_bits());
-    pass.execute(move |cx| {
-        let [image, wider, target] = [image, wider, result].map(|handle| cx.view(handle));
-        let uniform = cx.gpu.uniform("bloom", &BloomUniform { share });
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("post/bloom.wgsl", "up_main"),
-            &[
-                ("bloom", Binding::Buffer(&uniform)),
-                ("finer", Binding::Texture(&image)),
-                ("wider", Binding::Texture(&wider)),
-                ("result", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    let mut pass = graph.compute(name, ComputeKey::new("post/bloom.wgsl", "up_main"));
+    pass.uniform("bloom", &BloomUniform { share });
+    pass.read("finer", image);
+    pass.read("wider", wider);
+    let result = pass.write("result", result);
+    pass.dispatch_over(size);
     result
 }
 

@@ -1,6 +1,6 @@
 //! Two images in one: a wipe from one to the other, or their difference.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::settings::Shown;
 use encase::ShaderType;
@@ -23,30 +23,16 @@ pub(in crate::render) fn declare(
     let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let both = graph.texture("drawn and traced", desc);
-    let mut pass = graph.pass("compare");
-    pass.read(drawn);
-    pass.read(traced);
-    let both = pass.write(both);
     // The constants of `post/compare.wgsl`.
     let (mode, value) = match shown {
         Shown::Wipe(share) => (0, if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }),
         Shown::Difference(full) => (1, if full > 0.0 && full.is_finite() { full } else { 1.0 }),
     };
-    pass.key(&(mode, value.to_bits()));
-    pass.execute(move |cx| {
-        let [drawn, traced, target] = [drawn, traced, both].map(|handle| cx.view(handle));
-        let uniform = cx.gpu.uniform("compare", &CompareUniform { mode, value });
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("post/compare.wgsl", "main"),
-            &[
-                ("compare", Binding::Buffer(&uniform)),
-                ("drawn", Binding::Texture(&drawn)),
-                ("traced", Binding::Texture(&traced)),
-                ("both", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    let mut pass = graph.compute("compare", ComputeKey::new("post/compare.wgsl", "main"));
+    pass.uniform("compare", &CompareUniform { mode, value });
+    pass.read("drawn", drawn);
+    pass.read("traced", traced);
+    let both = pass.write("both", both);
+    pass.dispatch_over([width, height]);
     both
 }

@@ -1,11 +1,12 @@
 //! The sum of what each pixel shows, or one layer of it.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{ComputeBuilder, Graph, Handle, Texture, TextureDesc, Tracked};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::haze::Haze;
 use crate::render::zero_texture::zero_texture;
+use crate::scene::Scene;
 use encase::ShaderType;
 use glam::Vec3;
 
@@ -20,6 +21,28 @@ pub(crate) struct ComposeUniform {
     sun_toward: Vec3,
     sun_cosine: f32,
     sun_radiance: Vec3,
+}
+
+impl ComposeUniform {
+    fn of(scene: &Scene) -> Self {
+        let sun = scene.sun_disc;
+        Self {
+            sky: scene.sky,
+            sky_turn: scene.sky_map.as_deref().map_or(0.0, |map| map.turn),
+            sun_toward: sun.map_or(Vec3::ZERO, |sun| sun.toward),
+            sun_cosine: sun.map_or(2.0, |sun| sun.half_angle.cos()),
+            sun_radiance: sun.map_or(Vec3::ZERO, |sun| sun.radiance),
+        }
+    }
+}
+
+/// The image of the sky, if it has one.
+fn bind_sky<'a>(pass: &mut ComputeBuilder<'_, 'a>, frame: &Frame<'a>) {
+    let map = frame.scene.sky_map.as_deref();
+    if map.is_some() {
+        pass.define("SKY_MAP", ShaderDef::Flag(true));
+    }
+    pass.tracked("sky", Tracked::texture(frame.gpu_scene.sky(), &map.map(|map| map.id)));
 }
 
 /// Light that the layer is made of; what is missing counts as zero.
@@ -53,8 +76,11 @@ pub(in crate::render) struct SecondLobe {
 }
 
 impl SecondLobe {
-    fn textures(&self) -> [Handle<Texture>; 3] {
-        [self.reflected, self.gbuffer.normal, self.gbuffer.object]
+    fn bind(&self, pass: &mut ComputeBuilder) {
+        pass.define("SECOND_LOBE", ShaderDef::Flag(true));
+        pass.read("second_lobe", self.reflected);
+        pass.read("lobe_normal", self.gbuffer.normal);
+        pass.read("lobe_object", self.gbuffer.object);
     }
 }
 
@@ -88,82 +114,42 @@ pub(in crate::render) fn declare<'a>(
         Purpose::Sharp => (graph.texture("sharp radiance", desc), "compose"),
         Purpose::Opaque => (graph.texture("opaque radiance", desc), "compose opaque"),
     };
-    let mut pass = graph.pass(name);
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.emissive, gbuffer.depth];
-    let read = [lights.direct, lights.indirect, lights.mirrored, lights.sky, lights.blended, lights.particles];
-    inputs.into_iter().chain(read.into_iter().flatten()).for_each(|input| pass.read(input));
-    lights.haze.iter().for_each(|haze| pass.read(haze.buffer()));
-    lights.second_lobe.iter().flat_map(SecondLobe::textures).for_each(|input| pass.read(input));
-    let radiance = pass.write(radiance);
-    let sky = frame.scene.sky;
-    let map = frame.scene.sky_map.as_deref();
-    let sky_turn = map.map_or(0.0, |map| map.turn);
-    let has_map = map.is_some();
-    let disc = frame.scene.sun_disc;
-    let sun = disc.map_or([0.0; 3], |sun| sun.radiance.to_array());
-    let toward = disc.map_or([0.0; 3], |sun| sun.toward.to_array());
-    let cosine = disc.map_or(2.0, |sun| sun.half_angle.cos());
-    let layer = frame.settings.only.index();
-    pass.key(&(
-        sky.to_array().map(f32::to_bits),
-        map.map(|map| map.id),
-        (sun.map(f32::to_bits), toward.map(f32::to_bits), cosine.to_bits()),
-        layer,
-        frame.view_key(),
-        read.map(|light| light.is_some()),
-        lights.second_lobe.is_some(),
-    ));
-    pass.key(&lights.haze.map(|haze| (haze.key(), frame.media_key())));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let [base_color, normal, emissive, depth] = inputs.map(|handle| cx.view(handle));
-        let direct = lights.direct.map_or_else(|| zero_texture(gpu, 3), |handle| cx.view(handle));
-        let indirect = lights.indirect.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
-        let mirrored = lights.mirrored.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
-        let second_lobe = lights.second_lobe.map(|lobe| lobe.textures().map(|handle| cx.view(handle)));
-        let sky_light = lights.sky.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
-        let blended = lights.blended.map_or_else(|| zero_texture(gpu, 1), |handle| cx.view(handle));
-        let particles = lights.particles.map(|handle| cx.view(handle));
-        let target = cx.view(radiance);
-        let (sun_toward, sun_radiance) = (toward.into(), sun.into());
-        let uniform = ComposeUniform { sky, sky_turn, sun_toward, sun_cosine: cosine, sun_radiance };
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut key = ComputeKey::new("post/compose.wgsl", "main").def("LAYER", ShaderDef::Uint(layer));
-        if has_map {
-            key = key.def("SKY_MAP", ShaderDef::Flag(true));
+    let mut pass = graph.compute(name, ComputeKey::new("post/compose.wgsl", "main"));
+    pass.define("LAYER", ShaderDef::Uint(frame.settings.only.index()));
+    frame.bind_view(&mut pass);
+    pass.uniform("compose", &ComposeUniform::of(frame.scene));
+    bind_sky(&mut pass, frame);
+    pass.read("base_color", gbuffer.base_color);
+    pass.read("normal", gbuffer.normal);
+    pass.read("emissive", gbuffer.emissive);
+    pass.read("depth", gbuffer.depth);
+    match lights.direct {
+        Some(direct) => pass.read("direct", direct),
+        None => pass.stand_in("direct", |gpu| zero_texture(gpu, 3)),
+    }
+    let added = [
+        ("indirect", lights.indirect),
+        ("mirrored", lights.mirrored),
+        ("sky_light", lights.sky),
+        ("blended", lights.blended),
+    ];
+    for (name, light) in added {
+        match light {
+            Some(light) => pass.read(name, light),
+            None => pass.stand_in(name, |gpu| zero_texture(gpu, 1)),
         }
-        let haze = lights.haze.map(|haze| haze.bindings(cx, &frame)).unwrap_or_default();
-        for (name, value) in lights.haze.iter().flat_map(|_| Haze::defines(&frame)) {
-            key = key.def(name, value);
-        }
-        let (view, uniform) = (frame.view_uniform(gpu), gpu.uniform("compose", &uniform));
-        let mut group = vec![
-            ("view", Binding::Buffer(&view)),
-            ("compose", Binding::Buffer(&uniform)),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("emissive", Binding::Texture(&emissive)),
-            ("depth", Binding::Texture(&depth)),
-            ("direct", Binding::Texture(&direct)),
-            ("indirect", Binding::Texture(&indirect)),
-            ("mirrored", Binding::Texture(&mirrored)),
-            ("sky_light", Binding::Texture(&sky_light)),
-            ("blended", Binding::Texture(&blended)),
-            ("sky", Binding::Texture(frame.gpu_scene.sky())),
-            ("radiance", Binding::Texture(&target)),
-        ];
-        if let Some(textures) = &second_lobe {
-            key = key.def("SECOND_LOBE", ShaderDef::Flag(true));
-            let names = ["second_lobe", "lobe_normal", "lobe_object"];
-            group.extend(names.into_iter().zip(textures).map(|(name, view)| (name, Binding::Texture(view))));
-        }
-        if let Some(particles) = &particles {
-            key = key.def("PARTICLES", ShaderDef::Flag(true));
-            group.push(("particles", Binding::Texture(particles)));
-        }
-        group.extend(haze.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
-    });
+    }
+    if let Some(lobe) = &lights.second_lobe {
+        lobe.bind(&mut pass);
+    }
+    if let Some(particles) = lights.particles {
+        pass.define("PARTICLES", ShaderDef::Flag(true));
+        pass.read("particles", particles);
+    }
+    if let Some(haze) = &lights.haze {
+        haze.bind(&mut pass, frame);
+    }
+    let radiance = pass.write("radiance", radiance);
+    pass.dispatch_over([width, height]);
     radiance
 }

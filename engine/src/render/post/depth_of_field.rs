@@ -7,7 +7,7 @@
 //! has the same lens without that limit. See `post/depth_of_field.wgsl`.
 
 use super::compose::RADIANCE;
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::gpu::{ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -84,11 +84,10 @@ pub(in crate::render) fn declare<'a>(
         whole.usage |= TextureUsages::RENDER_ATTACHMENT;
     }
     let radiance = graph.retained_texture(RADIANCE, whole);
-    let [circles, nearest] = declare_circles(graph, focus, [sharp, gbuffer.depth], [circles, nearest], tiles);
-    let step = Step { name: "depth of field reach", entry: "reach_main", focus, groups: tiles.map(|n| n.div_ceil(8)) };
+    let [circles, nearest] = declare_circles(graph, focus, [sharp, gbuffer.depth], [circles, nearest], size);
+    let step = Step { name: "depth of field reach", entry: "reach_main", focus, size: tiles };
     let [reach] = step.declare(graph, &[("nearest", nearest)], [("largest", reach)]);
-    let groups = size.map(|edge| edge.div_ceil(8));
-    let step = Step { name: "depth of field", entry: "gather_main", groups, ..step };
+    let step = Step { name: "depth of field", entry: "gather_main", size, ..step };
     let inputs = [("circles", circles), ("reach", reach)];
     let [behind, near] = step.declare(graph, &inputs, [("result", behind), ("near_result", near)]);
     let step = Step { name: "depth of field filter", entry: "filter_main", ..step };
@@ -102,30 +101,15 @@ fn declare_circles(
     focus: FocusUniform,
     [sharp, depth]: [Handle<Texture>; 2],
     [circles, nearest]: [Handle<Texture>; 2],
-    [across, down]: [u32; 2],
+    size: [u32; 2],
 ) -> [Handle<Texture>; 2] {
-    let [width, height] = graph.texture_desc(circles).map_or([1, 1], |desc| [desc.size[0], desc.size[1]]);
-    let mut pass = graph.pass("depth of field circles");
-    pass.read(sharp);
-    pass.read(depth);
-    let [circles, nearest] = [circles, nearest].map(|target| pass.write(target));
-    pass.key(&focus.bits());
-    pass.execute(move |cx| {
-        let [sharp, depth, circles, nearest] = [sharp, depth, circles, nearest].map(|handle| cx.view(handle));
-        let uniform = cx.gpu.uniform("focus", &focus);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("post/depth_of_field.wgsl", "circles_main"),
-            &[
-                ("focus", Binding::Buffer(&uniform)),
-                ("sharp", Binding::Texture(&sharp)),
-                ("depth", Binding::Texture(&depth)),
-                ("result", Binding::Texture(&circles)),
-                ("largest", Binding::Texture(&nearest)),
-            ],
-            [across, down, 1],
-        )
-    });
+    let mut pass = graph.compute("depth of field circles", ComputeKey::new("post/depth_of_field.wgsl", "circles_main"));
+    pass.uniform("focus", &focus);
+    pass.read("sharp", sharp);
+    pass.read("depth", depth);
+    let circles = pass.write("result", circles);
+    let nearest = pass.write("largest", nearest);
+    pass.dispatch_over(size);
     [circles, nearest]
 }
 
@@ -135,33 +119,20 @@ struct Step {
     name: &'static str,
     entry: &'static str,
     focus: FocusUniform,
-    groups: [u32; 2],
+    /// Texels that it makes.
+    size: [u32; 2],
 }
 
 type Named = (&'static str, Handle<Texture>);
 
 impl Step {
     fn declare<const N: usize>(self, graph: &mut Graph, inputs: &[Named], outputs: [Named; N]) -> [Handle<Texture>; N] {
-        let inputs = inputs.to_vec();
-        let mut pass = graph.pass(self.name);
-        inputs.iter().for_each(|(_, input)| pass.read(*input));
-        let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
+        let mut pass = graph.compute(self.name, ComputeKey::new("post/depth_of_field.wgsl", self.entry));
         // Tiles on each side that a circle may reach from.
-        let tiles = (self.focus.limit / TILE as f32).ceil() as u32;
-        pass.key(&tiles);
-        pass.execute(move |cx| {
-            let views: Vec<_> = inputs.iter().chain(&outputs).map(|&(name, handle)| (name, cx.view(handle))).collect();
-            let bindings: Vec<_> = views.iter().map(|(name, view)| (*name, Binding::Texture(view))).collect();
-            cx.counts().texels += 64 * u64::from(self.groups[0]) * u64::from(self.groups[1]);
-            let key = ComputeKey::new("post/depth_of_field.wgsl", self.entry).def("TILES", ShaderDef::Uint(tiles));
-            cx.dispatch(&key, &bindings, [self.groups[0], self.groups[1], 1])
-        });
-        outputs.map(|(_, output)| output)
-    }
-}
-
-impl FocusUniform {
-    fn bits(&self) -> [u32; 3] {
-        [self.base, self.slope, self.limit].map(f32::to_bits)
+        pass.define("TILES", ShaderDef::Uint((self.focus.limit / TILE as f32).ceil() as u32));
+        inputs.iter().for_each(|&(name, input)| pass.read(name, input));
+        let outputs = outputs.map(|(name, output)| pass.write(name, output));
+        pass.dispatch_over(self.size);
+        outputs
     }
 }

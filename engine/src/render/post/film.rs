@@ -2,7 +2,7 @@
 //! `post/film.wgsl`.
 
 use super::tone_map::DISPLAY;
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::world::Lens;
 use encase::ShaderType;
@@ -34,23 +34,10 @@ pub(in crate::render) fn declare(
     let display = graph.retained_texture(DISPLAY, TextureDesc::d2(width, height, TextureFormat::Rgba8Unorm, usage));
     let seed = if lens.grain > 0.0 { moment as u32 } else { 0 };
     let film = FilmUniform { sharpening: lens.sharpening, grain: lens.grain, seed };
-    let mut pass = graph.pass("film");
-    pass.read(image);
-    let display = pass.write(display);
-    pass.key(&(film.sharpening.to_bits(), film.grain.to_bits(), film.seed));
-    pass.execute(move |cx| {
-        let (source, target) = (cx.view(image), cx.view(display));
-        let uniform = cx.gpu.uniform("film", &film);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("post/film.wgsl", "main"),
-            &[
-                ("film", Binding::Buffer(&uniform)),
-                ("image", Binding::Texture(&source)),
-                ("display", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    let mut pass = graph.compute("film", ComputeKey::new("post/film.wgsl", "main"));
+    pass.uniform("film", &film);
+    pass.read("image", image);
+    let display = pass.write("display", display);
+    pass.dispatch_over([width, height]);
     display
 }

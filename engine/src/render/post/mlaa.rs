@@ -1,7 +1,7 @@
 //! Morphological anti-aliasing (Reshetov 2009; thesis 5.7): edges, blend weights, blend. Edges are found by colour in
 //! the tone-mapped image, or by depth or normal in the G-buffer; colours are mixed in linear light and encoded last.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
+use crate::gpu::{ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::settings::MlaaEdges;
@@ -49,27 +49,12 @@ fn pass(
     define: Option<&'static str>,
     inputs: &[(&'static str, Handle<Texture>)],
     output: (&'static str, Handle<Texture>),
-    [width, height]: [u32; 2],
+    size: [u32; 2],
 ) -> Handle<Texture> {
-    let inputs = inputs.to_vec();
-    let mut pass = graph.pass(name);
-    for (_, input) in &inputs {
-        pass.read(*input);
-    }
-    let written = pass.write(output.1);
-    pass.key(&define);
-    pass.execute(move |cx| {
-        let views: Vec<_> = inputs.iter().map(|&(name, handle)| (name, cx.view(handle))).collect();
-        let target = cx.view(written);
-        let mut bindings: Vec<_> = views.iter().map(|(name, view)| (*name, Binding::Texture(view))).collect();
-        bindings.push((output.0, Binding::Texture(&target)));
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let groups = [width.div_ceil(8), height.div_ceil(8), 1];
-        let mut key = ComputeKey::new("post/mlaa.wgsl", entry);
-        if let Some(define) = define {
-            key = key.def(define, ShaderDef::Flag(true));
-        }
-        cx.dispatch(&key, &bindings, groups)
-    });
+    let mut pass = graph.compute(name, ComputeKey::new("post/mlaa.wgsl", entry));
+    define.into_iter().for_each(|define| pass.define(define, ShaderDef::Flag(true)));
+    inputs.iter().for_each(|&(name, input)| pass.read(name, input));
+    let written = pass.write(output.0, output.1);
+    pass.dispatch_over(size);
     written
 }

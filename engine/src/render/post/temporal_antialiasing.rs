@@ -2,8 +2,8 @@
 //! temporal supersampling"). A view that rests is the mean of its frames; where anything moves, what is remembered may not
 //! leave what is seen around the pixel now. See `post/temporal_antialiasing.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, Texture};
+use crate::gpu::ComputeKey;
+use crate::graph::{Graph, Handle, Texture, Tracked};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
@@ -34,12 +34,7 @@ pub(in crate::render) fn declare<'a>(
 ) -> Option<Handle<Texture>> {
     let (step, colors) = frame.history.step().zip(frame.history.colors())?;
     let smooth = graph.retained_texture("smooth radiance", frame.image_desc());
-    let mut pass = graph.pass("temporal anti-aliasing");
-    [radiance, gbuffer.object, gbuffer.depth].into_iter().for_each(|handle| pass.read(handle));
-    let smooth = pass.write(smooth);
     let exposure = frame.settings.exposure_factor(&frame.view.camera.lens);
-    pass.key(&(step.row, step.number, frame.view_key(), exposure.to_bits(), colors.is_known()));
-    let [width, height] = frame.view.size;
     let is_resting = step.is_still && step.tolerance == f32::MAX;
     let uniform = SmoothUniform {
         view: frame.view_values(),
@@ -51,28 +46,16 @@ pub(in crate::render) fn declare<'a>(
         is_still: u32::from(step.is_still),
         is_bounded: u32::from(!is_resting),
     };
-    let (gbuffer, frame) = (*gbuffer, frame.clone());
-    pass.execute(move |cx| {
-        let [now, before] = colors.now_and_before();
-        let [radiance, object, depth, target] =
-            [radiance, gbuffer.object, gbuffer.depth, smooth].map(|handle| cx.view(handle));
-        let uniform = cx.gpu.uniform("smooth", &uniform);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut key = ComputeKey::new("post/temporal_antialiasing.wgsl", "main");
-        let mut group = vec![
-            ("smooth_edges", Binding::Buffer(&uniform)),
-            ("radiance", Binding::Texture(&radiance)),
-            ("object", Binding::Texture(&object)),
-            ("depth", Binding::Texture(&depth)),
-            ("color_before", Binding::Texture(before)),
-            ("color_now", Binding::Texture(now)),
-            ("smoothed", Binding::Texture(&target)),
-        ];
-        if let Some(moved) = frame.history.motions().buffer() {
-            key = key.def("MOVED", ShaderDef::Flag(true));
-            group.push(("moved", Binding::Buffer(moved)));
-        }
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
-    });
+    let [now, before] = colors.now_and_before();
+    let mut pass = graph.compute("temporal anti-aliasing", ComputeKey::new("post/temporal_antialiasing.wgsl", "main"));
+    pass.uniform("smooth_edges", &uniform);
+    pass.read("radiance", radiance);
+    pass.read("object", gbuffer.object);
+    pass.read("depth", gbuffer.depth);
+    pass.tracked("color_before", Tracked::texture(before, &step.key()));
+    pass.tracked("color_now", Tracked::texture(now, &step.key()));
+    frame.bind_motions(&mut pass);
+    let smooth = pass.write("smoothed", smooth);
+    pass.dispatch_over(frame.view.size);
     Some(smooth)
 }

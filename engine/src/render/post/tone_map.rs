@@ -1,7 +1,7 @@
 //! Exposure, tone map and sRGB encoding: the display image.
 
-use crate::assets::{AssetId, CubeTable};
-use crate::gpu::{Binding, ComputeKey, Gpu, ShaderDef};
+use crate::assets::CubeTable;
+use crate::gpu::{ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::settings::{Beside, Layer, RenderSettings, Shown, ToneMap};
 use crate::scene::SceneCamera;
@@ -41,31 +41,21 @@ pub fn declare(
     let display = graph.retained_texture(name, TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba8Unorm, usage));
     let is_automatic = settings.is_auto_exposed(&camera.lens) && shows_light(settings);
     let automatic = is_automatic.then(|| super::auto_exposure::declare(graph, radiance));
-    let mut pass = graph.pass("tone map");
-    pass.read(radiance);
-    if let Some(automatic) = automatic {
-        pass.read(automatic);
-    }
-    let display = pass.write(display);
     let curve = Curve::of(settings, camera, is_automatic);
-    pass.key(&(curve.key(), is_automatic));
-    pass.execute(move |cx| {
-        let (source, target) = (cx.view(radiance), cx.view(display));
-        let uniform = cx.gpu.uniform("tone map", &curve.uniform());
-        let grading = curve.table.as_ref().map(|table| entries_of(cx.gpu, table));
-        let automatic = match automatic {
-            Some(automatic) => cx.buffer(automatic).clone(),
-            None => cx.gpu.constants("no exposure", &[1.0f32]),
-        };
-        let mut group = vec![
-            ("automatic", Binding::Buffer(&automatic)),
-            ("tone_map", Binding::Buffer(&uniform)),
-            ("radiance", Binding::Texture(&source)),
-            ("display", Binding::Texture(&target)),
-        ];
-        group.extend(grading.as_ref().map(|grading| ("grading", Binding::Buffer(grading))));
-        cx.dispatch(&curve.shader(), &group, [width.div_ceil(8), height.div_ceil(8), 1])
-    });
+    let mut pass = graph.compute("tone map", curve.shader());
+    match automatic {
+        Some(automatic) => pass.read("automatic", automatic),
+        None => pass.values("automatic", &[1.0_f32]),
+    }
+    pass.uniform("tone_map", &curve.uniform());
+    pass.read("radiance", radiance);
+    let display = pass.write("display", display);
+    if let Some(table) = curve.table {
+        let id = table.id;
+        let entries = move || table.entries.iter().map(|entry| entry.extend(0.0).to_array()).collect();
+        pass.values_of("grading", &id, entries);
+    }
+    pass.dispatch_over([width, height]);
     display
 }
 
@@ -88,10 +78,6 @@ impl Curve {
         Self { scale, vignette: vignette(lens.vignette), mode, table: camera.grading.clone() }
     }
 
-    fn key(&self) -> ([u32; 3], Option<AssetId>) {
-        ([self.scale.to_bits(), self.vignette.to_bits(), self.mode], self.table.as_ref().map(|table| table.id))
-    }
-
     fn uniform(&self) -> ToneMapUniform {
         let (entries, [low, high]) =
             self.table.as_ref().map_or((0, [Vec3::ZERO; 2]), |table| (table.size, table.domain));
@@ -108,12 +94,6 @@ impl Curve {
         }
         key
     }
-}
-
-/// The entries of a table on the device.
-fn entries_of(gpu: &Gpu, table: &CubeTable) -> wgpu::Buffer {
-    let entries: Vec<[f32; 4]> = table.entries.iter().map(|entry| entry.extend(0.0).to_array()).collect();
-    gpu.constants("colour table", &entries)
 }
 
 /// Square of the tangent at the corners, tan²θ, for which cos⁴θ leaves all but that share of the light.

@@ -20,7 +20,7 @@ mod words;
 
 use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
-use crate::graph::{PassContext, PassError};
+use crate::graph::{ComputeBuilder, PassContext, PassError, SharedGroup, hash};
 use crate::render::scene_gpu::media::GpuMedia;
 use crate::scene::{Aabb, Scene};
 use atlas::Atlas;
@@ -288,6 +288,25 @@ impl RayScene {
 
     /// The shader with all that this scene needs of `lib/ray_scene.wgsl`, and no more.
     pub fn shader(&self, file: &'static str, entry: &'static str) -> ComputeKey {
+        self.defines().fold(ComputeKey::new(file, entry), |key, (name, value)| key.def(name, value))
+    }
+
+    /// Lets a pass cast rays that ask for surfaces, but not for lights: its group 1 is the scene.
+    pub(in crate::render) fn bind_surfaces<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>) {
+        self.bind_to(pass, false);
+    }
+
+    /// Lets a pass cast rays that ask for surfaces and lights: its group 1 is the scene.
+    pub(in crate::render) fn bind_all<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>) {
+        self.bind_to(pass, true);
+    }
+
+    fn bind_to<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, lights: bool) {
+        self.defines().for_each(|(name, value)| pass.define(name, value));
+        pass.share(RayGroup { scene: self, lights });
+    }
+
+    fn defines(&self) -> impl Iterator<Item = (&'static str, ShaderDef)> {
         let (layers, nodes) = (self.materials.layers(), &self.geometry.nodes);
         let flags = [
             ("EXACT_BOXES", nodes.are_exact()),
@@ -313,11 +332,8 @@ impl RayScene {
         ];
         let set = flags.into_iter().filter_map(|(name, is_set)| is_set.then_some(name));
         let names = set.chain(self.materials.texture_defines());
-        let key = names.fold(ComputeKey::new(file, entry), |key, name| key.def(name, ShaderDef::Flag(true)));
-        match self.media.as_ref().map(GpuMedia::define) {
-            Some((name, count)) => key.def(name, count).def("RAY_MEDIA", ShaderDef::Flag(true)),
-            None => key,
-        }
+        let media = self.media.as_ref().map(|media| [media.define(), ("RAY_MEDIA", ShaderDef::Flag(true))]);
+        names.map(|name| (name, ShaderDef::Flag(true))).chain(media.into_iter().flatten())
     }
 
     /// Binds as group 1 what the pipeline uses of the scene.
@@ -325,7 +341,18 @@ impl RayScene {
     /// # Errors
     /// If the shader declares something in that group that is not of the scene.
     pub fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Result<wgpu::BindGroup, BindError> {
-        let mut used: Vec<_> = self.bindings().into_iter().filter(|(name, _)| pipeline.declares(1, name)).collect();
+        self.bind_where(gpu, pipeline, |_| true)
+    }
+
+    /// Binds what the pipeline uses of those that may be bound.
+    fn bind_where(
+        &self,
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        may_be: impl Fn(&str) -> bool,
+    ) -> Result<wgpu::BindGroup, BindError> {
+        let is_used = |name: &str| pipeline.declares(1, name) && may_be(name);
+        let mut used: Vec<_> = self.bindings().into_iter().filter(|(name, _)| is_used(name)).collect();
         for (name, _) in &used {
             gpu.audit.note(name, &self.content(name));
         }
@@ -362,6 +389,25 @@ impl RayScene {
             ("atlas", Binding::Texture(self.atlas.view())),
             ("extras", Binding::Texture(self.geometry.extras())),
         ]
+    }
+}
+
+/// A scene as the group 1 of a pass.
+struct RayGroup<'a> {
+    scene: &'a RayScene,
+    /// Whether the shader may ask for lights: a pass that does not need not run again where they change.
+    lights: bool,
+}
+
+impl SharedGroup for RayGroup<'_> {
+    fn key(&self) -> u64 {
+        let contents = ["nodes", "triangles"].map(|name| self.scene.content(name));
+        let lights = self.lights.then(|| self.scene.content("lights"));
+        hash(&(contents, lights, self.scene.media.as_ref().map(GpuMedia::bytes)))
+    }
+
+    fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Result<wgpu::BindGroup, BindError> {
+        self.scene.bind_where(gpu, pipeline, |name| self.lights || name != "lights")
     }
 }
 

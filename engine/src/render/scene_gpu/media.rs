@@ -1,6 +1,7 @@
 //! Participating media in the layout of `lib/media.wgsl`.
 
-use crate::gpu::{Gpu, ShaderDef};
+use crate::gpu::{Gpu, ShaderDef, uniform_bytes};
+use crate::graph::ComputeBuilder;
 use crate::scene::{MAX_MEDIA, MediumShape, Scene, SceneMedium};
 use encase::ShaderType;
 use glam::{Vec3, Vec4};
@@ -74,6 +75,18 @@ impl GpuMedia {
     /// The buffer `media`.
     pub(crate) fn buffer(&self, gpu: &Gpu) -> wgpu::Buffer {
         gpu.uniform("media", &self.values)
+    }
+
+    /// Their values as shaders read them.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        uniform_bytes("media", &self.values)
+    }
+
+    /// Binds it to a pass, whose shader then knows of media.
+    pub(crate) fn bind(&self, pass: &mut ComputeBuilder) {
+        let (name, count) = self.define();
+        pass.define(name, count);
+        pass.uniform("media", &self.values);
     }
 
     /// The definition with which shaders know them.

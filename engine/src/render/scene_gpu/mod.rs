@@ -27,7 +27,7 @@ pub use class::{MaterialClass, vertex_layout};
 use crate::assets::AssetId;
 use crate::bvh::is_mirrored;
 use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
-use crate::graph::{PassContext, PassError};
+use crate::graph::{ComputeBuilder, PassContext, PassError};
 use crate::scene::{Aabb, Primitive};
 use batch::{Batch, Member};
 use block::Blocks;
@@ -244,6 +244,13 @@ impl GpuScene {
         match self.media_define() {
             Some((name, count)) => key.def(name, count),
             None => key,
+        }
+    }
+
+    /// Binds the media to a pass, if there are any.
+    pub(in crate::render) fn bind_media(&self, pass: &mut ComputeBuilder) {
+        if let Some(media) = &self.media {
+            media.bind(pass);
         }
     }
 

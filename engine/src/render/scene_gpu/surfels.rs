@@ -1,9 +1,11 @@
 //! The scene's surfels on the device.
 
 use crate::gpu::{Binding, Changing, Gpu};
+use crate::graph::{ComputeBuilder, Tracked, hash};
 use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
+use std::hash::Hash;
 use wgpu::BufferUsages;
 
 /// Rows of a transform.
@@ -85,6 +87,13 @@ impl GpuPatches {
     /// First surfel and number of surfels of each patch.
     pub fn ranges(&self) -> Binding<'_> {
         Binding::Buffer(&self.ranges)
+    }
+
+    /// Binds them to a pass whose shader looks patches up, with the revision of the surfels.
+    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, revision: &impl Hash) {
+        pass.tracked("patch_table", Tracked::buffer(&self.table, revision));
+        pass.tracked("place_of_primitive", Tracked::buffer(&self.place_of_primitive, revision));
+        pass.tracked("patch_grids", Tracked::buffer(self.grids.buffer(), revision));
     }
 
     /// The bindings of shaders that look patches up.
@@ -254,8 +263,9 @@ impl GpuSurfels {
         &self.patches
     }
 
-    /// The bindings of the pass that places them.
-    pub(in crate::render) fn bindings(&self) -> [(&'static str, Binding<'_>); 2] {
-        [("cloud", Binding::Buffer(&self.surfels)), ("places", Binding::Buffer(self.places.buffer()))]
+    /// Binds them to the pass that places them, of a scene's geometry.
+    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, geometry: &impl Hash) {
+        pass.tracked("cloud", Tracked::buffer(&self.surfels, &self.revision()));
+        pass.tracked("places", Tracked::buffer(self.places.buffer(), &(hash(geometry), self.revision())));
     }
 }

@@ -1,9 +1,8 @@
 //! Which lights may reach which part of which tile.
 
-use super::lights::groups_of;
 use super::{Method, Sources};
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use wgpu::BufferUsages;
@@ -35,34 +34,17 @@ pub(super) fn declare<'a>(
     let masks = buffer(graph, "slc masks", method.mask_words());
     let slices = buffer(graph, "slc slices", u64::from(width) * u64::from(height));
     let frames = declare_frames(graph, frame, method, sources);
-    let mut pass = graph.pass("slc cull");
-    pass.read(gbuffer.depth);
-    pass.read(sources.ranges);
-    pass.read(frames);
-    let (masks, slices) = (pass.write(masks), pass.write(slices));
-    pass.key(&method.key(frame));
-    let (frame, method, depth) = (frame.clone(), method.clone(), gbuffer.depth);
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let depth = cx.view(depth);
-        let buffers = [sources.ranges, frames, masks, slices];
-        let [ranges, frames, masks, slices] = buffers.map(|handle| cx.buffer(handle).clone());
-        let [x, y] = method.tiles;
-        let counts = cx.counts();
-        counts.cells += u64::from(x) * u64::from(y) * u64::from(method.subsets()) * u64::from(method.slices());
-        cx.dispatch(
-            &method.sliced(ComputeKey::new("indirect/light_culling/cull.wgsl", "main")),
-            &[
-                ("culling", Binding::Buffer(&method.uniform(gpu, &frame, 0))),
-                ("depth", Binding::Texture(&depth)),
-                ("ranges", Binding::Buffer(&ranges)),
-                ("frames", Binding::Buffer(&frames)),
-                ("masks", Binding::Buffer(&masks)),
-                ("slices", Binding::Buffer(&slices)),
-            ],
-            [x, y, method.subsets()],
-        )
-    });
+    let shader = method.sliced(ComputeKey::new("indirect/light_culling/cull.wgsl", "main"));
+    let mut pass = graph.compute("slc cull", shader);
+    pass.uniform("culling", &method.values(frame, 0));
+    pass.read("depth", gbuffer.depth);
+    pass.read("ranges", sources.ranges);
+    pass.read("frames", frames);
+    let (masks, slices) = (pass.write("masks", masks), pass.write("slices", slices));
+    let [x, y] = method.tiles;
+    let parts = method.subsets() * method.slices();
+    pass.count(Counts { cells: u64::from(x) * u64::from(y) * u64::from(parts), ..Counts::default() });
+    pass.dispatch_groups([x, y, method.subsets()]);
     Culled { masks, slices }
 }
 
@@ -71,23 +53,11 @@ fn declare_frames<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, method: &Method,
     let count = method.lights.saturating_mul(method.subsets());
     let desc = BufferDesc::new(FRAME_BYTES * u64::from(count), BufferUsages::STORAGE);
     let frames = graph.retained_buffer("slc frames", desc);
-    let mut pass = graph.pass("slc frames");
-    pass.read(sources.ranges);
-    let frames = pass.write(frames);
-    pass.key(&method.key(frame));
-    let (frame, method) = (frame.clone(), method.clone());
-    pass.execute(move |cx| {
-        let [ranges, target] = [sources.ranges, frames].map(|handle| cx.buffer(handle).clone());
-        cx.counts().lights += u64::from(count);
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_culling/frames.wgsl", "main"),
-            &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
-                ("ranges", Binding::Buffer(&ranges)),
-                ("frames", Binding::Buffer(&target)),
-            ],
-            groups_of(count),
-        )
-    });
+    let mut pass = graph.compute("slc frames", ComputeKey::new("indirect/light_culling/frames.wgsl", "main"));
+    pass.uniform("culling", &method.values(frame, 0));
+    pass.read("ranges", sources.ranges);
+    let frames = pass.write("frames", frames);
+    pass.count(Counts { lights: count.into(), ..Counts::default() });
+    pass.dispatch_items(count);
     frames
 }

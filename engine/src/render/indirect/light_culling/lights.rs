@@ -74,13 +74,18 @@ pub(crate) struct ChancesUniform {
 impl Method {
     /// The settings for the shaders that look at pixels; `first_subset` is where a dispatch begins.
     pub(super) fn uniform(&self, gpu: &Gpu, frame: &Frame, first_subset: u32) -> wgpu::Buffer {
+        gpu.uniform("culling", &self.values(frame, first_subset))
+    }
+
+    /// The contents of that buffer.
+    pub(super) fn values(&self, frame: &Frame, first_subset: u32) -> CullingUniform {
         let s = &self.settings;
         let show = match s.show {
             LightShow::Light => 0,
             LightShow::Candidates => 1,
             LightShow::FalsePositives => 2,
         };
-        let uniform = CullingUniform {
+        CullingUniform {
             view: frame.view_values(),
             lights: self.lights,
             interleave: s.interleave,
@@ -94,8 +99,7 @@ impl Method {
             sky: self.sky,
             sky_rays: (SKY_RAYS / self.subsets()).clamp(4, 64),
             sky_turn: self.sky_map(frame).map_or(0.0, |map| map.turn),
-        };
-        gpu.uniform("culling", &uniform)
+        }
     }
 
     /// Changes with all that [`Method::uniform`] holds.

@@ -1,8 +1,7 @@
 //! All light in each cell, for media to scatter. See `indirect/light_volumes/sweep/haze_cells.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
-use crate::render::frame::{Frame, linear_groups};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Counts, Graph, Handle, PassContext};
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
 
@@ -20,6 +19,13 @@ impl HazeCells {
     pub fn defines(&self) -> impl Iterator<Item = (&'static str, ShaderDef)> {
         let alone = self.are_lamps_alone.then_some("LAMPS_ALONE");
         ["HAZE"].into_iter().chain(alone).map(|name| (name, ShaderDef::Flag(true)))
+    }
+
+    /// Binds it to a pass that looks it up.
+    pub fn bind(&self, pass: &mut ComputeBuilder) {
+        self.defines().for_each(|(name, value)| pass.define(name, value));
+        pass.uniform("haze_volume", &self.volume.uniform());
+        pass.read("haze_cells", self.light);
     }
 
     /// The shader that looks it up.
@@ -40,35 +46,22 @@ impl HazeCells {
 }
 
 /// Declares the pass: the light of the lamps, and that of the sweep by axis.
-pub(super) fn declare<'a>(
-    graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
+pub(super) fn declare(
+    graph: &mut Graph<'_>,
     volume: &Volume,
     lamp_light: Handle<Buffer>,
     axes: Handle<Buffer>,
 ) -> HazeCells {
     let desc = BufferDesc::new(32 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
     let light = graph.buffer("haze, all light in cells", desc);
-    let mut pass = graph.pass("haze cells");
-    pass.read(lamp_light);
-    pass.read(axes);
-    let light = pass.write(light);
-    pass.key(&(frame.scene.identity, volume.key()));
+    let shader = ComputeKey::new("indirect/light_volumes/sweep/haze_cells.wgsl", "main");
+    let mut pass = graph.compute("haze cells", shader);
+    pass.uniform("volume", &volume.uniform());
+    pass.read("lamp_light", lamp_light);
+    pass.read("axes", axes);
+    let light = pass.write("haze_cells", light);
+    pass.count(Counts { cells: volume.cell_count().into(), ..Counts::default() });
+    pass.dispatch_items(volume.cell_count());
     let volume = *volume;
-    pass.execute(move |cx| {
-        let [lamp_light, axes, light] = [lamp_light, axes, light].map(|handle| cx.buffer(handle).clone());
-        let uniform = cx.gpu.uniform("volume", &volume.uniform());
-        cx.counts().cells += u64::from(volume.cell_count());
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/sweep/haze_cells.wgsl", "main"),
-            &[
-                ("volume", Binding::Buffer(&uniform)),
-                ("lamp_light", Binding::Buffer(&lamp_light)),
-                ("axes", Binding::Buffer(&axes)),
-                ("haze_cells", Binding::Buffer(&light)),
-            ],
-            linear_groups(volume.cell_count()),
-        )
-    });
     HazeCells { volume, light, are_lamps_alone: false }
 }

@@ -5,14 +5,12 @@
 //! a roughness of 0.25 show an image, which no filter may blur: theirs are the rays of this pass.
 
 use super::gather;
-use super::haze_cells::HazeCells;
-use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Graph, Handle, RowWork, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::GBuffer;
 use crate::render::indirect::Scattered;
-use crate::render::rays::{RayScene, dispatch_rays};
-use crate::render::surfaces::Surfaces;
+use crate::render::rays::RayScene;
 use crate::world::{Clpv, GatherRays};
 use encase::ShaderType;
 use glam::Vec3;
@@ -21,7 +19,7 @@ use glam::Vec3;
 const PATHS_A_SUBMIT: u64 = 1 << 16;
 
 /// `Mirror` of `indirect/light_volumes/sweep/mirror.wgsl`.
-#[derive(ShaderType)]
+#[derive(Clone, Copy, ShaderType)]
 pub(crate) struct MirrorUniform {
     view: ViewUniform,
     sky: Vec3,
@@ -59,7 +57,9 @@ fn most_rays(frame: &Frame, rays: u32) -> u32 {
 
 /// What is traced.
 #[derive(Clone, Copy)]
-pub(in crate::render) struct Mirrors {
+pub(in crate::render) struct Mirrors<'a> {
+    /// What the rays meet.
+    pub scene: &'a RayScene,
     /// Rays of a pixel that reflects by its specular lobe alone, where others see the same.
     pub rays: u32,
     /// Which surfaces mirror: those up to a roughness, by [`mirror_define`](crate::render::rays::mirror_define) or
@@ -74,94 +74,37 @@ pub(in crate::render) fn declare<'a>(
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     light: Scattered,
-    mirrors: Mirrors,
+    mirrors: Mirrors<'a>,
 ) -> Handle<Texture> {
     let mirrored = graph.retained_texture(gbuffer.surfaces.name("mirrored radiance"), frame.image_desc());
-    let mut pass = graph.pass(gbuffer.surfaces.name("mirror"));
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
-    light.handles().for_each(|light| pass.read(light));
-    let mirrored = pass.write(mirrored);
-    let most_rays = most_rays(frame, mirrors.rays);
-    pass.key(&(
-        mirrors.rays,
-        most_rays,
-        frame.seed(),
-        frame.view_key(),
-        light.patches.is_some(),
-        frame.surfels.revision(),
-    ));
-    let revisions = &frame.scene.revisions;
-    pass.key(&(frame.geometry_key(), revisions.lights, revisions.settings));
-    pass.key(&(frame.media_key(), HazeCells::key(light.haze.as_ref())));
-    let work = Work { frame: frame.clone(), surfaces: gbuffer.surfaces, inputs, light, mirrored, mirrors, most_rays };
-    pass.execute(move |cx| work.run(cx));
+    let shader = ComputeKey::new("indirect/light_volumes/sweep/mirror.wgsl", "main");
+    let mut pass = graph.compute(gbuffer.surfaces.name("mirror"), shader);
+    mirrors.scene.bind_all(&mut pass);
+    pass.define("RAYS", ShaderDef::Uint(mirrors.rays));
+    pass.define("MOST_RAYS", ShaderDef::Uint(most_rays(frame, mirrors.rays)));
+    let (name, value) = mirrors.define;
+    pass.define(name, value);
+    light.bind(&mut pass, frame);
+    gbuffer.surfaces.define_for(&mut pass);
+    gbuffer.bind(&mut pass);
+    let mirrored = pass.write("mirrored", mirrored);
+    let [width, height] = frame.view.size;
+    let work = RowWork { units: u64::from(width) * u64::from(mirrors.rays), on_software: PATHS_A_SUBMIT };
+    let uniform = uniform(frame, mirrors.scene);
+    pass.dispatch_rows([width, height], work, "mirror", move |rows| MirrorUniform { first_row: rows.first, ..uniform });
     mirrored
 }
 
-struct Work<'a> {
-    frame: Frame<'a>,
-    surfaces: Surfaces,
-    inputs: [Handle<Texture>; 4],
-    light: Scattered,
-    mirrored: Handle<Texture>,
-    mirrors: Mirrors,
-    most_rays: u32,
-}
-
-impl Work<'_> {
-    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
-        let scene = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        let [width, height] = self.frame.view.size;
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let paths_a_row = u64::from(width) * u64::from(self.mirrors.rays);
-        let rows_a_submit = cx.work_a_submit(PATHS_A_SUBMIT) / paths_a_row;
-        // Whole workgroups, eight rows high.
-        let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
-        for first_row in (0..height).step_by(step) {
-            let rows = (height - first_row).min(step as u32);
-            cx.work(u64::from(rows) * paths_a_row, PATHS_A_SUBMIT)?;
-            self.dispatch(cx, scene, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
-        }
-        Ok(())
-    }
-
-    fn dispatch(
-        &self,
-        cx: &mut PassContext,
-        scene: &RayScene,
-        first_row: u32,
-        groups: [u32; 3],
-    ) -> Result<(), PassError> {
-        let uniform = cx.gpu.uniform("mirror", &self.uniform(scene, first_row));
-        let views = self.inputs.map(|handle| cx.view(handle));
-        let target = cx.view(self.mirrored);
-        let (name, value) = self.mirrors.define;
-        let key = scene
-            .shader("indirect/light_volumes/sweep/mirror.wgsl", "main")
-            .def("RAYS", ShaderDef::Uint(self.mirrors.rays))
-            .def("MOST_RAYS", ShaderDef::Uint(self.most_rays))
-            .def(name, value);
-        let key = self.surfaces.define(self.light.defined(&self.frame, key));
-        let light = self.light.buffers(cx);
-        let mut group = vec![("mirror", Binding::Buffer(&uniform)), ("mirrored", Binding::Texture(&target))];
-        let names = ["base_color", "normal", "object", "depth"];
-        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        group.extend(self.light.bindings(&self.frame, &light));
-        dispatch_rays(cx, &key, &group, scene, groups)
-    }
-
-    fn uniform(&self, rays: &RayScene, first_row: u32) -> MirrorUniform {
-        let scene = self.frame.scene;
-        MirrorUniform {
-            view: self.frame.view_values(),
-            sky: scene.sky,
-            sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
-            root: rays.root(),
-            light_count: rays.light_count,
-            seed: self.frame.seed(),
-            first_row,
-            patch_size: self.frame.surfels.patch_size(),
-        }
+fn uniform(frame: &Frame, rays: &RayScene) -> MirrorUniform {
+    let scene = frame.scene;
+    MirrorUniform {
+        view: frame.view_values(),
+        sky: scene.sky,
+        sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
+        root: rays.root(),
+        light_count: rays.light_count,
+        seed: frame.seed(),
+        first_row: 0,
+        patch_size: frame.surfels.patch_size(),
     }
 }

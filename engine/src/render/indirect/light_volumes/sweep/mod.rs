@@ -191,7 +191,7 @@ pub(super) fn declare<'a>(
     }
     let haze = levels.last().and_then(|level| {
         let light = level.light().axes;
-        level.lamp_light.map(|lamps| haze_cells::declare(graph, frame, &level.volume, lamps, light))
+        level.lamp_light.map(|lamps| haze_cells::declare(graph, &level.volume, lamps, light))
     });
     let ends_in_patches = is_gathered && !gather::are_paths(settings);
     let patches = radiosity.map(|light| light.patches).filter(|_| ends_in_patches);
@@ -239,9 +239,9 @@ fn declare_mirrors<'a>(
     light: Scattered,
     interleave: Interleave,
 ) -> Option<Handle<Texture>> {
-    match mirror::rays(frame, settings, interleave.is_sparse()) {
-        Some(rays) => {
-            let mirrors = mirror::Mirrors { rays, define: mirror_define(mirror::are_smooth(frame)) };
+    match frame.rays.zip(mirror::rays(frame, settings, interleave.is_sparse())) {
+        Some((scene, rays)) => {
+            let mirrors = mirror::Mirrors { scene, rays, define: mirror_define(mirror::are_smooth(frame)) };
             let mirrored = mirror::declare(graph, frame, gbuffer, light, mirrors);
             Some(mirror_filter::declare(graph, frame, gbuffer, mirrored))
         }

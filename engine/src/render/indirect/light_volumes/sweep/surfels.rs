@@ -1,8 +1,8 @@
 //! The scene's surfels in world space. See `indirect/light_volumes/sweep/surfels.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
-use crate::render::frame::{Frame, linear_groups};
+use crate::render::frame::Frame;
 use crate::scene::Surfel;
 use wgpu::BufferUsages;
 
@@ -19,17 +19,9 @@ pub(in crate::render::indirect::light_volumes) fn declare<'a>(
     let count = gpu_surfels.count();
     let bytes = u64::from(count) * size_of::<Surfel>() as u64;
     let surfels = graph.retained_buffer(NAME, BufferDesc::new(bytes, BufferUsages::STORAGE));
-    let mut pass = graph.pass(NAME);
-    let surfels = pass.write(surfels);
-    pass.key(&(frame.geometry_key(), gpu_surfels.revision()));
-    pass.execute(move |cx| {
-        let target = cx.buffer(surfels).clone();
-        let [cloud, places] = gpu_surfels.bindings();
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/sweep/surfels.wgsl", "main"),
-            &[cloud, places, ("surfels", Binding::Buffer(&target))],
-            linear_groups(count),
-        )
-    });
+    let mut pass = graph.compute(NAME, ComputeKey::new("indirect/light_volumes/sweep/surfels.wgsl", "main"));
+    gpu_surfels.bind(&mut pass, &frame.geometry_key());
+    let surfels = pass.write("surfels", surfels);
+    pass.dispatch_items(count);
     surfels
 }
