@@ -210,6 +210,7 @@ impl Player {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("overlay") });
         layer.painter.paint(&gpu, &mut encoder, &context, (&target, size), Painted::new(&mut output));
         gpu.queue.submit([encoder.finish()]);
+        self.ui.touch_overlay();
         play.layer = Some(layer);
     }
 

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const CALM: Duration = Duration::from_millis(400);
 
 /// Pictures that come as soon are shown in the same frame of the interface that asked for them.
-const SOON: Duration = Duration::from_millis(20);
+pub(super) const SOON: Duration = Duration::from_millis(20);
 
 /// What is known of the picture that the window shows.
 #[derive(Default)]
@@ -78,18 +78,23 @@ impl Player {
         Ok(self.camera.apply(&self.session.camera()?))
     }
 
-    /// Begins the next picture, of the view or of an export, and takes it up if it comes soon; whether it did.
-    pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder) -> Result<bool> {
+    /// Begins the next picture, of the view or of an export, and takes it up if it comes within a time; whether it did.
+    pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder, patience: Duration) -> Result<bool> {
         if self.render_thread.is_idle() {
-            if self.job.is_some() {
-                self.continue_export();
-            } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
-                self.begin_picture().unwrap_or_else(|error| self.failed(&error));
-            }
+            self.begin_next();
         } else if self.budget.is_some() && self.job.is_none() && !self.picture.is_moving {
             self.drop_outdated();
         }
-        self.take_picture(frame, SOON)
+        self.take_picture(frame, patience)
+    }
+
+    /// Begins the next picture, of the view or of an export.
+    pub(super) fn begin_next(&mut self) {
+        if self.job.is_some() {
+            self.continue_export();
+        } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
+            self.begin_picture().unwrap_or_else(|error| self.failed(&error));
+        }
     }
 
     /// Drops a picture of the view at rest once something else is to be seen: it may take seconds, and one of motion does
