@@ -119,6 +119,7 @@ impl Player {
         self.picture.is_moving = self.clock.playing || self.play.is_some() || rests_at.is_some();
         if let Some(budget) = self.budget.as_ref().filter(|_| self.picture.is_moving) {
             view.size = budget.size(view.size);
+            settings.update = budget.update().max(settings.update);
             // At rest it is drawn in full size.
             if let Some(at) = rests_at {
                 self.repaint_at = Some(self.repaint_at.map_or(at, |known| known.min(at)));
