@@ -12,6 +12,9 @@ use super::report::Counts;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, TimestampQueries};
 use std::sync::Arc;
 
+/// Time of a submit above which nothing is submitted behind it \[ms\].
+const LONG_SUBMIT: f64 = 2.0 * LONG_PASS;
+
 /// Records the passes of a frame into one encoder, or several where passes submit in between.
 pub(super) struct Recorder<'g> {
     pub(super) gpu: &'g Gpu,
@@ -62,15 +65,16 @@ impl<'g> Recorder<'g> {
     }
 
     /// Submits what was recorded so far. An interruptible frame waits for the submit before this one, so that the device has
-    /// work while the next passes are recorded, and others wait for two short submits at most.
+    /// work while the next passes are recorded, and others wait for two short submits at most. It waits for a long one itself.
     fn submit(&mut self) {
         let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
         self.gpu.submit(Some(recorded));
         self.submits += 1;
-        self.spent = 0.0;
+        let spent = std::mem::take(&mut self.spent);
         if self.pacing.as_deref().is_some_and(FramePacing::is_interruptible) {
-            let before = self.flying.replace(Submitted::note(self.gpu));
-            before.into_iter().for_each(|before| before.wait(self.gpu));
+            let now = Submitted::note(self.gpu);
+            let awaited = if spent > LONG_SUBMIT { Some(now) } else { self.flying.replace(now) };
+            awaited.into_iter().for_each(|awaited| awaited.wait(self.gpu));
         }
     }
 

@@ -20,8 +20,10 @@ fn room() -> Stage {
     stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.7, 0.55, 0.4));
     stage.add(Shape::Box { size: [0.8, 1.2, 0.8] }, Vec3::new(0.8, 0.2, 0.2), Affine3A::from_translation(STANDING));
     stage.scene.primitives.last_mut().expect("the box").moving = true;
+    stage.light(LightShape::Point, Vec3::splat(0.3), Vec3::new(-1.2, 1.0, 1.0), Vec3::NEG_Y);
+    // The one that changes.
     stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(0.3, 1.2, -0.2), Vec3::NEG_Y);
-    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Low, ..Default::default() });
+    stage.clpv(Vec3::ZERO, Clpv { quality: Quality::Medium, ..Default::default() });
     stage
 }
 
@@ -96,8 +98,9 @@ fn slow_changes_are_followed_closely_and_end_in_the_same_light() {
             assert!(difference < 0.06, "{update:?}, frame {frame}: light is {difference} off");
             for pass in ["first bounce", "surfel links"] {
                 let [all, some] = [rays(&of_whole, pass), rays(&of_part, pass)];
+                // Where a box begins to move, its surfels are others once, and all links are.
                 let is_share = (some * u64::from(update.frames())).abs_diff(all) <= all / 50;
-                assert!(frame == 0 || is_share, "{update:?}, frame {frame}: {pass} casts {some} of {all} rays");
+                assert!(frame < 2 || is_share, "{update:?}, frame {frame}: {pass} casts {some} of {all} rays");
             }
         }
         for _ in 0..UNREST {

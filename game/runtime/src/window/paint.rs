@@ -280,11 +280,8 @@ mod tests {
     fn fill(gpu: &Gpu, texture: &wgpu::Texture, seed: u8) {
         let count = 4 * texture.width() * texture.height();
         let bytes: Vec<u8> = (0..count).map(|i| (i as u8).wrapping_mul(37).wrapping_add(seed) | 0x80).collect();
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * texture.width()),
-            rows_per_image: None,
-        };
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * texture.width()), rows_per_image: None };
         gpu.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
     }
 
