@@ -25,20 +25,17 @@ pub(super) fn between(
     let screen = Rect::from_min_size(egui::Pos2::ZERO, Vec2::from(size.map(|edge| edge as f32)) / scale);
     let mut parts = Vec::new();
     let mut add = |shape: &ClippedShape| add_part(&mut parts, aligned(bounds(shape)?.intersect(screen), scale));
-    let start = before.iter().zip(now).take_while(|(a, b)| a == b && !is_touched(b, touched)).count();
-    let (before, now) = (&before[start..], &now[start..]);
-    if before.len() == now.len() {
-        for (old, new) in before.iter().zip(now).filter(|(old, new)| old != new || is_touched(new, touched)) {
-            [old, new].into_iter().try_for_each(&mut add)?;
-        }
-    } else {
-        let rows = before.iter().rev().zip(now.iter().rev());
-        let end = rows.take_while(|(a, b)| a == b && !is_touched(b, touched)).count();
-        let changed = before[..before.len() - end].iter().chain(&now[..now.len() - end]);
-        changed.into_iter().try_for_each(&mut add)?;
-        // Among those that stayed.
-        now[now.len() - end..].iter().filter(|shape| is_touched(shape, touched)).try_for_each(&mut add)?;
+    let same = |(a, b): &(&ClippedShape, &ClippedShape)| a == b;
+    let start = before.iter().zip(now).take_while(same).count();
+    let [old, new] = [&before[start..], &now[start..]];
+    let end = old.iter().rev().zip(new.iter().rev()).take_while(same).count();
+    let [old, new] = [&old[..old.len() - end], &new[..new.len() - end]];
+    // Where there are as many as before, only those that differ.
+    let is_new = |at: usize| old.len() != new.len() || old[at] != new[at];
+    for shapes in [old, new] {
+        (0..shapes.len()).filter(|at| is_new(*at)).try_for_each(|at| add(&shapes[at]))?;
     }
+    now.iter().filter(|shape| is_touched(shape, touched)).try_for_each(&mut add)?;
     let share = parts.iter().map(Rect::area).sum::<f32>() / screen.area().max(1.0);
     (share <= MOST_SHARE).then_some(parts)
 }
@@ -153,19 +150,18 @@ mod tests {
     fn much_is_painted_whole_and_parts_stay_few_and_apart() {
         let whole = |color| ClippedShape::new(screen(), Shape::rect_filled(screen(), 0.0, color));
         assert_eq!(changed(&[whole(Color32::RED)], &[whole(Color32::BLUE)], &[]), None);
-        let squares = |color| (0..40).map(|i| square((i % 8) as f32 * 25.0, (i / 8) as f32 * 20.0, color));
-        let [before, now] = [Color32::RED, Color32::BLUE].map(|color| squares(color).collect::<Vec<_>>());
+        let squares: Vec<_> =
+            (0..40).map(|i| square((i % 8) as f32 * 25.0, (i / 8) as f32 * 20.0, Color32::BLUE)).collect();
         let mut parts = Vec::new();
-        now.iter().for_each(|shape| {
+        squares.iter().for_each(|shape| {
             add_part(&mut parts, aligned(bounds(shape).unwrap_or(screen()).intersect(screen()), 1.0));
         });
         assert!(parts.len() <= MOST_PARTS, "{parts:?}");
         for (at, part) in parts.iter().enumerate() {
             assert!(parts[at + 1..].iter().all(|other| !other.intersect(*part).is_positive()), "{parts:?}");
         }
-        assert!(squares(Color32::RED).all(|shape| {
+        assert!(squares.iter().all(|shape| {
             parts.iter().any(|part| part.contains_rect(shape.shape.visual_bounding_rect().intersect(screen())))
         }));
-        let _ = before;
     }
 }

@@ -159,7 +159,9 @@ impl UiPainter {
         painted: Painted,
     ) {
         let size = [window.width(), window.height()];
-        let can_copy = gpu.is_software() && window.usage().contains(wgpu::TextureUsages::COPY_DST);
+        // What a game lays over the view lets the picture through: then all is painted.
+        let can_copy =
+            gpu.is_software() && self.overlay.is_none() && window.usage().contains(wgpu::TextureUsages::COPY_DST);
         let before = self.last.take().filter(|last| last.size == size && last.scale == painted.scale);
         // New letters in the atlas of fonts change nothing that is painted.
         let is_known = painted
@@ -279,7 +281,8 @@ mod tests {
 
     fn fill(gpu: &Gpu, texture: &wgpu::Texture, seed: u8) {
         let count = 4 * texture.width() * texture.height();
-        let bytes: Vec<u8> = (0..count).map(|i| (i as u8).wrapping_mul(37).wrapping_add(seed) | 0x80).collect();
+        let byte = |i: u32| if i % 4 == 3 { 255 } else { (i as u8).wrapping_mul(37).wrapping_add(seed) };
+        let bytes: Vec<u8> = (0..count).map(byte).collect();
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * texture.width()), rows_per_image: None };
         gpu.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
