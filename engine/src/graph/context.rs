@@ -3,14 +3,17 @@
 use std::cell::{OnceCell, RefCell};
 
 use super::cache::Target;
-use super::cost::Costs;
+use super::cost::{Costs, SUBMIT_MS};
 use super::error::PassError;
-use super::frame_pacing::{FramePacing, wait_gently};
+use super::frame_pacing::{FramePacing, LONG_PASS, Submitted};
 use super::handle::{Buffer, Handle, Texture, Version};
 use super::plan::Layout;
 use super::report::Counts;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, TimestampQueries};
 use std::sync::Arc;
+
+/// Time of a submit above which nothing is submitted behind it \[ms\].
+const LONG_SUBMIT: f64 = 2.0 * LONG_PASS;
 
 /// Records the passes of a frame into one encoder, or several where passes submit in between.
 pub(super) struct Recorder<'g> {
@@ -22,17 +25,25 @@ pub(super) struct Recorder<'g> {
     /// Time that what is recorded since the last submit is going to take, as far as it is known \[ms\].
     spent: f64,
     pacing: Option<Arc<FramePacing>>,
+    /// The last submit of an interruptible frame.
+    flying: Option<Submitted>,
 }
 
 impl<'g> Recorder<'g> {
     pub fn new(gpu: &'g Gpu, queries: Option<TimestampQueries>, pacing: Option<Arc<FramePacing>>) -> Self {
-        Self { gpu, encoder: new_encoder(gpu), queries, submits: 0, costs: Costs::default(), spent: 0.0, pacing }
+        let (encoder, costs) = (new_encoder(gpu), Costs::default());
+        Self { gpu, encoder, queries, submits: 0, costs, spent: 0.0, pacing, flying: None }
     }
 
     /// Begins a pass, in a submit of its own if that is full; true if it is timed.
     pub fn begin(&mut self, name: &str) -> bool {
-        let cost = self.costs.ms(name);
-        if !self.gpu.is_software() && Costs::is_full(self.spent, cost) {
+        let (most, unknown) = match self.pacing.as_deref() {
+            Some(pacing) if pacing.is_interruptible() => (LONG_PASS, LONG_PASS),
+            _ if self.gpu.is_software() => (f64::MAX, 0.0),
+            _ => (SUBMIT_MS, 0.0),
+        };
+        let cost = self.costs.ms(name).unwrap_or(unknown);
+        if Costs::is_full(self.spent, cost, most) {
             self.submit();
         }
         self.spent += cost;
@@ -48,21 +59,23 @@ impl<'g> Recorder<'g> {
         self.encoder.pop_debug_group();
     }
 
-    /// Between passes: lets work of others have its turn, if that is wanted.
+    /// Between passes: takes note of progress.
     pub fn pause(&mut self) {
-        let Some(pacing) = self.pacing.clone() else { return };
-        if pacing.is_interruptible() {
-            self.submit();
-        }
-        pacing.step();
+        self.pacing.iter().for_each(|pacing| pacing.step());
     }
 
-    /// Submits what was recorded so far.
+    /// Submits what was recorded so far. An interruptible frame waits for the submit before this one, so that the device has
+    /// work while the next passes are recorded, and others wait for two short submits at most. It waits for a long one itself.
     fn submit(&mut self) {
         let recorded = std::mem::replace(&mut self.encoder, new_encoder(self.gpu));
-        submit(self.gpu, recorded, self.pacing.as_deref());
+        self.gpu.submit(Some(recorded));
         self.submits += 1;
-        self.spent = 0.0;
+        let spent = std::mem::take(&mut self.spent);
+        if self.pacing.as_deref().is_some_and(FramePacing::is_interruptible) {
+            let now = Submitted::note(self.gpu);
+            let awaited = if spent > LONG_SUBMIT { Some(now) } else { self.flying.replace(now) };
+            awaited.into_iter().for_each(|awaited| awaited.wait(self.gpu));
+        }
     }
 
     /// Submits what is left, between passes.
@@ -80,7 +93,7 @@ impl<'g> Recorder<'g> {
 fn submit(gpu: &Gpu, recorded: wgpu::CommandEncoder, pacing: Option<&FramePacing>) {
     gpu.submit(Some(recorded));
     if pacing.is_some_and(FramePacing::is_interruptible) {
-        wait_gently(gpu);
+        Submitted::note(gpu).wait(gpu);
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// Longest time of one submit \[ms\]: an interface and other programs wait no longer for the device, and drivers do not
 /// take it for hung.
-const SUBMIT_MS: f64 = 50.0;
+pub(super) const SUBMIT_MS: f64 = 50.0;
 
 /// How much more work than on a software driver a submit holds on hardware whose speed is not known yet.
 const UNMEASURED: u64 = 16;
@@ -23,15 +23,15 @@ struct Cost {
     /// Work of the last frame in which it ran, in units of its own.
     units: u64,
     /// Time on the device, as last measured \[ms\].
-    ms: f64,
+    ms: Option<f64>,
     /// Units a millisecond.
     rate: Option<f64>,
 }
 
 impl Costs {
-    /// Time that a pass took when it was last measured, zero if it never was \[ms\].
-    pub fn ms(&self, pass: &str) -> f64 {
-        self.passes.get(pass).map_or(0.0, |cost| cost.ms)
+    /// Time that a pass took when it was last measured, none if it never was \[ms\].
+    pub fn ms(&self, pass: &str) -> Option<f64> {
+        self.passes.get(pass)?.ms
     }
 
     /// Units of its work that one submit of the pass holds; `on_software` is how many it holds on a software driver.
@@ -51,16 +51,16 @@ impl Costs {
     /// Takes in a time of the pass \[ms\].
     pub fn measure(&mut self, pass: &str, ms: f64) {
         let cost = self.passes.entry(pass.to_owned()).or_default();
-        cost.ms = ms;
+        cost.ms = Some(ms);
         if cost.units > 0 {
             let rate = cost.units as f64 / ms.max(1e-3);
             cost.rate = Some(cost.rate.map_or(rate, |before| rate.min(MOST_GROWTH * before)));
         }
     }
 
-    /// Whether a submit is full before something is added to it, both as times \[ms\].
-    pub fn is_full(spent: f64, more: f64) -> bool {
-        spent > 0.0 && spent + more > SUBMIT_MS
+    /// Whether a submit of at most that time is full before something is added to it, all as times \[ms\].
+    pub fn is_full(spent: f64, more: f64, most: f64) -> bool {
+        spent > 0.0 && spent + more > most
     }
 }
 
@@ -87,8 +87,12 @@ mod tests {
 
     #[test]
     fn a_submit_takes_passes_until_it_is_full() {
-        assert!(!Costs::is_full(0.0, 400.0), "what is longer by itself begins a submit");
-        assert!(!Costs::is_full(20.0, 20.0));
-        assert!(Costs::is_full(40.0, 20.0));
+        assert!(!Costs::is_full(0.0, 400.0, SUBMIT_MS), "what is longer by itself begins a submit");
+        assert!(!Costs::is_full(20.0, 20.0, SUBMIT_MS));
+        assert!(Costs::is_full(40.0, 20.0, SUBMIT_MS));
+        let mut costs = Costs::default();
+        assert_eq!(costs.ms("gather"), None, "it never ran");
+        costs.measure("gather", 3.0);
+        assert_eq!(costs.ms("gather"), Some(3.0));
     }
 }

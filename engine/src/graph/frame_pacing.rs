@@ -10,13 +10,14 @@ use std::time::Duration;
 const GLANCE: Duration = Duration::from_micros(500);
 
 /// Passes that take longer than this on the device make an interface wait for too long \[ms\].
-const LONG_PASS: f64 = 10.0;
+pub(super) const LONG_PASS: f64 = 10.0;
 
 /// Shared by the thread that makes frames and those that watch: whether others get their turn in between, how far the
 /// frame is, and whether it is still wanted.
 ///
-/// A device works off what was submitted in its order. A interruptible frame submits each pass by itself and waits for it, so
-/// that an interface whose frames come between waits for a pass and not for the frame. Only software drivers are paced:
+/// A device works off what was submitted in its order. An interruptible frame submits few passes at once: so many as took 10 ms
+/// together in the frame before, and has two such submits under way at most, so that an interface whose frames come between
+/// waits for those and not for the frame. Only software drivers are paced:
 /// a graphics card is through with a frame before the waits alone would be.
 #[derive(Debug, Default)]
 pub struct FramePacing {
@@ -91,16 +92,26 @@ impl FramePacing {
     }
 }
 
-/// Waits for all that was submitted, without holding the device: others submit meanwhile.
-pub(super) fn wait_gently(gpu: &Gpu) {
-    gpu.count(|counts| counts.waits += 1);
-    let done = Arc::new(AtomicBool::new(false));
-    let told = Arc::clone(&done);
-    gpu.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));
-    while !done.load(Ordering::Acquire) {
-        if gpu.device.poll(wgpu::PollType::Poll).is_err() || gpu.device_lost().is_some() {
-            return;
+/// All that was submitted up to a moment.
+pub(super) struct Submitted(Arc<AtomicBool>);
+
+impl Submitted {
+    /// All that was submitted until now.
+    pub fn note(gpu: &Gpu) -> Self {
+        let done = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&done);
+        gpu.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));
+        Self(done)
+    }
+
+    /// Waits until it is done, without holding the device: others submit meanwhile.
+    pub fn wait(self, gpu: &Gpu) {
+        gpu.count(|counts| counts.waits += 1);
+        while !self.0.load(Ordering::Acquire) {
+            if gpu.device.poll(wgpu::PollType::Poll).is_err() || gpu.device_lost().is_some() {
+                return;
+            }
+            std::thread::sleep(GLANCE);
         }
-        std::thread::sleep(GLANCE);
     }
 }

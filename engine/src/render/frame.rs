@@ -27,8 +27,8 @@ pub(crate) struct ViewUniform {
 /// A result of a method that the next frame may go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kept {
-    /// Name of the pass that makes it. If that is skipped, nothing is kept.
-    pub pass: &'static str,
+    /// Names of the passes that make it. If one is skipped, nothing is kept.
+    pub passes: &'static [&'static str],
     /// The state that the result is of: equal numbers, equal layout and contents.
     pub state: [u64; 2],
 }

@@ -1,6 +1,7 @@
 //! Temporal history: which earlier frames this one continues, and how much they count. Where light or objects move, older
 //! frames count for little ([`MOST_WHILE_CHANGING`]), unless it is known how their light has changed.
 
+use super::light_steps::LightSteps;
 use super::motion::Motions;
 use super::pixel_shift;
 use super::scene_gpu::surfels::GpuSurfels;
@@ -77,6 +78,7 @@ pub(crate) struct History {
     /// Written alternately: the image of this frame, and that of the frame before.
     targets: Option<[Target; 2]>,
     motions: Motions,
+    lights: LightSteps,
     /// Irradiance of the patches of surfels of a layout [W/m²], and what of its changes was not followed.
     patches: Option<(u64, InTurns<wgpu::Buffer>)>,
     /// Radiance with smooth edges [W/(m² sr)], see `post/temporal_antialiasing.wgsl`.
@@ -146,6 +148,7 @@ impl History {
     pub fn begin(&mut self, gpu: &Gpu, scene: &Scene, view: &SceneView, settings: &RenderSettings) {
         self.is_idle = false;
         self.motions.update(gpu, scene);
+        self.lights.update(&scene.lights);
         let subject = subject(scene, view, settings, gpu.shaders.revision());
         let before = self.last.filter(|last| last.subject == subject).zip(self.step);
         let before = before.filter(|_| self.targets.is_some());
@@ -274,6 +277,11 @@ impl History {
     /// Whether light may have changed lately in the frame that was begun, so that it is not the plain mean of all.
     pub fn is_changing(&self) -> bool {
         self.step.is_some_and(|step| step.tolerance < f32::MAX)
+    }
+
+    /// Whether a light has changed by much since the frame before, in a scene of that extent \[m\].
+    pub fn has_light_jumped(&self, extent: f32) -> bool {
+        self.lights.have_jumped(extent)
     }
 
     /// Whether more frames would make the image better.

@@ -20,6 +20,7 @@ mod history;
 pub mod indirect;
 #[cfg(test)]
 mod layout_tests;
+mod light_steps;
 mod motion;
 mod pixel_shift;
 mod post;
@@ -48,7 +49,7 @@ pub use probe_light::PendingProbes;
 pub use rays::{RayError, RayScene};
 pub use renderer::Renderer;
 pub use settings::{
-    Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap,
+    Beside, DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Shown, ToneMap, UpdateRate,
 };
 pub use shadows::{LightView, light_views, reflective as rsm};
 pub use surfaces::Surfaces;

@@ -274,8 +274,8 @@ impl Renderer {
         let kept = method.keeps(&frame);
         let report = execute(gpu, graph, &mut self.targets, settings)?;
         let is_made =
-            |name| report.pass(name).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
-        self.kept = kept.filter(|kept| is_made(kept.pass));
+            |name: &str| report.pass(name).is_some_and(|pass| matches!(pass.state, PassState::Ran | PassState::Cached));
+        self.kept = kept.filter(|kept| kept.passes.iter().all(|pass| is_made(pass)));
         Ok(report)
     }
 

@@ -132,6 +132,41 @@ pub enum MlaaEdges {
     Normal,
 }
 
+/// Over how many frames the light between surfaces is brought up to date, where frames are averaged and light or objects
+/// change slowly. The surfels have their turns: a part of them casts its rays of the first bounce and of the links in a frame,
+/// and a frame computes one more bounce of the light of the frame before in place of all bounces. A light that is switched, jumps
+/// or changes by more than a few per cent from one frame to the next is computed whole, and so is all light eight frames after
+/// the last change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum UpdateRate {
+    /// All in each frame.
+    #[default]
+    Whole,
+    /// Half of the surfels in each frame.
+    Half,
+    /// A quarter of them.
+    Quarter,
+}
+
+impl UpdateRate {
+    /// From the highest rate to the lowest.
+    pub const ALL: [Self; 3] = [Self::Whole, Self::Half, Self::Quarter];
+
+    /// The rate by which all surfels have had their turn after so many frames; none: there is none.
+    pub fn over_frames(frames: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|rate| rate.frames() == frames)
+    }
+
+    /// Frames after which all surfels have had their turn.
+    pub fn frames(self) -> u32 {
+        match self {
+            Self::Whole => 1,
+            Self::Half => 2,
+            Self::Quarter => 4,
+        }
+    }
+}
+
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -179,6 +214,9 @@ pub struct RenderSettings {
     /// Continues tracing the reference with every frame, and shows it beside the drawn image. Never touches the radiance
     /// image.
     pub beside: Option<Beside>,
+    /// Over how many frames the light between surfaces is brought up to date while frames are averaged and light or objects
+    /// change: see [`UpdateRate`].
+    pub update: UpdateRate,
     /// What is drawn over the display image.
     pub debug: DebugSettings,
 }
@@ -231,6 +269,7 @@ impl Default for RenderSettings {
             images: 1,
             gathered_at: None,
             beside: None,
+            update: UpdateRate::Whole,
             debug: DebugSettings::default(),
         }
     }

@@ -19,4 +19,5 @@ mod shared_light;
 #[path = "../support/mod.rs"]
 mod support;
 mod temporal;
+mod update_rate;
 mod warnings;

@@ -1,7 +1,9 @@
 //! Figures of a window that measured itself: see `play --measure`.
 
 use anyhow::{Context, Result};
+use lightwell::profile::Profiler;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Frames of a view at rest whose time is told.
@@ -22,6 +24,10 @@ pub struct WindowFigures {
     pub frames: Vec<f64>,
     /// Size of the last picture while it played \[pixels\].
     pub played_size: [u32; 2],
+    /// What a picture takes while the scene plays, in the mean: on the render thread, in the interface, and on the device by
+    /// pass (`gpu/…`) \[ms\].
+    #[serde(default)]
+    pub spent: BTreeMap<String, f64>,
     /// Times from a turn of the camera to the picture that shows it, while the scene plays.
     pub answers: Vec<f64>,
     /// The same of a view that rests, whose picture is being refined.
@@ -47,6 +53,16 @@ impl WindowFigures {
     pub fn write(&self, file: &Path) -> Result<()> {
         let text = ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::default())?;
         std::fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))
+    }
+
+    /// Takes up what the last pictures that were counted took, in the mean of them.
+    pub fn note_spent(&mut self, profiler: &Profiler) {
+        let count = self.frames.len().min(profiler.frames().len());
+        for frame in profiler.frames().rev().take(count) {
+            for span in &frame.spans {
+                *self.spent.entry(span.path.clone()).or_default() += span.duration / count as f64;
+            }
+        }
     }
 
     /// Pictures a second while the scene plays.

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use lightwell::game::{Game, InputScript, Time};
 use lightwell::gpu::Gpu;
 use lightwell::measure;
+use lightwell::render::UpdateRate;
 use lightwell_runtime::say;
 use lightwell_runtime::window::Painted;
 use lightwell_runtime::writer::numbered;
@@ -105,7 +106,7 @@ fn picture(drawn: &mut Drawn, canvas: &mut Canvas, steps: u64) -> Result<Picture
     let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
     let (result, mut output) = drawn.frame(steps as f32 / rate as f32, Some(input));
     result?;
-    drawn.render(size)?;
+    drawn.render(size, UpdateRate::Whole)?;
     let image = canvas.set_image(&gpu, drawn.rendering.display_texture());
     let context = drawn.game.world.ecs.resource::<Hud>().context().clone();
     let painted = Painted::over(image, screen, &mut output);

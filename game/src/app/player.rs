@@ -7,6 +7,7 @@ use egui::{FullOutput, RawInput};
 use lightwell::game::{Game, GameError, InputEvent};
 use lightwell::gpu::Gpu;
 use lightwell::graph::FrameReport;
+use lightwell::render::{RenderSettings, UpdateRate};
 use lightwell::scene::SceneView;
 use lightwell_runtime::cli::LookArgs;
 use lightwell_runtime::probe_light::ProbeLight;
@@ -62,12 +63,13 @@ impl Drawn {
     ///
     /// # Errors
     /// If there is no camera, a pass fails, or the device is lost.
-    pub fn render(&mut self, size: [u32; 2]) -> Result<FrameReport> {
+    pub fn render(&mut self, size: [u32; 2], update: UpdateRate) -> Result<FrameReport> {
         let limit = self.rendering.gpu.limits.max_texture_dimension_2d;
         let view =
             SceneView { camera: self.rendering.camera()?, size: size.map(|e| e.clamp(1, limit)), jitter: [0.0; 2] };
         self.light.ask(&self.game, &mut self.rendering);
-        let settings = self.rendering.display_settings(&self.game.world);
+        let shown = self.rendering.display_settings(&self.game.world);
+        let settings = RenderSettings { update: update.max(shown.update), ..shown };
         let report = self.rendering.render(&view, &settings)?;
         if let Some(reason) = self.rendering.gpu.device_lost() {
             bail!("the graphics device was lost: {reason}");

@@ -10,6 +10,7 @@ use super::{App, CustomPassAdder, GameArgs, Hud, sounds};
 use anyhow::{Context, Result};
 use lightwell::game::{Game, InputScript, Time};
 use lightwell::graph::{FrameReport, Timing};
+use lightwell::render::UpdateRate;
 use lightwell_runtime::frame_budget::{FrameBudget, display_rate};
 use lightwell_runtime::session;
 use lightwell_runtime::steps::StepClock;
@@ -187,7 +188,7 @@ impl Open {
         let (result, mut output) = self.drawn.frame(elapsed as f32, Some(input));
         self.tell(result.map_err(Into::into));
         let begun = Instant::now();
-        let result = self.drawn.render(self.frame_size(size));
+        let result = self.drawn.render(self.frame_size(size), self.update());
         if let Ok(report) = &result {
             self.note_time(report, elapsed, begun.elapsed().as_secs_f64());
         }
@@ -209,6 +210,11 @@ impl Open {
         if budget.note(between as f32, host.max(1e-3 * device) as f32) {
             log::info!("{}", budget.status());
         }
+    }
+
+    /// How often the next frame brings the light between surfaces up to date.
+    fn update(&self) -> UpdateRate {
+        self.budget.as_ref().map(FrameBudget::update).unwrap_or_default()
     }
 
     fn frame_size(&self, window: [u32; 2]) -> [u32; 2] {

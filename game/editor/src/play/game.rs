@@ -139,11 +139,12 @@ impl Player {
 
     /// Lets time pass in the game: `elapsed` seconds, or none while a picture of it is being drawn.
     pub(super) fn pass_time(&mut self, elapsed: Option<f64>) {
-        let input = self.overlay_input();
+        // What its interface is told waits for its next step.
+        let input = elapsed.is_some().then(|| self.overlay_input());
         let Some(play) = &mut self.play else { return };
         let rendering = &mut self.session.rendering;
         let origin = rendering.scene.origin;
-        let passed = elapsed.map(|elapsed| {
+        let passed = elapsed.zip(input).map(|(elapsed, input)| {
             if let Err(error) = play.light.take_late(play.playing.game_mut(), rendering) {
                 log::error!("{error:#}");
             }
@@ -210,6 +211,7 @@ impl Player {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("overlay") });
         layer.painter.paint(&gpu, &mut encoder, &context, (&target, size), Painted::new(&mut output));
         gpu.queue.submit([encoder.finish()]);
+        self.ui.touch_overlay();
         play.layer = Some(layer);
     }
 

@@ -128,6 +128,11 @@ impl Measurement {
         self.last_picture = now;
     }
 
+    /// Whether it has counted the pictures of a scene that plays, and not yet what they took.
+    fn has_counted(&self) -> bool {
+        self.phase == Phase::Turning { at_rest: false } && self.figures.spent.is_empty()
+    }
+
     /// Whether the scene is to play.
     fn plays(&self) -> bool {
         matches!(self.phase, Phase::Opening | Phase::Playing | Phase::Turning { at_rest: false })
@@ -164,6 +169,9 @@ impl Player {
             measurement.figures.view = self.editor.view.size;
             self.ended = true;
             return measurement.figures.write(&measurement.file);
+        }
+        if measurement.has_counted() {
+            measurement.figures.note_spent(&self.profiler);
         }
         self.clock.playing = measurement.plays();
         if measurement.turns() {

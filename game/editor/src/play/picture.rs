@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const CALM: Duration = Duration::from_millis(400);
 
 /// Pictures that come as soon are shown in the same frame of the interface that asked for them.
-const SOON: Duration = Duration::from_millis(20);
+pub(super) const SOON: Duration = Duration::from_millis(20);
 
 /// What is known of the picture that the window shows.
 #[derive(Default)]
@@ -78,18 +78,23 @@ impl Player {
         Ok(self.camera.apply(&self.session.camera()?))
     }
 
-    /// Begins the next picture, of the view or of an export, and takes it up if it comes soon; whether it did.
-    pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder) -> Result<bool> {
+    /// Begins the next picture, of the view or of an export, and takes it up if it comes within a time; whether it did.
+    pub(super) fn next_picture(&mut self, frame: &mut FrameRecorder, patience: Duration) -> Result<bool> {
         if self.render_thread.is_idle() {
-            if self.job.is_some() {
-                self.continue_export();
-            } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
-                self.begin_picture().unwrap_or_else(|error| self.failed(&error));
-            }
+            self.begin_next();
         } else if self.budget.is_some() && self.job.is_none() && !self.picture.is_moving {
             self.drop_outdated();
         }
-        self.take_picture(frame, SOON)
+        self.take_picture(frame, patience)
+    }
+
+    /// Begins the next picture, of the view or of an export.
+    pub(super) fn begin_next(&mut self) {
+        if self.job.is_some() {
+            self.continue_export();
+        } else if self.editor.view.is_shown && self.editor.view.size[0] > 0 {
+            self.begin_picture().unwrap_or_else(|error| self.failed(&error));
+        }
     }
 
     /// Drops a picture of the view at rest once something else is to be seen: it may take seconds, and one of motion does
@@ -114,6 +119,7 @@ impl Player {
         self.picture.is_moving = self.clock.playing || self.play.is_some() || rests_at.is_some();
         if let Some(budget) = self.budget.as_ref().filter(|_| self.picture.is_moving) {
             view.size = budget.size(view.size);
+            settings.update = budget.update().max(settings.update);
             // At rest it is drawn in full size.
             if let Some(at) = rests_at {
                 self.repaint_at = Some(self.repaint_at.map_or(at, |known| known.min(at)));

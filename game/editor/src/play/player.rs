@@ -5,7 +5,7 @@ use super::game::Play;
 use super::measurement::Measurement;
 use super::memory::Memory;
 use super::meter::Meter;
-use super::picture::Picture;
+use super::picture::{Picture, SOON};
 use super::playing::{NewGame, plain};
 use super::render_thread::RenderThread;
 use super::{EditedGame, Opening};
@@ -191,8 +191,7 @@ impl Player {
             self.stale = true;
         }
         self.stale |= self.measurement.as_ref().is_some_and(Measurement::is_waiting);
-        let goes_on = self.render_thread.is_idle()
-            && (self.clock.playing && self.play.is_none() || self.job.is_some() || self.game_runs());
+        let goes_on = self.render_thread.is_idle() && (self.plays() || self.job.is_some());
         let busy = self.stale || goes_on || self.render_thread.is_finished();
         let visible = self.screen.size().is_some();
         if busy && visible {
@@ -205,22 +204,33 @@ impl Player {
         }
     }
 
+    /// Whether time passes in what is shown.
+    fn plays(&self) -> bool {
+        self.job.is_none() && (self.clock.playing && self.play.is_none() || self.game_runs())
+    }
+
     /// Shows a frame of the interface, with the picture as far as it is finished.
     fn draw(&mut self) -> Result<()> {
         if self.screen.size().is_none() {
             return Ok(());
         }
-        self.stale = false;
-        self.go_on_measuring()?;
         // A picture that the interface outruns is one frame of the profile all the same.
         let mut frame = self.recorder.take().unwrap_or_else(FrameRecorder::begin);
         let mut is_new = self.take_picture(&mut frame, Duration::ZERO)?;
+        // This frame of the interface shows it.
+        self.stale = false;
+        self.go_on_measuring()?;
         // Where pictures take long, time waits for them.
-        let elapsed = self.render_thread.is_idle().then(|| {
+        let mut elapsed = self.render_thread.is_idle().then(|| {
             let elapsed = self.last_frame.elapsed().as_secs_f64();
             self.last_frame = Instant::now();
             elapsed
         });
+        if is_new && self.plays() {
+            // The device has the next picture to draw while the interface is made.
+            frame.span("update", |_| self.update(elapsed.take()));
+            self.begin_next();
+        }
         let (painted, requests) = frame.span("interface", |_| self.interface());
         for request in requests {
             let is_save = request == Request::Save;
@@ -233,7 +243,7 @@ impl Player {
         if self.job.is_none() {
             frame.span("update", |_| self.update(elapsed));
         }
-        is_new |= self.next_picture(&mut frame)?;
+        is_new |= self.next_picture(&mut frame, if is_new { Duration::ZERO } else { SOON })?;
         if let Some(reason) = self.session.gpu.device_lost() {
             bail!("the graphics device was lost: {reason}");
         }

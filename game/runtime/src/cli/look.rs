@@ -1,7 +1,8 @@
 //! Choices that change the picture, which several commands take.
 
-use super::parse_assignment;
+use super::{parse_assignment, parse_update};
 use clap::{Args, ValueEnum};
+use lightwell::render::UpdateRate;
 use lightwell::render::debug::{DebugView, ShownTarget};
 use serde::Deserialize;
 
@@ -87,6 +88,10 @@ pub struct LookArgs {
     /// [default: on in windows, off elsewhere]
     #[arg(long, value_enum)]
     pub average: Option<Switch>,
+    /// Bring the light between surfaces up to date over so many frames, where light is averaged over frames: 1, 2 or 4
+    /// [default: 1; windows choose it by the time that frames take]
+    #[arg(long, value_name = "N", value_parser = parse_update)]
+    pub light_over: Option<UpdateRate>,
     /// Settings of `--gi reference`.
     #[command(flatten)]
     pub trace: TraceArgs,

@@ -4,7 +4,7 @@ mod look;
 mod parse;
 
 pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, Switch, TraceArgs};
-pub use parse::{parse_assignment, parse_frame_rate, parse_scale, parse_size};
+pub use parse::{parse_assignment, parse_frame_rate, parse_scale, parse_size, parse_update};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};

@@ -1,5 +1,7 @@
 //! Values of arguments.
 
+use lightwell::render::UpdateRate;
+
 /// Width and height \[pixels\], 1 to 16384, from `WIDTHxHEIGHT`.
 ///
 /// # Errors
@@ -49,9 +51,26 @@ pub fn parse_assignment(text: &str) -> Result<(String, String), String> {
     Ok((path.to_owned(), value.to_owned()))
 }
 
+/// Over how many frames light is brought up to date.
+///
+/// # Errors
+/// If it is none of the numbers that there are.
+pub fn parse_update(text: &str) -> Result<UpdateRate, String> {
+    let frames = text.parse().ok().and_then(UpdateRate::over_frames);
+    frames.ok_or_else(|| "give 1, 2 or 4 frames".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn update_rates_are_those_that_there_are() {
+        assert_eq!(["1", "2", "4"].map(parse_update), UpdateRate::ALL.map(Ok));
+        for wrong in ["0", "3", "8", "-1", "half", ""] {
+            assert!(parse_update(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn values_are_checked() {

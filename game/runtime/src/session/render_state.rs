@@ -96,6 +96,7 @@ impl RenderState {
             images: 1,
             gathered_at: None,
             beside: None,
+            update: self.look.light_over.unwrap_or_default(),
             debug: DebugSettings {
                 views: self.look.debug.views.iter().copied().collect(),
                 cascade: self.look.debug.cascade,

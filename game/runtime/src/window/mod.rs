@@ -1,5 +1,6 @@
 //! What stands in a window: its surface, egui on it, and what egui makes painted on the device.
 
+mod damage;
 mod input;
 mod paint;
 mod screen;

@@ -39,7 +39,10 @@ impl Screen {
         let mut config = surface
             .get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1))
             .with_context(|| format!("adapter `{}` cannot draw on this window", gpu.info.name))?;
-        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        let capabilities = surface.get_capabilities(&gpu.adapter);
+        // For what was painted before: see `UiPainter::paint_window`.
+        config.usage |= capabilities.usages & wgpu::TextureUsages::COPY_DST;
+        let formats = capabilities.formats;
         if let Some(plain) =
             formats.iter().find(|f| !f.is_srgb() && f.remove_srgb_suffix().target_pixel_byte_cost() == Some(4))
         {

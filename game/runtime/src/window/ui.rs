@@ -64,6 +64,11 @@ impl UiSurface {
         self.painter.set_overlay(gpu, texture)
     }
 
+    /// Takes note that the contents of that texture changed.
+    pub fn touch_overlay(&mut self) {
+        self.painter.touch_overlay();
+    }
+
     /// What a pass of egui begins with.
     pub fn input(&mut self, window: &Window) -> egui::RawInput {
         self.state.take_egui_input(window)
@@ -97,9 +102,8 @@ impl UiSurface {
     pub fn present(&mut self, gpu: &Gpu, screen: &mut Screen, window: &Window, painted: Painted) -> Result<bool> {
         let Some(frame) = screen.acquire(gpu)? else { return Ok(false) };
         let target = screen.view(&frame);
-        let size = [frame.texture.width(), frame.texture.height()];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("present") });
-        self.painter.paint(gpu, &mut encoder, &self.context, (&target, size), painted);
+        self.painter.paint_window(gpu, &mut encoder, &self.context, (&frame.texture, &target), painted);
         gpu.queue.submit([encoder.finish()]);
         window.pre_present_notify();
         gpu.queue.present(frame);

@@ -168,6 +168,7 @@ impl Variant {
             gi: Some(self.gi),
             only: cli::Only::Total,
             no_mlaa: true,
+            light_over: None,
             average: self.average,
             each_light_alone: false,
             mlaa_edges: cli::Edges::default(),

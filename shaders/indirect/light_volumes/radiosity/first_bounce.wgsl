@@ -24,6 +24,7 @@ struct FirstBounce {
     seed: u32,
     first: u32,            // surfel of this dispatch
     before: f32,           // where links start before their surfel [m]
+    parts: u32,            // every so manieth surfel has its turn
 }
 
 @group(0) @binding(0) var<uniform> first_bounce: FirstBounce;
@@ -55,7 +56,7 @@ fn arriving(sample: LightSample) -> vec3f {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let index = first_bounce.first + thread.x + thread.y * groups.x * 64u;
+    let index = first_bounce.first + (thread.x + thread.y * groups.x * 64u) * first_bounce.parts;
     if index >= arrayLength(&surfels) {
         return;
     }

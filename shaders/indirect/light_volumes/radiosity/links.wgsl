@@ -38,6 +38,7 @@ struct Links {
     first_ray: u32,        // of each surfel
     before: f32,           // where links start before their surfel [m]
     far: f32,              // distance beyond which what is met is not of the surfel's own surroundings [m]
+    parts: u32,            // every so manieth surfel has its turn
 }
 
 @group(0) @binding(0) var<uniform> links: Links;
@@ -106,7 +107,7 @@ fn sky_light(direction: vec3f, density: f32) -> vec3f {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let index = links.first + thread.x + thread.y * groups.x * 64u;
+    let index = links.first + (thread.x + thread.y * groups.x * 64u) * links.parts;
     if index >= arrayLength(&surfels) {
         return;
     }

@@ -59,13 +59,8 @@ fn start(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) 
     patch_light[index] = this_bounce[index];
 }
 
-@compute @workgroup_size(64)
-fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let index = linear_index(thread, groups);
-    if index >= arrayLength(&patch_light) {
-        return;
-    }
-    let range = patches[index];
+// What the links of a patch's surfels bring of the last bounce: irradiance times the area that is seen from afar [W].
+fn gathered(range: vec2u) -> vec3f {
     var all = vec3f(0.0);
     for (var i = range.x; i < range.x + range.y; i++) {
         var sum = vec3f(0.0);
@@ -78,10 +73,42 @@ fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups)
         }
         all += (weight_of(i) / f32(RAYS)) * sum;
     }
+    return all;
+}
+
+@compute @workgroup_size(64)
+fn bounce(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = linear_index(thread, groups);
+    if index >= arrayLength(&patch_light) {
+        return;
+    }
     let weights = last_bounce[index].w;
-    let light = all / max(weights, 1e-30);
+    let light = gathered(patches[index]) / max(weights, 1e-30);
     this_bounce[index] = vec4f(light, weights);
     patch_light[index] = vec4f(patch_light[index].rgb + light, weights);
+}
+
+// One bounce more of the light of the frame before, which stands in the last bounce: E = E₀ + E₁ + M·E. What it converges to
+// is the light of all bounces.
+@compute @workgroup_size(64)
+fn go_on(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = linear_index(thread, groups);
+    if index >= arrayLength(&patch_light) {
+        return;
+    }
+    let range = patches[index];
+    var all = gathered(range);
+    var weights = 0.0;
+    for (var i = range.x; i < range.x + range.y; i++) {
+        let weight = weight_of(i);
+        all += weight * (shone_on[i].rgb + reflected_light[i].rgb);
+        weights += weight;
+    }
+    let light = all / max(weights, 1e-30);
+    patch_light[index] = vec4f(light, weights);
+    for (var i = range.x; i < range.x + range.y; i++) {
+        received[i] = vec4f(light, 0.0);
+    }
 }
 
 const THREADS: u32 = 256u;

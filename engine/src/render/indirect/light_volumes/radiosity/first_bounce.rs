@@ -1,7 +1,7 @@
 //! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
 
-use super::Rays;
 use super::links::Links;
+use super::{FIRST_BOUNCE, Rays, Turn};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -25,6 +25,7 @@ pub(crate) struct FirstBounceUniform {
     seed: u32,
     first: u32,
     before: f32,
+    parts: u32,
 }
 
 /// Declares the irradiance of the surfels of the lights' first bounce [W/m²]; `rays` is the number of links of a surfel.
@@ -33,17 +34,17 @@ pub(super) fn declare<'a>(
     frame: &Frame<'a>,
     surfels: Handle<Buffer>,
     links: Links,
-    rays: Rays,
+    (rays, turn): (Rays, Turn),
     lamps: Option<HazeCells>,
 ) -> Handle<Buffer> {
     let count = frame.surfels.count();
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE);
     let reflected = graph.retained_buffer("first bounce at surfels", desc);
-    let mut pass = graph.pass("first bounce");
+    let mut pass = graph.pass(FIRST_BOUNCE);
     let lamp_light = lamps.map(|cells| cells.light);
     [surfels, links.links].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
     let reflected = pass.write(reflected);
-    pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays));
+    pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays, turn));
     pass.key(&(frame.media_key(), HazeCells::key(lamps.as_ref())));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -51,9 +52,10 @@ pub(super) fn declare<'a>(
         let lights = scene.light_count;
         let samples = rays.count.min(MOST_SAMPLES);
         let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
-        cx.counts().paths += u64::from(count) * u64::from(samples);
+        let turns = turn.count(count);
+        cx.counts().paths += u64::from(turns) * u64::from(samples);
         let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
-        cx.counts().rays += u64::from(count) * u64::from(samples * casts);
+        cx.counts().rays += u64::from(turns) * u64::from(samples * casts);
         let mut key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
             .def("RAYS", ShaderDef::Uint(rays.count))
@@ -64,15 +66,16 @@ pub(super) fn declare<'a>(
         let haze = lamps.map(|cells| cells.bindings(cx));
         key = HazeCells::defined(lamps.as_ref(), key);
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
-        for first in (0..count).step_by(surfels_a_submit as usize) {
-            let surfels_now = (count - first).min(surfels_a_submit as u32);
+        for first in (0..turns).step_by(surfels_a_submit as usize) {
+            let surfels_now = (turns - first).min(surfels_a_submit as u32);
             cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT)?;
             let uniform = FirstBounceUniform {
                 root: scene.root(),
                 light_count: scene.light_count,
                 seed: rays.seed ^ 0x1656_67b1,
-                first,
+                first: first * turn.parts + turn.part,
                 before: frame.surfels.before(),
+                parts: turn.parts,
             };
             let uniform = cx.gpu.uniform("first_bounce", &uniform);
             let mut group = vec![

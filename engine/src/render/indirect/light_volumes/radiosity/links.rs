@@ -1,6 +1,6 @@
 //! Links of surfels to the surfaces that they see. See `indirect/light_volumes/radiosity/links.wgsl`.
 
-use super::{LINKS, Rays};
+use super::{LINKS, Rays, Turn};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
 use crate::render::frame::{Frame, linear_groups};
@@ -26,6 +26,7 @@ pub(crate) struct LinksUniform {
     first_ray: u32,
     before: f32,
     far: f32,
+    parts: u32,
 }
 
 /// The links of all surfels, and what shines on them.
@@ -38,7 +39,12 @@ pub(super) struct Links {
 }
 
 /// Declares the links of the surfels, so many rays each.
-pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Handle<Buffer>, rays: Rays) -> Links {
+pub(super) fn declare<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    surfels: Handle<Buffer>,
+    (rays, turn): (Rays, Turn),
+) -> Links {
     let count = frame.surfels.count();
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
     let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
@@ -48,21 +54,25 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, surfels: Han
     let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays, frame.media_key()));
+    // A part of the rays is cast while objects move; else the links stay as they are.
+    let turn = if rays.part.is_some() { turn } else { Turn::ALL };
+    pass.key(&turn);
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let cast = rays.cast();
         let rays_a_surfel = u64::from(cast.end - cast.start);
-        cx.counts().paths += u64::from(count) * rays_a_surfel;
+        let turns = turn.count(count);
+        cx.counts().paths += u64::from(turns) * rays_a_surfel;
         let casts = 1 + u64::from(scene.emitter_count > 0) + u64::from(frame.scene.sky_map.is_some());
-        cx.counts().rays += u64::from(count) * rays_a_surfel * casts;
+        cx.counts().rays += u64::from(turns) * rays_a_surfel * casts;
         let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_surfel).max(64);
         let written = Written { surfels, found };
-        for first in (0..count).step_by(surfels_a_submit as usize) {
-            let surfels_now = (count - first).min(surfels_a_submit as u32);
+        for first in (0..turns).step_by(surfels_a_submit as usize) {
+            let surfels_now = (turns - first).min(surfels_a_submit as u32);
             cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT)?;
             for first_ray in cast.clone().step_by(rays.at_once() as usize) {
-                dispatch(cx, &frame, scene, written, rays, [first, surfels_now, first_ray])?;
+                dispatch(cx, &frame, scene, written, (rays, turn), [first, surfels_now, first_ray])?;
             }
         }
         Ok(())
@@ -82,7 +92,7 @@ fn dispatch(
     frame: &Frame,
     scene_rays: &RayScene,
     Written { surfels, found }: Written,
-    rays: Rays,
+    (rays, turn): (Rays, Turn),
     [first, surfels_now, first_ray]: [u32; 3],
 ) -> Result<(), PassError> {
     let scene = frame.scene;
@@ -92,10 +102,11 @@ fn dispatch(
         root: scene_rays.root(),
         emitter_count: scene_rays.emitter_count,
         seed: rays.seed,
-        first,
+        first: first * turn.parts + turn.part,
         first_ray,
         before: frame.surfels.before(),
         far: frame.surfels.patch_size(),
+        parts: turn.parts,
     };
     let uniform = cx.gpu.uniform("links", &uniform);
     let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());

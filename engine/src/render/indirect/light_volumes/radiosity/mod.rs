@@ -69,6 +69,10 @@ impl BounceCount {
 
 /// Name of the pass that finds the links.
 const LINKS: &str = "surfel links";
+/// Name of the pass that computes the first bounce.
+const FIRST_BOUNCE: &str = "first bounce";
+/// Name of the pass that computes the others.
+const RADIOSITY: &str = "radiosity";
 
 /// Parts that the rays of a surfel are cast in, in turns where objects move.
 const PARTS: u32 = 4;
@@ -86,6 +90,38 @@ struct Rays {
     seed: u32,
 }
 
+/// The surfels that cast rays in a frame: every so manieth, from one on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Turn {
+    part: u32,
+    parts: u32,
+}
+
+impl Turn {
+    /// All of them.
+    const ALL: Self = Self { part: 0, parts: 1 };
+
+    /// As the settings have it, where the frame before left the light of all of them and nothing changes by much.
+    fn new(frame: &Frame, settings: &Clpv) -> Self {
+        let parts = frame.settings.update.frames();
+        let has_all = !is_thinned(frame) && frame.kept == Some(links_of(frame, count(frame, settings)));
+        let is_slow = frame.history.is_changing() && !frame.history.has_light_jumped(frame.bounds.size().length());
+        match frame.number().filter(|_| parts > 1 && has_all && is_slow) {
+            Some(number) => Self { part: number % parts, parts },
+            None => Self::ALL,
+        }
+    }
+
+    fn is_all(self) -> bool {
+        self.parts == 1
+    }
+
+    /// How many of so many surfels.
+    fn count(self, all: u32) -> u32 {
+        (all + self.parts - 1).saturating_sub(self.part) / self.parts
+    }
+}
+
 /// Whether surfels have fewer links in a frame: where they are others than in the frame before, and so are the links. The mean
 /// over frames makes up for it.
 fn is_thinned(frame: &Frame) -> bool {
@@ -99,7 +135,7 @@ pub(in crate::render) fn kept(frame: &Frame) -> Option<Kept> {
 }
 
 fn links_of(frame: &Frame, count: u32) -> Kept {
-    Kept { pass: LINKS, state: [frame.surfels.layout(), u64::from(count)] }
+    Kept { passes: &[LINKS, FIRST_BOUNCE, RADIOSITY], state: [frame.surfels.layout(), u64::from(count)] }
 }
 
 /// Links of a surfel: a power of two of them, as many as the quality asks for, and as fit a storage binding.
@@ -115,14 +151,14 @@ fn count(frame: &Frame, settings: &Clpv) -> u32 {
 impl Rays {
     /// While objects move and frames are averaged, a quarter of all is cast again in each frame, in the same directions as
     /// before: where nothing moves nothing changes. See also [`is_thinned`].
-    fn new(frame: &Frame, settings: &Clpv) -> Self {
+    fn new(frame: &Frame, settings: &Clpv, turn: Turn) -> Self {
         let count = count(frame, settings);
         if let Some(number) = frame.number().filter(|_| is_thinned(frame)) {
             return Self { count: (count / PARTS).max(1), part: None, seed: number.wrapping_mul(0x85eb_ca6b) };
         }
         let has_others = frame.kept == Some(links_of(frame, count));
         let number = frame.number().filter(|_| frame.surfels.is_moving() && has_others && count >= PARTS);
-        Self { count, part: number.map(|number| number % PARTS), seed: SEED }
+        Self { count, part: number.map(|number| number / turn.parts % PARTS), seed: SEED }
     }
 
     /// Rays that a thread casts one after the other, those of a part: lavapipe ends all loops of a thread after 65,535 turns
@@ -163,10 +199,15 @@ pub(super) fn declare<'a>(
         graph.skip("radiosity", "one bounce is asked for");
         return None;
     }
-    let rays = Rays::new(frame, settings);
-    let links = links::declare(graph, frame, surfels, rays);
-    let reflected = first_bounce::declare(graph, frame, surfels, links, rays, lamps);
-    let solved = solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, bounces });
+    let turn = Turn::new(frame, settings);
+    if !turn.is_all() {
+        let why = format!("1 of {} surfels has its turn: light is brought up to date over as many frames", turn.parts);
+        graph.skip("first bounce, other surfels", why);
+    }
+    let rays = Rays::new(frame, settings, turn);
+    let links = links::declare(graph, frame, surfels, (rays, turn));
+    let reflected = first_bounce::declare(graph, frame, surfels, links, (rays, turn), lamps);
+    let solved = solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, turn, bounces });
     let change = change::declare(graph, frame, surfels, solved.patches);
     Some(Radiosity { change, ..solved })
 }
