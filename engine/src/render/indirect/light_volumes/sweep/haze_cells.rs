@@ -48,7 +48,7 @@ pub(super) fn declare<'a>(
     axes: Handle<Buffer>,
 ) -> HazeCells {
     let desc = BufferDesc::new(32 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
-    let light = graph.buffer("haze, all light in cells", desc);
+    let light = graph.retained_buffer("haze, all light in cells", desc);
     let mut pass = graph.pass("haze cells");
     pass.read(lamp_light);
     pass.read(axes);
