@@ -1,7 +1,8 @@
 //! Indirect light averaged over frames: noise that goes, light that is followed, cameras that move, and rest.
 
 use crate::support::{Stage, error, gpu, left_of};
-use glam::{Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
+use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, ImageF32, read_buffer};
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
@@ -214,11 +215,11 @@ fn directions_that_change_leave_no_rays() {
 fn plates() -> Stage {
     let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 33);
     let wall = Shape::Box { size: [90.0, 90.0, 1.0] };
-    stage.add(wall, Vec3::splat(0.1), glam::Affine3A::from_translation(Vec3::new(0.0, 0.0, -30.0)));
+    stage.add(wall, Vec3::splat(0.1), Affine3A::from_translation(Vec3::new(0.0, 0.0, -30.0)));
     for pixel in plate_pixels() {
         let plate = Shape::Box { size: [0.6, 0.6, 0.1] };
         let [x, y] = pixel.map(|at| (at as f32 - 16.0) * 36.0 / 33.0);
-        stage.add(plate, Vec3::splat(0.5), glam::Affine3A::from_translation(Vec3::new(x, -y, -18.0)));
+        stage.add(plate, Vec3::splat(0.5), Affine3A::from_translation(Vec3::new(x, -y, -18.0)));
     }
     stage.light(LightShape::Point, Vec3::splat(200.0), Vec3::new(0.0, 3.0, -2.0), Vec3::NEG_Z);
     stage.scene.sky = Vec3::ONE;
