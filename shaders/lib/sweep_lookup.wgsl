@@ -93,6 +93,42 @@ struct Gathered {
     weights: f32,
 }
 
+// Cells up to so far before a surface count less [cells], so that light has no step where a slanting surface passes a centre.
+const BEFORE_FADE: f32 = 0.125;
+// Width over which one cell before a surface takes over from the next [cells].
+const TAKE_OVER: f32 = 0.5;
+
+// How open the way is from the cell before a surface to each of the eight that are interpolated. Close to where the next cell
+// becomes the one before the surface, that one speaks too, as far as it is open to this one: or light would have a step there.
+fn visible_cells(volume: Volume, low: vec3f, before: vec3f) -> array<f32, 8> {
+    let shown = saturate((before - low - 1.0) / TAKE_OVER + 0.5);
+    let nearest = clamp(floor(before), low, low + 1.0);
+    let way = passages(volume, nearest, low);
+    var visible = array<f32, 8>();
+    for (var k = 0u; k < 8u; k++) {
+        let base = corner(low, k);
+        let share = select(1.0 - shown, shown, is_upper(k)) * select(way, vec3f(1.0), base == nearest);
+        let weight = share.x * share.y * share.z;
+        if weight > 0.0 {
+            let open = mix(vec3f(1.0), passages(volume, base, low), trust(volume, base));
+            for (var i = 0u; i < 8u; i++) {
+                let passed = select(vec3f(1.0), open, is_upper(i ^ k));
+                visible[i] += weight * passed.x * passed.y * passed.z;
+            }
+        }
+    }
+    return visible;
+}
+
+// Of the eight cells around a point: on which axes one is the upper.
+fn is_upper(i: u32) -> vec3<bool> {
+    return vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
+}
+
+fn corner(low: vec3f, i: u32) -> vec3f {
+    return select(low, low + 1.0, is_upper(i));
+}
+
 // Trilinear half a cell before the surface, over the cells whose centre lies before it: light in a cell is known where
 // it leaves the cell, so that its mean place is the surface. The wall beside a point may pass through the point's cell
 // and close the face behind it, so that the cell belongs to the other side. The way to the eye is free: the cell that
@@ -101,18 +137,16 @@ fn interpolated(volume: Volume, x: vec3f, n: vec3f, d: vec3f, to_eye: vec3f) -> 
     let at = x + 0.5 * n - 0.5;
     let low = floor(at);
     let t = at - low;
-    let base = clamp(floor(x + 0.5 * n + to_eye), low, low + 1.0);
-    let open = mix(vec3f(1.0), passages(volume, base, low), trust(volume, base));
+    var visible = visible_cells(volume, low, x + 0.5 * n + to_eye);
     var all_cells = Gathered(vec3f(0.0), 0.0);
     for (var i = 0u; i < 8u; i++) {
-        let upper = vec3<bool>((i & 1u) != 0u, (i & 2u) != 0u, (i & 4u) != 0u);
-        let cell = select(low, low + 1.0, upper);
-        let w = select(1.0 - t, t, upper);
-        let weight = w.x * w.y * w.z;
-        if inside(volume, cell) && weight > 0.0 && dot(n, cell + 0.5 - x) > 0.0 {
+        let cell = corner(low, i);
+        let w = select(1.0 - t, t, is_upper(i));
+        let before = saturate(dot(n, cell + 0.5 - x) / BEFORE_FADE);
+        let weight = before * w.x * w.y * w.z;
+        if inside(volume, cell) && weight > 0.0 {
             let index = cell_index(volume, vec3u(cell));
-            let passed = select(open, vec3f(1.0), cell == base);
-            let clear = weight * clearance(index) * passed.x * passed.y * passed.z;
+            let clear = weight * clearance(index) * visible[i];
             if clear > 0.0 {
                 all_cells.sum += clear * of_cell(index, d);
                 all_cells.weights += clear;

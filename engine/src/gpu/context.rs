@@ -125,6 +125,8 @@ pub struct Gpu {
     pub features: wgpu::Features,
     /// Whether passes hand over many draws in one call, from a buffer. The image is the same without.
     pub draws_indirectly: bool,
+    /// Whether dispatches may take their number of workgroups from a buffer.
+    pub dispatches_indirectly: bool,
     /// How rays go through a scene.
     pub ray_nodes: RayNodes,
     /// WGSL sources and their errors.
@@ -227,9 +229,9 @@ impl Gpu {
         let features = adapter.features() & WELCOME_FEATURES;
         let limits = adapter.limits();
         let ray_nodes = RayNodes::chosen(&info, &limits)?;
-        let can_draw_indirectly =
+        let dispatches_indirectly =
             adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::INDIRECT_EXECUTION);
-        let draws_indirectly = can_draw_indirectly && features.contains(wgpu::Features::INDIRECT_FIRST_INSTANCE);
+        let draws_indirectly = dispatches_indirectly && features.contains(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("lightwell"),
             required_features: features,
@@ -248,6 +250,7 @@ impl Gpu {
             limits,
             features,
             draws_indirectly,
+            dispatches_indirectly,
             ray_nodes,
             shaders,
             pipelines: PipelineCache::default(),

@@ -1,7 +1,7 @@
 //! Compute passes that name each input once: the content key, the bind group, the workgroups and the counts follow from it.
 
 use super::builder::{Graph, PassBuilder};
-use super::context::PassContext;
+use super::context::{Groups, PassContext};
 use super::error::PassError;
 use super::handle::{Buffer, Handle, Kind, PassId, Texture};
 use super::key::hash;
@@ -254,7 +254,7 @@ struct Run<'r, 'a> {
 impl Run<'_, '_> {
     fn dispatch(&self, cx: &mut PassContext, own: Option<(&str, Binding)>, threads: Threads) -> Result<(), PassError> {
         let bindings: Vec<_> = self.bindings.iter().copied().chain(own).collect();
-        let groups = |workgroup| threads.groups(workgroup);
+        let groups = |workgroup| Groups::Count(threads.groups(workgroup));
         match self.shared {
             Some(shared) => {
                 let bind = |gpu: &Gpu, pipeline: &Pipeline| shared.bind(gpu, pipeline);

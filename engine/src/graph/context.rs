@@ -237,30 +237,30 @@ impl<'c> PassContext<'c> {
         bindings: &[(&str, Binding)],
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        self.dispatch_threads(key, bindings, None, |_| groups)
+        self.dispatch_threads(key, bindings, None, |_| Groups::Count(groups))
     }
 
-    /// As [`PassContext::dispatch`], with group 1 bound by `shared`.
+    /// As [`PassContext::dispatch`], with group 1 bound by `shared`, over workgroups whose number a buffer may hold.
     ///
     /// # Errors
     /// As [`PassContext::dispatch`].
-    pub fn dispatch_with(
+    pub fn dispatch_with<'g>(
         &mut self,
         key: &ComputeKey,
         bindings: &[(&str, Binding)],
         shared: &BindGroup,
-        groups: [u32; 3],
+        groups: impl Into<Groups<'g>>,
     ) -> Result<(), PassError> {
-        self.dispatch_threads(key, bindings, Some(shared), |_| groups)
+        self.dispatch_threads(key, bindings, Some(shared), |_| groups.into())
     }
 
     /// As [`PassContext::dispatch`], with the number of workgroups by their size.
-    pub(super) fn dispatch_threads(
+    pub(super) fn dispatch_threads<'g>(
         &mut self,
         key: &ComputeKey,
         bindings: &[(&str, Binding)],
         shared: Option<&BindGroup>,
-        groups: impl FnOnce([u32; 3]) -> [u32; 3],
+        groups: impl FnOnce([u32; 3]) -> Groups<'g>,
     ) -> Result<(), PassError> {
         let dispatch = Dispatch::new(self.gpu, key, bindings, shared)?;
         self.record(&dispatch, groups(dispatch.workgroup_size));
@@ -269,11 +269,33 @@ impl<'c> PassContext<'c> {
 
     /// Records a dispatch into the compute pass that the one before it has opened: the device is told to wait for what
     /// the one wrote only where the other touches it.
-    fn record(&mut self, dispatch: &Dispatch, groups: [u32; 3]) {
+    fn record(&mut self, dispatch: &Dispatch, groups: Groups<'_>) {
         let (gpu, encoder) = (self.gpu, &mut *self.encoder);
         let pass = self.compute.get_or_insert_with(|| begin_compute_pass(gpu, encoder).forget_lifetime());
         dispatch.record(gpu, pass, groups);
         self.counts.dispatches += 1;
+    }
+}
+
+/// The number of workgroups of a dispatch, along each axis.
+#[derive(Clone, Copy, Debug)]
+pub enum Groups<'b> {
+    /// It is known when the dispatch is recorded.
+    Count([u32; 3]),
+    /// The device finds it in a buffer with the usage `INDIRECT`.
+    Buffer {
+        /// The buffer: three words.
+        counts: &'b wgpu::Buffer,
+        /// Where they begin \[bytes\].
+        offset: u64,
+        /// What they are at most. Devices that cannot read them run so many workgroups.
+        most: [u32; 3],
+    },
+}
+
+impl From<[u32; 3]> for Groups<'_> {
+    fn from(count: [u32; 3]) -> Self {
+        Self::Count(count)
     }
 }
 
@@ -293,7 +315,7 @@ pub(crate) fn record_dispatch(
     groups: [u32; 3],
 ) -> Result<(), PassError> {
     let dispatch = Dispatch::new(gpu, key, bindings, shared)?;
-    dispatch.record(gpu, &mut begin_compute_pass(gpu, encoder), groups);
+    dispatch.record(gpu, &mut begin_compute_pass(gpu, encoder), Groups::Count(groups));
     Ok(())
 }
 
@@ -326,14 +348,19 @@ impl Dispatch {
         Ok(Self { pipeline: compute.ok_or_else(no_compute)?, workgroup_size, own, shared })
     }
 
-    fn record(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, groups: [u32; 3]) {
+    fn record(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, groups: Groups<'_>) {
         gpu.count(|counts| counts.dispatches += 1);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.own, &[]);
         if let Some(shared) = &self.shared {
             pass.set_bind_group(1, shared, &[]);
         }
-        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        match groups {
+            Groups::Buffer { counts, offset, .. } if gpu.dispatches_indirectly => {
+                pass.dispatch_workgroups_indirect(counts, offset);
+            }
+            Groups::Count([x, y, z]) | Groups::Buffer { most: [x, y, z], .. } => pass.dispatch_workgroups(x, y, z),
+        }
     }
 }
 

@@ -193,3 +193,31 @@ fn the_floor_at_the_foot_of_a_turned_block_is_lit() {
         assert!(floor.len() > 500 && darkest > 0.2 * mean, "{degrees}°: {darkest} of {mean}");
     }
 }
+
+/// A block whose faces slant through the cells, seen along the normal of one: the largest change from pixel to pixel over its
+/// mean, away from the block's edges.
+fn largest_step(gpu: &Gpu, degrees: f32) -> f32 {
+    let turn = Quat::from_rotation_y(degrees.to_radians());
+    let mut stage = Stage::new(turn * Vec3::new(0.0, 0.0, 1.3), Vec3::ZERO, 64);
+    stage.add_room(Vec3::splat(-2.0), Vec3::splat(4.0), Vec3::new(0.7, 0.6, 0.5));
+    let block = Shape::Box { size: [2.4, 2.4, 0.6] };
+    stage.add(block, Vec3::splat(0.7), Affine3A::from_quat(turn));
+    stage.light(LightShape::Point, Vec3::splat(2.0), Vec3::new(1.2, 1.5, 1.5), Vec3::NEG_Y);
+    stage.clpv(Vec3::ZERO, settings(Quality::Low, Bounces::Converged));
+    let image = indirect(gpu, &stage);
+    let at = |x: u32, y: u32| image.rgba[(x + y * image.width) as usize][1];
+    let inner = 6..image.width - 7;
+    let steps = inner.clone().flat_map(|y| inner.clone().map(move |x| (x, y)));
+    let steps = steps.map(|(x, y)| (at(x + 1, y) - at(x, y)).abs().max((at(x, y + 1) - at(x, y)).abs()));
+    steps.fold(0.0, f32::max) / mean(&image)
+}
+
+#[test]
+fn slanting_faces_have_no_steps_from_cell_to_cell() {
+    let gpu = gpu();
+    for degrees in [5.0, 17.0] {
+        let step = largest_step(&gpu, degrees);
+        println!("{degrees}°: {step}");
+        assert!(step < 0.03, "{degrees}°: light changes by {step} of its mean from pixel to pixel");
+    }
+}

@@ -1,8 +1,9 @@
 //! Indirect light averaged over frames: noise that goes, light that is followed, cameras that move, and rest.
 
 use crate::support::{Stage, error, gpu, left_of};
-use glam::{Quat, Vec3};
-use lightwell::gpu::{Gpu, ImageF32};
+use glam::{Affine3A, Quat, Vec3};
+use lightwell::assets::Shape;
+use lightwell::gpu::{Gpu, ImageF32, read_buffer};
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
@@ -208,4 +209,40 @@ fn directions_that_change_leave_no_rays() {
         *found = error(&image, &truth).0;
     }
     assert!(found[1] < 0.8 * found[0], "error {found:?} with one set of directions and with many");
+}
+
+/// Plates of less than a pixel before a wall, five pixels apart.
+fn plates() -> Stage {
+    let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 33);
+    let wall = Shape::Box { size: [90.0, 90.0, 1.0] };
+    stage.add(wall, Vec3::splat(0.1), Affine3A::from_translation(Vec3::new(0.0, 0.0, -30.0)));
+    for pixel in plate_pixels() {
+        let plate = Shape::Box { size: [0.6, 0.6, 0.1] };
+        let [x, y] = pixel.map(|at| (at as f32 - 16.0) * 36.0 / 33.0);
+        stage.add(plate, Vec3::splat(0.5), Affine3A::from_translation(Vec3::new(x, -y, -18.0)));
+    }
+    stage.light(LightShape::Point, Vec3::splat(200.0), Vec3::new(0.0, 3.0, -2.0), Vec3::NEG_Z);
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(Vec3::new(0.0, 0.0, -18.0), Clpv { quality: Quality::Medium, ..Default::default() });
+    stage
+}
+
+fn plate_pixels() -> impl Iterator<Item = [u32; 2]> {
+    (0..25).map(|index| [4 + 5 * (index % 5), 4 + 5 * (index / 5)])
+}
+
+/// Of each four pixels a frame gathers at one; what none of those around a pixel shows has rays in every frame.
+#[test]
+fn a_sparse_frame_casts_rays_for_what_its_neighbours_do_not_show() {
+    let gpu = gpu();
+    let stage = plates();
+    let mut renderer = Renderer::new(&gpu);
+    let mut counts = Vec::new();
+    for _ in 0..5 {
+        frames(&gpu, &mut renderer, &stage, 1);
+        let count = renderer.buffer("number of pixels that are left out");
+        counts.push(count.map_or(0, |count| read_buffer::<u32>(&gpu, count).expect("readable")[0]));
+    }
+    // The first frame gathers everywhere. In four others each pixel is gathered at once.
+    assert_eq!((counts[0], counts[1..].iter().sum::<u32>()), (0, 75), "{counts:?}");
 }

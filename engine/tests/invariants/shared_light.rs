@@ -3,8 +3,8 @@
 
 use crate::support::{Stage, gpu};
 use glam::{Affine3A, Vec3};
-use lightwell::assets::Shape;
-use lightwell::gpu::Gpu;
+use lightwell::assets::{Material, Shape};
+use lightwell::gpu::{Gpu, read_buffer};
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::{Comparison, Image, compare};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
@@ -152,4 +152,68 @@ fn what_stands_alone_before_the_sky_has_light() {
     };
     let (own, shared) = (light(None), light(Some(GATHERED_AT)));
     assert!(own > 0.1 && (shared / own - 1.0).abs() < 0.05, "{shared} of {own}");
+}
+
+/// Rough metal before the walls of a room: it has specular light alone.
+#[test]
+fn rough_metal_has_light() {
+    let gpu = gpu();
+    let mut stage = room();
+    let metal = Material { metallic: 1.0, roughness: 0.7, ..Material::diffuse("metal", Vec3::splat(0.8)) };
+    let cube = Shape::Box { size: [0.8; 3] };
+    stage.add_material(cube, metal, Affine3A::from_translation(Vec3::new(0.4, -0.6, 0.2)));
+    let (own, _) = draw(&gpu, &mut Renderer::new(&gpu), &mut stage, GATHERED_AT, None);
+    let (shared, _) = draw(&gpu, &mut Renderer::new(&gpu), &mut stage, GATHERED_AT, Some(GATHERED_AT));
+    let error = difference(&shared, &own).nrmse;
+    assert!(error < 0.02, "{error}");
+}
+
+/// A plate outside of a dark cave, narrower than a pixel.
+fn plate_before_a_cave() -> Stage {
+    let mut stage = Stage::new(Vec3::ZERO, Vec3::NEG_Z, 33);
+    let cave = Vec3::new(0.0, 0.0, -35.0);
+    stage.add(Shape::Box { size: [60.0, 60.0, 1.0] }, Vec3::splat(0.5), Affine3A::from_translation(cave));
+    for side in [-1.0, 1.0] {
+        let sides = [
+            (Vec3::new(0.0, 8.0 * side, -28.0), [60.0, 1.0, 15.0]),
+            (Vec3::new(8.0 * side, 0.0, -28.0), [1.0, 60.0, 15.0]),
+        ];
+        for (center, size) in sides {
+            stage.add(Shape::Box { size }, Vec3::splat(0.05), Affine3A::from_translation(center));
+        }
+    }
+    let plate = Shape::Box { size: [0.6, 0.6, 0.1] };
+    stage.add(plate, Vec3::splat(0.5), Affine3A::from_translation(Vec3::new(0.0, 0.0, -18.0)));
+    stage.scene.sky = Vec3::ONE;
+    stage.clpv(cave, Clpv { quality: Quality::Ultra, ..Default::default() });
+    stage
+}
+
+/// Number of the pixels that had rays of their own in the last frame.
+fn strays(gpu: &Gpu, renderer: &Renderer) -> u32 {
+    let counts = renderer.buffer("number of pixels that are left out").expect("the queue");
+    read_buffer::<u32>(gpu, counts).expect("readable")[0]
+}
+
+#[test]
+fn what_no_gathered_pixel_shows_has_rays_of_its_own() {
+    let gpu = gpu();
+    let mut stage = plate_before_a_cave();
+    let beside = [0.5, 0.5];
+    let mut renderer = Renderer::new(&gpu);
+    let (shared, _) = draw(&gpu, &mut renderer, &mut stage, GATHERED_AT, Some(beside));
+    assert_eq!(strays(&gpu, &renderer), 1);
+    let (own, _) = draw(&gpu, &mut Renderer::new(&gpu), &mut stage, GATHERED_AT, None);
+    let (there, expected, behind) = (shared.pixel(16, 16)[1], own.pixel(16, 16)[1], own.pixel(14, 16)[1]);
+    assert!(expected > 1.5 * behind, "the plate has {expected}, what is behind it {behind}");
+    assert!((there / expected - 1.0).abs() < 0.02, "{there} in place of {expected}");
+}
+
+#[test]
+fn where_all_is_gathered_no_rays_are_cast() {
+    let gpu = gpu();
+    let mut stage = plate_before_a_cave();
+    let mut renderer = Renderer::new(&gpu);
+    draw(&gpu, &mut renderer, &mut stage, GATHERED_AT, Some(GATHERED_AT));
+    assert_eq!(strays(&gpu, &renderer), 0);
 }

@@ -20,7 +20,7 @@ mod words;
 
 use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
-use crate::graph::{ComputeBuilder, PassContext, PassError, SharedGroup, hash};
+use crate::graph::{ComputeBuilder, Groups, PassContext, PassError, SharedGroup, hash};
 use crate::render::scene_gpu::media::GpuMedia;
 use crate::scene::{Aabb, Scene};
 use atlas::Atlas;
@@ -420,12 +420,12 @@ fn check_size(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<(), RayError>
     Ok(())
 }
 /// Dispatches a shader that casts rays: group 0 as given, group 1 the scene.
-pub(in crate::render) fn dispatch_rays(
+pub(in crate::render) fn dispatch_rays<'g>(
     cx: &mut PassContext,
     key: &ComputeKey,
     group: &[(&str, Binding)],
     scene: &RayScene,
-    groups: [u32; 3],
+    groups: impl Into<Groups<'g>>,
 ) -> Result<(), PassError> {
     cx.dispatch_with(key, group, &|gpu, pipeline| scene.bind(gpu, pipeline), groups)
 }

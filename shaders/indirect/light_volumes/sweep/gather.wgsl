@@ -11,7 +11,7 @@
 //   PATHS     rays go on as paths (Kajiya 1986), each with so many rays more at most, and nothing ends in patches
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
-#import lightwell::gbuffer::{decode_surface, world_position}
+#import lightwell::gbuffer::{decode_albedo, decode_surface, world_position}
 #ifdef POINTS
 #import lightwell::rsm_samples::{FromPoint, POINT_TEXELS, decode_point, light_from_point, is_drawn, point_density}
 #endif
@@ -55,7 +55,7 @@ struct Gather {
     light_count: u32,
     emitter_count: u32,
     seed: u32,
-    first_row: u32,        // of this dispatch [texels]
+    first: u32,            // row of this dispatch [texels], or of the pixels that are left out
     nearest: f32,          // distance below which the light of patches is not known [m]
     points_low: vec3f,     // box that the RSM samples lie in [m]
     point_count: u32,
@@ -80,6 +80,12 @@ struct Gather {
 // See lib/rsm_samples.wgsl.
 @group(0) @binding(13) var<storage, read> rsm_samples: array<vec4u>;
 #endif
+
+// See lib/strays.wgsl.
+@group(0) @binding(14) var<storage, read> stray_pixels: array<u32>;
+@group(0) @binding(15) var<storage, read> stray_counts: array<u32>;
+// Reflected radiance [W/(m² sr)].
+@group(0) @binding(16) var indirect: texture_storage_2d<rgba32float, write>;
 
 #ifdef RAYS
 const RAYS: u32 = #{RAYS}u;
@@ -477,7 +483,7 @@ fn emitted_nearness(sums: Sums) -> f32 {
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) thread: vec3u) {
-    let texel = vec2u(thread.x, thread.y + gather.first_row);
+    let texel = vec2u(thread.x, thread.y + gather.first);
     if any(texel >= gather.interleave.texels) {
         return;
     }
@@ -499,4 +505,22 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
 #endif
     textureStore(diffuse, texel, vec4f(sums.diffuse, inverse_distance.x));
     textureStore(specular, texel, vec4f(sums.specular, inverse_distance.y));
+}
+
+// Pixels that no gathered one has light for: what their own rays find is what they reflect.
+@compute @workgroup_size(64)
+fn strays(@builtin(global_invocation_id) thread: vec3u) {
+    let index = gather.first + thread.x;
+    if index >= stray_counts[0] {
+        return;
+    }
+    let pixel = vec2u(stray_pixels[index] & 0xffffu, stray_pixels[index] >> 16u);
+    let seen = seen_at(pixel, max(textureLoad(depth, pixel, 0), 1e-30));
+    var radiance = vec3f(0.0);
+    if any(seen.start.surface.albedo > vec3f(0.0)) {
+        let sums = gathered(pixel, seen);
+        let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
+        radiance = min(albedo * sums.diffuse + sums.specular, vec3f(1e32));
+    }
+    textureStore(indirect, pixel, vec4f(radiance, 1.0));
 }

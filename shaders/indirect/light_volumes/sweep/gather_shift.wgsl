@@ -1,11 +1,13 @@
 // Light of an image from what another one has gathered, whose pixel grid is shifted by parts of a pixel: each pixel takes that
 // of the four gathered ones around it, as far as they show the same surface (joint bilateral upsampling: Kopf et al. 2007), or
-// where none of them does, of those farther off. So edges are sampled at many places, and rays are cast for one.
+// where none of them does, of those farther off. So edges are sampled at many places, and rays are cast for one. A pixel whose
+// surface none of those shows has rays of its own, see lib/strays.wgsl.
 //   TINTED    specular light is told over the tint of the lobe, see gather_filter.wgsl
 
 #import lightwell::bilateral::likeness
 #import lightwell::gbuffer::{decode_albedo, decode_normal, world_position}
 #import lightwell::inverse_distance::has_diffuse
+#import lightwell::strays::push_stray
 #ifdef TINTED
 #import lightwell::layers::tint_seen
 #import lightwell::view::toward_eye
@@ -35,15 +37,14 @@ struct Shift {
 const ENOUGH: f32 = 0.05;
 // How far off that is at most [pixels].
 const FARTHEST: i32 = 4;
-// Least weight by distance, and of what is another surface: for where there is nothing else.
+// Least weight by distance.
 const LEAST: f32 = 1e-4;
-const LEAST_LIKE: f32 = 1e-7;
 
 struct Found {
     diffuse: vec3f,
     specular: vec3f,
     like: f32,             // weights of pixels of the same surface
-    all: f32,
+    mirrored: f32,         // of those whose light another pass brings
 }
 
 // Where the gathered image shows a point [pixels].
@@ -61,20 +62,22 @@ fn found_within(reach: i32, at: vec2f, position: vec3f, n: vec3f) -> Found {
         let texel = low + vec2i(i % (2 * reach), i / (2 * reach)) - (reach - 1);
         let other = vec2u(clamp(texel, vec2i(0), vec2i(shift.gathered.size) - 1));
         let other_z = textureLoad(gathered_depth, other, 0);
-        let found_diffuse = textureLoad(diffuse, other, 0);
-        let found_specular = textureLoad(specular, other, 0);
-        if other_z <= 0.0 || !has_diffuse(vec2f(found_diffuse.a, found_specular.a)) {
+        if other_z <= 0.0 {
             continue;
         }
         let other_position = world_position(other, shift.gathered.size, other_z, shift.gathered.world_from_clip);
         let like = likeness(position, n, other_position, decode_normal(textureLoad(gathered_normal, other, 0)));
         let tent = max(1.0 - abs(vec2f(texel) - at) / f32(reach), vec2f(0.0));
-        let near = max(tent.x * tent.y, LEAST);
-        let weight = near * max(like, LEAST_LIKE);
-        sum.diffuse += weight * found_diffuse.rgb;
-        sum.specular += weight * found_specular.rgb;
-        sum.like += near * like;
-        sum.all += weight;
+        let weight = max(tent.x * tent.y, LEAST) * like;
+        let found_diffuse = textureLoad(diffuse, other, 0);
+        let found_specular = textureLoad(specular, other, 0);
+        if has_diffuse(vec2f(found_diffuse.a, found_specular.a)) {
+            sum.diffuse += weight * found_diffuse.rgb;
+            sum.specular += weight * found_specular.rgb;
+            sum.like += weight;
+        } else {
+            sum.mirrored += weight;
+        }
     }
     return sum;
 }
@@ -82,11 +85,20 @@ fn found_within(reach: i32, at: vec2f, position: vec3f, n: vec3f) -> Found {
 fn light_at(position: vec3f, n: vec3f) -> Found {
     let at = place_in_gathered(position);
     var found = found_within(1, at, position, n);
-    for (var reach = 2; reach <= FARTHEST && found.like < ENOUGH; reach++) {
+    for (var reach = 2; reach <= FARTHEST && found.like + found.mirrored < ENOUGH; reach++) {
         found = found_within(reach, at, position, n);
     }
-    let scale = 1.0 / max(found.all, 1e-30);
-    return Found(scale * found.diffuse, scale * found.specular, found.like, found.all);
+    let scale = 1.0 / max(found.like, 1e-30);
+    return Found(scale * found.diffuse, scale * found.specular, found.like, found.mirrored);
+}
+
+fn reflected(pixel: vec2u, position: vec3f, light: Found) -> vec3f {
+    var specular_light = light.specular;
+#ifdef TINTED
+    let to_eye = toward_eye(shift.view, position);
+    specular_light *= tint_seen(textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0), to_eye);
+#endif
+    return min(decode_albedo(textureLoad(base_color, pixel, 0)) * light.diffuse + specular_light, vec3f(1e32));
 }
 
 @compute @workgroup_size(8, 8)
@@ -96,17 +108,15 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
         return;
     }
     let z = textureLoad(depth, pixel, 0);
-    let albedo = decode_albedo(textureLoad(base_color, pixel, 0));
     var radiance = vec3f(0.0);
-    if z > 0.0 && any(albedo > vec3f(0.0)) {
+    if z > 0.0 {
         let position = world_position(pixel, shift.view.size, z, shift.view.world_from_clip);
         let light = light_at(position, decode_normal(textureLoad(normal, pixel, 0)));
-        var specular_light = light.specular;
-#ifdef TINTED
-        let to_eye = toward_eye(shift.view, position);
-        specular_light *= tint_seen(textureLoad(normal, pixel, 0), textureLoad(object, pixel, 0), to_eye);
-#endif
-        radiance = min(albedo * light.diffuse + specular_light, vec3f(1e32));
+        if light.like + light.mirrored < ENOUGH {
+            push_stray(pixel);
+        } else if light.like > light.mirrored {
+            radiance = reflected(pixel, position, light);
+        }
     }
     textureStore(indirect, pixel, vec4f(radiance, 1.0));
 }

@@ -2,13 +2,16 @@
 
 use super::gather_filter::{self, Gathered};
 use super::gather_shift::{self, Seen};
+use super::gather_upsample;
 use super::haze_cells::HazeCells;
 use super::interleave::{Interleave, InterleaveUniform};
 use super::mirror;
 use super::rsm_samples::{self, RsmSamples};
+use super::strays::Strays;
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{Buffer, Graph, Groups, Handle, PassBuilder, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
+use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
 use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
 use encase::ShaderType;
@@ -40,7 +43,7 @@ pub(crate) struct GatherUniform {
     light_count: u32,
     emitter_count: u32,
     seed: u32,
-    first_row: u32,
+    first: u32,
     nearest: f32,
     points_low: Vec3,
     point_count: u32,
@@ -73,52 +76,42 @@ pub(super) fn declare<'a>(
         None if is_known_near => 0.0,
         None => NEAR * frame.surfels.patch_size(),
     };
-    let mut pass = graph.pass("gather");
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    inputs.into_iter().for_each(|handle| pass.read(handle));
-    light.into_iter().chain(haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
-    lit.iter().for_each(|lit| pass.read(lit.points));
-    let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
-    let scene = frame.scene;
-    let (rays, points) = (rays(frame, settings, interleave), points(settings, interleave));
-    let has_mirrors = mirror::rays(frame, settings, interleave.is_sparse()).is_some();
-    pass.key(&(
-        (rays, paths, has_mirrors),
-        points,
-        lit.is_some(),
-        interleave.key(),
-        frame.seed(),
-        frame.view_key(),
-        (light.is_some(), nearest.to_bits(), frame.surfels.revision()),
-    ));
-    pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-    pass.key(&(frame.media_key(), HazeCells::key(haze.as_ref())));
-    let work = Work {
+    let rays = Rays {
         frame: frame.clone(),
-        inputs,
+        inputs: inputs(gbuffer),
         light,
         haze,
         nearest,
         paths,
         lit,
-        gathered,
-        rays,
-        points,
-        has_mirrors,
+        rays: rays(frame, settings, interleave),
+        points: points(settings, interleave),
+        has_mirrors: mirror::rays(frame, settings, interleave.is_sparse()).is_some(),
         interleave,
     };
-    pass.execute(move |cx| work.run(cx));
+    let gathered = rays.clone().declare_gather(graph, gathered);
     let radius = filter_radius(settings, gathered_images(frame, settings, interleave));
-    match shown {
-        Some(shown) => {
-            let filtered = gather_filter::declare_apart(graph, frame, gbuffer, gathered, interleave, radius);
-            gather_shift::declare(graph, shown, seen, filtered)
-        }
-        None => gather_filter::declare(graph, frame, gbuffer, gathered, interleave, radius),
+    if shown.is_none() && !interleave.is_sparse() {
+        return gather_filter::declare(graph, frame, gbuffer, gathered, interleave, radius);
     }
+    let filtered = gather_filter::declare_apart(graph, frame, gbuffer, gathered, interleave, radius);
+    let (indirect, strays) = match shown {
+        Some(shown) => gather_shift::declare(graph, shown, seen, filtered),
+        None => gather_upsample::declare(graph, frame, gbuffer, filtered, interleave),
+    };
+    let Seen { frame, gbuffer } = shown.unwrap_or(seen);
+    let rays = Rays { frame: frame.clone(), inputs: inputs(gbuffer), ..rays };
+    rays.declare_strays(graph, strays, indirect)
 }
 
-struct Work<'a> {
+/// What rays of visible surfaces begin from.
+fn inputs(gbuffer: &GBuffer) -> [Handle<Texture>; 4] {
+    [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth]
+}
+
+/// The rays of the pixels of an image.
+#[derive(Clone)]
+struct Rays<'a> {
     frame: Frame<'a>,
     inputs: [Handle<Texture>; 4],
     light: Option<Handle<Buffer>>,
@@ -127,7 +120,6 @@ struct Work<'a> {
     nearest: f32,
     paths: Option<u32>,
     lit: Option<RsmSamples>,
-    gathered: Gathered,
     rays: u32,
     points: u32,
     /// Whether a pass of its own brings what smooth surfaces mirror.
@@ -135,22 +127,81 @@ struct Work<'a> {
     interleave: Interleave,
 }
 
-impl Work<'_> {
-    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
-        let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+/// Of a dispatch: its first row or pixel, entry point and further bindings.
+struct Part<'p> {
+    first: u32,
+    entry: &'static str,
+    group: Vec<(&'static str, Binding<'p>)>,
+    groups: Groups<'p>,
+}
+
+impl<'a> Rays<'a> {
+    /// Declares what a pass that casts them reads and depends on.
+    fn declare_inputs(&self, pass: &mut PassBuilder<'_, 'a>) {
+        let (frame, scene) = (&self.frame, self.frame.scene);
+        self.inputs.into_iter().for_each(|handle| pass.read(handle));
+        self.light.into_iter().chain(self.haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
+        self.lit.iter().for_each(|lit| pass.read(lit.points));
+        pass.key(&(
+            (self.rays, self.paths, self.has_mirrors),
+            self.points,
+            self.lit.is_some(),
+            self.interleave.key(),
+            frame.seed(),
+            frame.view_key(),
+            (self.light.is_some(), self.nearest.to_bits(), frame.surfels.revision()),
+        ));
+        pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
+        pass.key(&(frame.media_key(), HazeCells::key(self.haze.as_ref())));
+    }
+
+    /// Declares the gather.
+    fn declare_gather(self, graph: &mut Graph<'a>, gathered: Gathered) -> Gathered {
+        let mut pass = graph.pass("gather");
+        self.declare_inputs(&mut pass);
+        let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
+        pass.execute(move |cx| self.gather(cx, gathered));
+        gathered
+    }
+
+    /// Declares the rays of the pixels of a queue; the result is the image with their reflected radiance.
+    fn declare_strays(self, graph: &mut Graph<'a>, strays: Strays, indirect: Handle<Texture>) -> Handle<Texture> {
+        let mut pass = graph.pass("gather strays");
+        self.declare_inputs(&mut pass);
+        strays.read(&mut pass);
+        let indirect = pass.write(indirect);
+        pass.execute(move |cx| self.cast_strays(cx, strays, indirect));
+        indirect
+    }
+
+    fn gather(&self, cx: &mut PassContext, gathered: Gathered) -> Result<(), PassError> {
         let [width, height] = self.interleave.texels();
         let pixels = u64::from(width) * u64::from(height);
         cx.counts().texels += pixels;
         cx.counts().paths += pixels * u64::from(self.rays);
         cx.counts().rays += pixels * u64::from(self.rays * casts_a_ray(&self.frame) + self.points_cast());
+        let [diffuse, specular] = [gathered.diffuse, gathered.specular].map(|handle| cx.view(handle));
         let rays_a_row = u64::from(width) * u64::from(self.rays);
         let rows_a_submit = cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_row;
         // Whole workgroups, eight rows high.
         let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
-        for first_row in (0..height).step_by(step) {
-            let rows = (height - first_row).min(step as u32);
+        for first in (0..height).step_by(step) {
+            let rows = (height - first).min(step as u32);
             cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT)?;
-            self.dispatch(cx, rays, first_row, [width.div_ceil(8), rows.div_ceil(8), 1])?;
+            let group = vec![("diffuse", Binding::Texture(&diffuse)), ("specular", Binding::Texture(&specular))];
+            let groups = Groups::Count([width.div_ceil(8), rows.div_ceil(8), 1]);
+            self.dispatch(cx, Part { first, entry: "main", group, groups })?;
+        }
+        Ok(())
+    }
+
+    fn cast_strays(&self, cx: &mut PassContext, strays: Strays, indirect: Handle<Texture>) -> Result<(), PassError> {
+        let (queue, indirect) = (strays.queue(cx), cx.view(indirect));
+        for (first, most) in strays.slices() {
+            cx.work(u64::from(most * self.rays), RAYS_A_SUBMIT)?;
+            let mut group = vec![("indirect", Binding::Texture(&indirect))];
+            group.extend(queue.bindings());
+            self.dispatch(cx, Part { first, entry: "strays", group, groups: queue.groups(first, most) })?;
         }
         Ok(())
     }
@@ -160,28 +211,19 @@ impl Work<'_> {
         if self.lit.is_some() { self.points } else { 0 }
     }
 
-    fn dispatch(
-        &self,
-        cx: &mut PassContext,
-        rays: &RayScene,
-        first_row: u32,
-        groups: [u32; 3],
-    ) -> Result<(), PassError> {
+    fn dispatch(&self, cx: &mut PassContext, part: Part<'_>) -> Result<(), PassError> {
         let gpu = cx.gpu;
-        let uniform = gpu.uniform("gather", &self.uniform(rays, first_row));
+        let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
+        let uniform = gpu.uniform("gather", &self.uniform(rays, part.first));
         let views = self.inputs.map(|handle| cx.view(handle));
-        let targets = [self.gathered.diffuse, self.gathered.specular].map(|handle| cx.view(handle));
         let light = self.light.map(|handle| cx.buffer(handle).clone());
         let lit = self.lit.map(|lit| cx.buffer(lit.points).clone());
         let mut key =
-            rays.shader("indirect/light_volumes/sweep/gather.wgsl", "main").def("RAYS", ShaderDef::Uint(self.rays));
+            rays.shader("indirect/light_volumes/sweep/gather.wgsl", part.entry).def("RAYS", ShaderDef::Uint(self.rays));
         key = HazeCells::defined(self.haze.as_ref(), key);
         let haze = self.haze.map(|haze| haze.bindings(cx));
-        let mut group = vec![
-            ("gather", Binding::Buffer(&uniform)),
-            ("diffuse", Binding::Texture(&targets[0])),
-            ("specular", Binding::Texture(&targets[1])),
-        ];
+        let mut group = part.group;
+        group.push(("gather", Binding::Buffer(&uniform)));
         let names = ["base_color", "normal", "object", "depth"];
         group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
         group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
@@ -208,11 +250,10 @@ impl Work<'_> {
         } else {
             key = key.def("EVEN_SKY", ShaderDef::Flag(true));
         }
-        dispatch_rays(cx, &key, &group, rays, groups)?;
-        Ok(())
+        dispatch_rays(cx, &key, &group, rays, part.groups)
     }
 
-    fn uniform(&self, rays: &RayScene, first_row: u32) -> GatherUniform {
+    fn uniform(&self, rays: &RayScene, first: u32) -> GatherUniform {
         let scene = self.frame.scene;
         GatherUniform {
             view: self.frame.view_values(),
@@ -222,7 +263,7 @@ impl Work<'_> {
             light_count: rays.light_count,
             emitter_count: rays.emitter_count,
             seed: self.frame.seed(),
-            first_row,
+            first,
             nearest: self.nearest,
             points_low: self.lit.map_or(Vec3::ZERO, |lit| lit.reach.min),
             point_count: rsm_samples::POINTS,

@@ -1,6 +1,5 @@
 //! The cross bilateral filter over what was gathered, and the reflected radiance. See `indirect/light_volumes/sweep/gather_filter.wgsl`.
 
-use super::gather_upsample;
 use super::interleave::{Interleave, InterleaveUniform};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
@@ -39,8 +38,8 @@ struct Reach {
     interleave: Interleave,
 }
 
-/// Declares the filter, and where not all pixels were gathered at the light of those between; the result is reflected
-/// radiance. `radius` is that of the filter \[pixels\]; 0: none.
+/// Declares the filter where all pixels were gathered at; the result is reflected radiance. `radius` is that of the filter
+/// \[pixels\]; 0: none.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
@@ -49,10 +48,6 @@ pub(super) fn declare<'a>(
     interleave: Interleave,
     radius: u32,
 ) -> Handle<Texture> {
-    if interleave.is_sparse() {
-        let filtered = declare_apart(graph, frame, gbuffer, gathered, interleave, radius);
-        return gather_upsample::declare(graph, frame, gbuffer, filtered, interleave);
-    }
     let reach = Reach { radius: interleave.radius(radius), interleave };
     let half = if reach.radius > 1 { horizontal(graph, frame, gbuffer, gathered, reach) } else { gathered };
     vertical(graph, frame, gbuffer, half, reach)

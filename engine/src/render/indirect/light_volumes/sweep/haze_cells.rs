@@ -53,7 +53,7 @@ pub(super) fn declare(
     axes: Handle<Buffer>,
 ) -> HazeCells {
     let desc = BufferDesc::new(32 * u64::from(volume.cell_count()), BufferUsages::STORAGE);
-    let light = graph.buffer("haze, all light in cells", desc);
+    let light = graph.retained_buffer("haze, all light in cells", desc);
     let shader = ComputeKey::new("indirect/light_volumes/sweep/haze_cells.wgsl", "main");
     let mut pass = graph.compute("haze cells", shader);
     pass.uniform("volume", &volume.uniform());

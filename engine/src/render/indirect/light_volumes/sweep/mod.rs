@@ -39,6 +39,7 @@ mod probes;
 mod rsm_samples;
 mod shell;
 pub(in crate::render) mod sky;
+mod strays;
 pub(super) mod surfels;
 mod transport;
 
