@@ -92,6 +92,16 @@ impl FramePacing {
     }
 }
 
+/// Tells that work is done when it is dropped. `wgpu` waits for all work before it configures a surface, and drops the calls
+/// for that work unmade where more was submitted meanwhile.
+struct Told(Arc<AtomicBool>);
+
+impl Drop for Told {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
 /// All that was submitted up to a moment.
 pub(super) struct Submitted(Arc<AtomicBool>);
 
@@ -99,8 +109,8 @@ impl Submitted {
     /// All that was submitted until now.
     pub fn note(gpu: &Gpu) -> Self {
         let done = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&done);
-        gpu.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));
+        let told = Told(Arc::clone(&done));
+        gpu.queue.on_submitted_work_done(move || drop(told));
         Self(done)
     }
 

@@ -14,6 +14,7 @@ const RENDER: [&str; 26] = [
     "motion",
     "pixel_shift",
     "surfaces",
+    "light_steps",
     "history",
     "zero_texture",
     "frame",
