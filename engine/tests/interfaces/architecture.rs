@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
-const RENDER: [&str; 26] = [
+const RENDER: [&str; 27] = [
     "debug_settings",
     "settings",
     "scene_gpu",

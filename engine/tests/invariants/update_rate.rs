@@ -7,8 +7,10 @@ use lightwell::assets::Shape;
 use lightwell::gpu::{Gpu, read_buffer};
 use lightwell::graph::FrameReport;
 use lightwell::render::{Layer, RenderSettings, Renderer, UpdateRate};
-use lightwell::scene::LightShape;
+use lightwell::scene::{LightShape, SceneLight};
 use lightwell::world::{Clpv, Quality};
+
+type Change = fn(&mut SceneLight);
 
 const EDGE: u32 = 32;
 /// Frames after the last change until all light is computed whole.
@@ -124,7 +126,7 @@ fn sudden_changes_are_whole_at_once() {
         draw(&stage, &mut whole, &mut part);
         change_light(&mut stage, |light| light.position.x -= 0.02);
     }
-    let changes: [(&str, fn(&mut lightwell::scene::SceneLight)); 4] = [
+    let changes: [(&str, Change); 4] = [
         ("another colour", |light| light.intensity = Vec3::new(2.0, 0.5, 0.5)),
         ("a jump", |light| light.position = Vec3::new(-1.0, -0.5, 1.2)),
         ("off", |light| light.intensity = Vec3::ZERO),
