@@ -8,7 +8,7 @@
 @group(0) @binding(21) var<storage, read_write> stray_counts: array<atomic<u32>>;
 
 // `SLICE` of sweep/strays.rs.
-const SLICE: u32 = 32768u;
+const SLICE: u32 = 524288u;
 
 fn push_stray(pixel: vec2u) {
     let index = atomicAdd(&stray_counts[0], 1u);

@@ -7,7 +7,7 @@ use crate::render::frame::Frame;
 use wgpu::BufferUsages;
 
 /// Pixels of a slice of the queue, which is dispatched by itself: `SLICE` of `lib/strays.wgsl`.
-pub(super) const SLICE: u32 = 1 << 15;
+pub(super) const SLICE: u32 = 1 << 19;
 
 /// The queue of the pixels of a frame. It has room for all of them.
 #[derive(Clone, Copy)]
