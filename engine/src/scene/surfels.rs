@@ -226,11 +226,6 @@ impl SurfelCloud {
             && is_same(next..surfels.len())
     }
 
-    /// How far before a surfel rays start that look for what is around it \[m\].
-    pub fn before(&self) -> f32 {
-        self.exposed.before()
-    }
-
     /// Area of all surfels \[m²\].
     pub fn area(&self) -> f64 {
         self.area

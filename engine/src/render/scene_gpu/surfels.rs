@@ -253,11 +253,6 @@ impl GpuSurfels {
         self.cloud.patches.size
     }
 
-    /// How far before a surfel rays start \[m\]: where surfaces nearly coincide, each would be behind the other.
-    pub fn before(&self) -> f32 {
-        self.cloud.before()
-    }
-
     /// The patches, see `lib/patches.wgsl`.
     pub(in crate::render) fn patches(&self) -> &GpuPatches {
         &self.patches

@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 /// Distance, over that from the origin, within which surfaces coincide.
 const ROUNDING: f32 = 1e-5;
+/// Most surfaces that a ray looks at to tell whether it starts within something.
+const MOST_MET: u32 = 8;
 
 /// All objects that stand still, in the order of their identities.
 #[derive(Debug, Default)]
@@ -23,6 +25,8 @@ pub(super) struct Met {
     pub t: f32,
     /// It is the back of a surface of which only the front can be seen.
     pub is_back: bool,
+    /// It is the front of such a surface; where solids touch it may be both.
+    pub is_front: bool,
 }
 
 /// The first surface on a segment from one point to another.
@@ -99,7 +103,7 @@ impl Still {
     /// The nearest hit of a ray. Where a back and a front coincide but for rounding it is the back, as below a
     /// block on a floor: nothing depends on the order of objects, how they are turned, or how the hierarchy came about.
     pub fn closest(&self, ray: &Ray) -> Option<Met> {
-        let (mut nearest, mut nearest_back) = (f32::INFINITY, f32::INFINITY);
+        let (mut nearest, mut nearest_back, mut nearest_front) = (f32::INFINITY, f32::INFINITY, f32::INFINITY);
         let beyond = |t: f32| t + ROUNDING * (t + ray.origin.abs().max_element());
         self.hierarchy.traverse(ray, f32::INFINITY, |index, bound| {
             let Some(met) = self.objects[index as usize].meets(ray, bound) else { return bound };
@@ -107,9 +111,29 @@ impl Still {
             if met.is_back {
                 nearest_back = nearest_back.min(met.t);
             }
+            if met.is_front {
+                nearest_front = nearest_front.min(met.t);
+            }
             beyond(nearest)
         });
-        (nearest < f32::INFINITY).then(|| Met { t: nearest, is_back: nearest_back <= beyond(nearest) })
+        let is_there = |t: f32| t <= beyond(nearest);
+        let met = || Met { t: nearest, is_back: is_there(nearest_back), is_front: is_there(nearest_front) };
+        (nearest < f32::INFINITY).then(met)
+    }
+
+    /// Whether a ray starts within something solid: somewhere on its way it has left more of them than it has entered.
+    pub fn is_within(&self, ray: &Ray) -> bool {
+        let (mut start, mut left) = (ray.origin, 0);
+        for _ in 0..MOST_MET {
+            let Some(met) = self.closest(&Ray::new(start, ray.direction)) else { return false };
+            left += i32::from(met.is_back) - i32::from(met.is_front);
+            if left > 0 {
+                return true;
+            }
+            let rounding = ROUNDING * (met.t + start.abs().max_element());
+            start += (met.t + 2.0 * rounding) * ray.direction;
+        }
+        false
     }
 
     /// The first hit of a segment; none if each of the two points sees the other.
@@ -160,7 +184,8 @@ impl Object {
             }
             Form::Flat { triangles, is_mirrored } => is_behind(triangles, triangle, ray) != *is_mirrored,
         };
-        Some(Met { t, is_back: is_back && self.state.has_back })
+        let has_back = self.state.has_back;
+        Some(Met { t, is_back: is_back && has_back, is_front: !is_back && has_back })
     }
 
     /// Unit normal of a triangle in the world, of any sign; zero if it has none.

@@ -1,7 +1,6 @@
 // Light that surfels see at the ends of their links, straight from the lights: the first bounce, by shadow rays from where the
 // links end. Points of a patch differ in this light, which has borders, and not in that of further bounces.
-//   RAYS     links of a surfel
-//   SAMPLES  how many of them are looked at, the first ones
+//   SAMPLES  how many links of a surfel are looked at, the first ones
 //   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
 //            others. Without it there are more, and each link chooses one by what it would bring
 //   HAZE     media scatter the lights' light on the way
@@ -10,28 +9,25 @@
 #import lightwell::haze_along::haze_along
 #endif
 #import lightwell::next_event::{BLUR, LightRange, LightSample, NO_RAY, blurred, bounded, sample_light}
-#import lightwell::radiosity::{RAYS, Link, link_hit, link_start}
+#import lightwell::radiosity::{LinkEnd, link_end_weight, link_ray}
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::surface_at
 #import lightwell::rays::{Ray, SHADOW}
 #import lightwell::walk::{left_by_glass, passed, trace}
 #import lightwell::sampling::{Sampler, next_pair}
-#import lightwell::sweep::Surfel
 
 struct FirstBounce {
     root: u32,             // of the hierarchy
     light_count: u32,
     seed: u32,
     first: u32,            // surfel of this dispatch
-    before: f32,           // where links start before their surfel [m]
     parts: u32,            // every so manieth surfel has its turn
 }
 
 @group(0) @binding(0) var<uniform> first_bounce: FirstBounce;
-@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(2) var<storage, read> surfel_links: array<Link>;
+@group(0) @binding(1) var<storage, read> link_ends: array<LinkEnd>;
 // Irradiance [W/m²].
-@group(0) @binding(3) var<storage, read_write> reflected_light: array<vec4f>;
+@group(0) @binding(2) var<storage, read_write> reflected_light: array<vec4f>;
 
 #ifdef SAMPLES
 const SAMPLES: u32 = #{SAMPLES}u;
@@ -57,26 +53,26 @@ fn arriving(sample: LightSample) -> vec3f {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = first_bounce.first + (thread.x + thread.y * groups.x * 64u) * first_bounce.parts;
-    if index >= arrayLength(&surfels) {
+    if index >= arrayLength(&reflected_light) {
         return;
     }
-    let position = link_start(surfels[index], first_bounce.before);
     // All of them. Where a loop hangs on a uniform alone, Mesa's software driver (22.3) makes the shader anew in every frame,
     // and keeps all.
     let light_count = min(first_bounce.light_count, 0xfffffffu + index);
     var light = vec3f(0.0);
     for (var i = 0u; i < SAMPLES; i++) {
-        let hit = link_hit(surfel_links[index * RAYS + i], position);
-        if hit.triangle == NONE {
+        let end = link_ends[index * SAMPLES + i];
+        if end.triangle == NONE {
             continue;
         }
-        let direction = hit.direction;
-        let surface = blurred(surface_at(hit.hit, direction), BLUR);
+        let ray = link_ray(end);
+        let surface = blurred(surface_at(ray.hit, ray.direction), BLUR);
         var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
-        var passing = left_by_glass(first_bounce.root, Ray(position, direction), hit.hit.t);
+        let weight = link_end_weight(end);
+        var passing = weight * left_by_glass(first_bounce.root, Ray(ray.start, ray.direction), ray.hit.t);
 #ifdef HAZE
-        let between = haze_along(position, direction, hit.hit.t, next_pair(&random).x);
-        light += bounded(between.added);
+        let between = haze_along(ray.start, ray.direction, ray.hit.t, next_pair(&random).x);
+        light += weight * bounded(between.added);
         passing *= between.passing;
 #endif
 #ifdef LIGHTS
@@ -86,7 +82,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef AREA_LIGHTS
             on_light = next_pair(&random);
 #endif
-            of_all += arriving(sample_light(surface, -direction, NO_RAY, LightRange(k, k + 1u), false, 0.0, on_light));
+            of_all += arriving(sample_light(surface, -ray.direction, NO_RAY, LightRange(k, k + 1u), false, 0.0, on_light));
         }
         light += passing * of_all;
 #else
@@ -95,7 +91,7 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
 #ifdef AREA_LIGHTS
         on_light = next_pair(&random);
 #endif
-        light += passing * arriving(sample_light(surface, -direction, NO_RAY, LightRange(0u, light_count), false, pick, on_light));
+        light += passing * arriving(sample_light(surface, -ray.direction, NO_RAY, LightRange(0u, light_count), false, pick, on_light));
 #endif
     }
     reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);

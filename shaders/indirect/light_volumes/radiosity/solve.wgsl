@@ -7,13 +7,13 @@
 //   RAYS     links of a surfel
 
 #import lightwell::patches::NO_PATCH
-#import lightwell::radiosity::{RAYS, Link, link_albedo, link_patch}
+#import lightwell::radiosity::{RAYS, link_passing, link_patch}
 #import lightwell::sweep::Surfel
 
 // First surfel and number of surfels of a patch.
 @group(0) @binding(0) var<storage, read> patches: array<vec2u>;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-@group(0) @binding(2) var<storage, read> surfel_links: array<Link>;
+@group(0) @binding(2) var<storage, read> surfel_links: array<vec2u>;
 @group(0) @binding(3) var<storage, read> shone_on: array<vec4f>;
 @group(0) @binding(4) var<storage, read> reflected_light: array<vec4f>;
 // Irradiance of the patches in the last bounce and in this one [W/m²]; the fourth number is the area that is seen
@@ -65,10 +65,10 @@ fn gathered(range: vec2u) -> vec3f {
     for (var i = range.x; i < range.x + range.y; i++) {
         var sum = vec3f(0.0);
         for (var k = i * RAYS; k < (i + 1u) * RAYS; k++) {
-            let link = surfel_links[k].seen;
+            let link = surfel_links[k];
             let to = link_patch(link);
             if to != NO_PATCH {
-                sum += link_albedo(link) * last_bounce[to].rgb;
+                sum += link_passing(link) * last_bounce[to].rgb;
             }
         }
         all += (weight_of(i) / f32(RAYS)) * sum;

@@ -75,6 +75,8 @@ struct Gather {
 #ifndef ONE_BOUNCE
 // Irradiance of patches [W/m²].
 @group(0) @binding(11) var<storage, read> patch_light: array<vec4f>;
+#else
+const NO_PATCH: u32 = 0xfffffu;
 #endif
 #ifdef POINTS
 // See lib/rsm_samples.wgsl.
@@ -280,13 +282,21 @@ fn sky_light(ray: GatherRay) -> vec3f {
 #endif
 }
 
+// The patch of what was met.
+fn patch_of(hit: Hit, surface: Surface) -> u32 {
+#ifdef ONE_BOUNCE
+    return NO_PATCH;
+#else
+    return patch_at(primitive_of(hit.triangle), surface.position, surface.geometric_normal);
+#endif
+}
+
 // Light of its patch that a surface reflects to where a ray in a direction came from. Glossy surfaces reflect as if light
 // were even around them.
-fn patch_radiance(surface: Surface, hit: Hit, direction: vec3f) -> vec3f {
+fn patch_radiance(surface: Surface, found: u32, direction: vec3f) -> vec3f {
 #ifdef ONE_BOUNCE
     return vec3f(0.0);
 #else
-    let found = patch_at(primitive_of(hit.triangle), surface.position, surface.geometric_normal);
     if found == NO_PATCH {
         return vec3f(0.0);
     }
@@ -348,13 +358,14 @@ fn arrive(
     }
 #endif
     let to_specular = specular_share(surface, -direction);
-    if (hit.t < gather.nearest || to_specular > GLOSSY) && gather.nearest > 0.0 && depth < MOST_NEAR {
+    let found = patch_of(hit, surface);
+    if (hit.t < gather.nearest || to_specular > GLOSSY || found == NO_PATCH) && gather.nearest > 0.0 && depth < MOST_NEAR {
         *vertex = Vertex(VisibleSurface(surface, -direction, to_specular, false), ray.throughput, ray.seen_along, depth + 1u);
 #ifdef PATHS
         survive(vertex, random);
 #endif
     } else {
-        light += patch_radiance(surface, hit, direction);
+        light += patch_radiance(surface, found, direction);
     }
     var pick = 0.0;
     if gather.light_count > 1u {

@@ -1,6 +1,6 @@
 //! The lights' first bounce as surfels see it. See `indirect/light_volumes/radiosity/first_bounce.wgsl`.
 
-use super::links::Links;
+use super::links::{self, Links};
 use super::{FIRST_BOUNCE, Rays, Turn};
 use crate::gpu::{Binding, ShaderDef};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
@@ -10,8 +10,6 @@ use crate::render::rays::dispatch_rays;
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
-/// Most links of a surfel whose ends are looked at.
-const MOST_SAMPLES: u32 = 8;
 /// Lights up to which links look at all of them.
 const FEW_LIGHTS: u32 = 4;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
@@ -24,7 +22,6 @@ pub(crate) struct FirstBounceUniform {
     light_count: u32,
     seed: u32,
     first: u32,
-    before: f32,
     parts: u32,
 }
 
@@ -32,7 +29,6 @@ pub(crate) struct FirstBounceUniform {
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
-    surfels: Handle<Buffer>,
     links: Links,
     (rays, turn): (Rays, Turn),
     lamps: Option<HazeCells>,
@@ -42,7 +38,7 @@ pub(super) fn declare<'a>(
     let reflected = graph.retained_buffer("first bounce at surfels", desc);
     let mut pass = graph.pass(FIRST_BOUNCE);
     let lamp_light = lamps.map(|cells| cells.light);
-    [surfels, links.links].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
+    [links.ends].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
     let reflected = pass.write(reflected);
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays, turn));
     pass.key(&(frame.media_key(), HazeCells::key(lamps.as_ref())));
@@ -50,15 +46,14 @@ pub(super) fn declare<'a>(
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let lights = scene.light_count;
-        let samples = rays.count.min(MOST_SAMPLES);
-        let [surfels, links, reflected] = [surfels, links.links, reflected].map(|handle| cx.buffer(handle).clone());
+        let samples = links::ends(rays.count);
+        let [ends, reflected] = [links.ends, reflected].map(|handle| cx.buffer(handle).clone());
         let turns = turn.count(count);
         cx.counts().paths += u64::from(turns) * u64::from(samples);
         let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
         cx.counts().rays += u64::from(turns) * u64::from(samples * casts);
         let mut key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
-            .def("RAYS", ShaderDef::Uint(rays.count))
             .def("SAMPLES", ShaderDef::Uint(samples));
         if (1..=FEW_LIGHTS).contains(&lights) {
             key = key.def("LIGHTS", ShaderDef::Uint(lights));
@@ -74,14 +69,12 @@ pub(super) fn declare<'a>(
                 light_count: scene.light_count,
                 seed: rays.seed ^ 0x1656_67b1,
                 first: first * turn.parts + turn.part,
-                before: frame.surfels.before(),
                 parts: turn.parts,
             };
             let uniform = cx.gpu.uniform("first_bounce", &uniform);
             let mut group = vec![
                 ("first_bounce", Binding::Buffer(&uniform)),
-                ("surfels", Binding::Buffer(&surfels)),
-                ("surfel_links", Binding::Buffer(&links)),
+                ("link_ends", Binding::Buffer(&ends)),
                 ("reflected_light", Binding::Buffer(&reflected)),
             ];
             group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));

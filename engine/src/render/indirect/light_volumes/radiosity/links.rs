@@ -10,7 +10,16 @@ use glam::Vec3;
 use wgpu::BufferUsages;
 
 /// Bytes of a link.
-pub(super) const LINK_BYTES: u64 = 16;
+const LINK_BYTES: u64 = 8;
+/// Bytes of where a link ended: `LinkEnd` of `lib/radiosity.wgsl`.
+const END_BYTES: u64 = 20;
+/// Bytes of a buffer for each surfel, of so many links.
+pub(super) const fn bytes_of_surfel(links: u64) -> u64 {
+    let ends = END_BYTES * if links < MOST_ENDS as u64 { links } else { MOST_ENDS as u64 };
+    if LINK_BYTES * links > ends { LINK_BYTES * links } else { ends }
+}
+/// Most links of a surfel that remember where they ended.
+const MOST_ENDS: u32 = 8;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
 
@@ -24,9 +33,9 @@ pub(crate) struct LinksUniform {
     seed: u32,
     first: u32,
     first_ray: u32,
-    before: f32,
     far: f32,
     parts: u32,
+    near: f32,
 }
 
 /// The links of all surfels, and what shines on them.
@@ -34,29 +43,39 @@ pub(crate) struct LinksUniform {
 pub(super) struct Links {
     /// Those of a surfel follow each other.
     pub links: Handle<Buffer>,
+    /// Where the first ones of each surfel ended.
+    pub ends: Handle<Buffer>,
     /// Irradiance of each surfel from emissive surfaces and the sky [W/m²]; after all of them that by the rays of each part.
     pub shone_on: Handle<Buffer>,
 }
 
-/// Declares the links of the surfels, so many rays each.
+/// How many links of a surfel remember where they ended, of so many.
+pub(super) fn ends(links: u32) -> u32 {
+    links.min(MOST_ENDS)
+}
+
+/// Declares the links of the surfels, so many rays each. `near` is the distance up to which they go on from what they meet
+/// \[m\].
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     surfels: Handle<Buffer>,
     (rays, turn): (Rays, Turn),
+    near: f32,
 ) -> Links {
     let count = frame.surfels.count();
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
     let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
+    let ends = graph.retained_buffer("ends of links", buffer(END_BYTES * u64::from(ends(rays.count))));
     let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16 * (1 + u64::from(rays.parts()))));
     let mut pass = graph.pass(LINKS);
     pass.read(surfels);
-    let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
+    let found = Links { links: pass.write(links), ends: pass.write(ends), shone_on: pass.write(shone_on) };
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays, frame.media_key()));
     // A part of the rays is cast while objects move; else the links stay as they are.
     let turn = if rays.part.is_some() { turn } else { Turn::ALL };
-    pass.key(&turn);
+    pass.key(&(turn, near.to_bits()));
     let frame = frame.clone();
     pass.execute(move |cx| {
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
@@ -72,7 +91,7 @@ pub(super) fn declare<'a>(
             let surfels_now = (turns - first).min(surfels_a_submit as u32);
             cx.work(u64::from(surfels_now) * rays_a_surfel, RAYS_A_SUBMIT)?;
             for first_ray in cast.clone().step_by(rays.at_once() as usize) {
-                dispatch(cx, &frame, scene, written, (rays, turn), [first, surfels_now, first_ray])?;
+                dispatch(cx, &frame, scene, written, (rays, turn, near), [first, surfels_now, first_ray])?;
             }
         }
         Ok(())
@@ -92,7 +111,7 @@ fn dispatch(
     frame: &Frame,
     scene_rays: &RayScene,
     Written { surfels, found }: Written,
-    (rays, turn): (Rays, Turn),
+    (rays, turn, near): (Rays, Turn, f32),
     [first, surfels_now, first_ray]: [u32; 3],
 ) -> Result<(), PassError> {
     let scene = frame.scene;
@@ -104,21 +123,24 @@ fn dispatch(
         seed: rays.seed,
         first: first * turn.parts + turn.part,
         first_ray,
-        before: frame.surfels.before(),
         far: frame.surfels.patch_size(),
         parts: turn.parts,
+        near,
     };
     let uniform = cx.gpu.uniform("links", &uniform);
-    let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());
+    let [surfels, links, ends_of, shone_on] =
+        [surfels, found.links, found.ends, found.shone_on].map(|handle| cx.buffer(handle).clone());
     let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
         .def("RAYS", ShaderDef::Uint(rays.count))
         .def("AT_ONCE", ShaderDef::Uint(rays.at_once()))
+        .def("ENDS", ShaderDef::Uint(ends(rays.count)))
         .def("NOT_ABSORBED", ShaderDef::Flag(true));
     let mut group = vec![
         ("links", Binding::Buffer(&uniform)),
         ("surfels", Binding::Buffer(&surfels)),
         ("surfel_links", Binding::Buffer(&links)),
+        ("link_ends", Binding::Buffer(&ends_of)),
         ("shone_on", Binding::Buffer(&shone_on)),
     ];
     group.extend(frame.surfels.patches().bindings());

@@ -144,8 +144,9 @@ fn count(frame: &Frame, settings: &Clpv) -> u32 {
         Quality::Low => 8,
         Quality::Medium | Quality::High | Quality::Ultra => 16,
     };
-    let possible = LARGEST_BINDING / links::LINK_BYTES / u64::from(frame.surfels.count());
-    1 << possible.clamp(1, u64::from(wanted)).ilog2()
+    let fits = |links: u64| links::bytes_of_surfel(links) * u64::from(frame.surfels.count()) <= LARGEST_BINDING;
+    let halves = std::iter::successors(Some(wanted), |links| Some(links / 2));
+    halves.take_while(|links| *links > 0).find(|links| fits(u64::from(*links))).unwrap_or(1)
 }
 
 impl Rays {
@@ -205,8 +206,10 @@ pub(super) fn declare<'a>(
         graph.skip("first bounce, other surfels", why);
     }
     let rays = Rays::new(frame, settings, turn);
-    let links = links::declare(graph, frame, surfels, (rays, turn));
-    let reflected = first_bounce::declare(graph, frame, surfels, links, (rays, turn), lamps);
+    // Where bounces are counted each link is one.
+    let near = if bounces.has_rest { frame.surfels.patch_size() } else { 0.0 };
+    let links = links::declare(graph, frame, surfels, (rays, turn), near);
+    let reflected = first_bounce::declare(graph, frame, links, (rays, turn), lamps);
     let solved = solve::declare(graph, frame, solve::Subject { surfels, links, reflected, rays, turn, bounces });
     let change = change::declare(graph, frame, surfels, solved.patches);
     Some(Radiosity { change, ..solved })

@@ -50,7 +50,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
     let patches = graph.retained_buffer("light of patches", vectors(cloud.patch_count()));
     let surfels = graph.retained_buffer("light of surfels", vectors(cloud.count()));
     let mut pass = graph.pass(RADIOSITY);
-    let Links { links, shone_on } = subject.links;
+    let Links { links, shone_on, .. } = subject.links;
     [subject.surfels, links, shone_on, subject.reflected].into_iter().for_each(|handle| pass.read(handle));
     let work = Work {
         bounces: bounces.map(|handle| pass.write(handle)),
