@@ -1,12 +1,13 @@
 //! `lightwell bench --rooms N`: errors over random rooms, a yardstick that no method can be tuned to.
 //!
 //! ```text
-//! room (building, furniture, surfaces, lights, viewpoint) ─ scene_text ─ a scene file
+//! room (building, furniture, clutter, surfaces, lights, viewpoint) ─ scene_text ─ a scene file
 //!                                                              └─ fixture ─ measure ─ rooms.json ─ rooms.md, worst/
 //! ```
 //! A room is a function of seed and number alone, the same on every machine. Sizes go from 1 to 30 m, walls from 1 to
 //! 30 cm; there are up to four rooms side by side, with doors and windows, closed or open, with pillars, stairs, shelves,
-//! curved and thin things, one to three lights, panels that glow and the sky. A third stands along the axes, a third is
+//! curved and thin things, one to three lights, panels that glow and the sky. One of four is cluttered: piles of hundreds
+//! of things, full shelves, slats and bars before windows, boards close before walls. A third stands along the axes, a third is
 //! turned about the vertical, a third about two axes, lights and camera with all else.
 //!
 //! Each room is measured with each method against the path tracer. Its reference takes samples until its noise is a
@@ -15,6 +16,7 @@
 //! number of rooms it adds the further ones.
 
 mod building;
+mod clutter;
 mod distribution;
 mod edges;
 mod figures;

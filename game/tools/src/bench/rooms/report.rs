@@ -120,12 +120,13 @@ fn size_class(room: &RoomFigures) -> &'static str {
 
 fn groups(figures: &Figures) -> String {
     type Group = fn(&RoomFigures) -> String;
-    let kinds: [(&str, Group); 6] = [
+    let kinds: [(&str, Group); 7] = [
         ("orientation", |room| room.facts.orientation.in_words().to_owned()),
         ("openness", |room| room.facts.openness.clone()),
         ("rooms", |room| room.facts.rooms.to_string()),
         ("size", |room| size_class(room).to_owned()),
         ("light", |room| if room.facts.glows { "something glows" } else { "lights and sky alone" }.to_owned()),
+        ("clutter", |room| if room.facts.cluttered { "cluttered" } else { "not cluttered" }.to_owned()),
         ("materials", |room| if room.facts.glossy { "some glossy" } else { "none glossy" }.to_owned()),
     ];
     let mut text = String::new();

@@ -1,6 +1,7 @@
 //! A random room: a scene as a function of seed and index.
 
 use super::building::{Building, CEILING, FLOOR, Openness, WALLS};
+use super::clutter;
 use super::furniture::Furnisher;
 use super::lights::Lighting;
 use super::pieces::SHEET;
@@ -41,6 +42,9 @@ pub struct RoomFacts {
     pub orientation: Orientation,
     /// Solids.
     pub solids: usize,
+    /// Whether hundreds of small things lie there, see `clutter`.
+    #[serde(default)]
+    pub cluttered: bool,
     /// Lights in words.
     pub lights: String,
     /// Whether something glows.
@@ -102,6 +106,9 @@ impl Room {
         for cell in &building.cells {
             furnisher.furnish(random, cell);
         }
+        let clutter = clutter::draw(seed, index, &building, &names);
+        let cluttered = !clutter.is_empty();
+        furnisher.items.extend(clutter);
         let lighting = Lighting::draw(random, &building, &mut furnisher);
         let furniture = furnisher.items;
         let viewpoint = Viewpoint::find(random, &building, &furniture);
@@ -122,6 +129,7 @@ impl Room {
             openness: building.openness.in_words().to_owned(),
             orientation,
             solids,
+            cluttered,
             lights: lighting.in_words(),
             glows: !lighting.glow.is_empty(),
             glossy: materials.iter().any(Surface::is_glossy),
@@ -166,7 +174,7 @@ fn describe(facts: &RoomFacts, pieces: usize) -> String {
     let [x, y, z] = facts.size;
     let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     format!(
-        "{x:.1} × {y:.1} × {z:.1} m, {}, walls {:.0} cm, {}, {}, {} of furniture, {} in all, {}{}",
+        "{x:.1} × {y:.1} × {z:.1} m, {}, walls {:.0} cm, {}, {}, {} of furniture, {} in all, {}{}{}",
         number(facts.rooms, "room"),
         100.0 * facts.wall,
         facts.openness,
@@ -175,5 +183,6 @@ fn describe(facts: &RoomFacts, pieces: usize) -> String {
         number(facts.solids, "solid"),
         facts.lights,
         if facts.glossy { ", glossy" } else { "" },
+        if facts.cluttered { ", cluttered" } else { "" },
     )
 }
