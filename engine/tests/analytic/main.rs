@@ -5,6 +5,7 @@ mod ambient_occlusion;
 mod area_lights;
 mod as_published;
 mod blend;
+mod clutter;
 mod depth_of_field;
 mod diffusion_lookup;
 mod diffusion_sources;

@@ -186,17 +186,15 @@ impl Exposed {
     fn around(&self, rays: Option<[Ray; RAYS as usize]>) -> Around {
         let Some(rays) = rays else { return Around::Closed(0) };
         let looks = rays.each_ref().map(|ray| self.along(ray));
-        let is_near = |look: &Look| look.distance < LEAST_REACH * self.cell;
-        if looks.iter().all(|look| look.is_back || is_near(look)) {
-            // Where solids overlap a ray from within one meets the front of another before the back of its own.
-            let within =
-                looks.iter().zip(&rays).filter(|(look, ray)| look.is_back || self.still.is_within(ray)).count();
-            if 2 * within >= looks.len() {
+        // Where solids overlap a ray from within one may meet the front of another before the back of its own.
+        if looks.iter().any(|look| look.is_back) {
+            let is_within = |(look, ray): &(&Look, &Ray)| look.is_back || self.still.is_within(ray);
+            if 2 * looks.iter().zip(&rays).filter(is_within).count() >= looks.len() {
                 return Around::Solid;
             }
-            if looks.iter().all(is_near) {
-                return Around::Closed(HIDDEN);
-            }
+        }
+        if looks.iter().all(|look| look.distance < LEAST_REACH * self.cell) {
+            return Around::Closed(HIDDEN);
         }
         let open = looks.iter().map(|look| look.light).sum::<f32>() / f32::from(RAYS);
         Around::Closed(((255.0 * (1.0 - open)).round() as u8).min(HIDDEN - 1))
