@@ -14,6 +14,18 @@ const RAYS: u32 = #{RAYS}u;
 const RAYS: u32 = 1u;
 #endif
 
+// How many links of a surfel remember where they ended, the first ones.
+const ENDS: u32 = min(RAYS, 8u);
+
+// Where the links of a surfel begin, which follow each other, and the ends after them, of three pairs of words each.
+fn links_of(surfel: u32) -> u32 {
+    return surfel * (RAYS + 3u * ENDS);
+}
+
+fn link_end_of(surfel: u32, link: u32) -> u32 {
+    return links_of(surfel) + RAYS + 3u * link;
+}
+
 // The patch that light comes from, or NO_PATCH, and how much of what that reflects arrives, which has 15, 15 and 14 bits.
 fn no_link() -> vec2u {
     return vec2u(NO_PATCH, 0u);
@@ -44,11 +56,9 @@ const MOST_MET: u32 = 6u;
 
 // A surface on the way of a link, for the lights' light there.
 struct LinkEnd {
-    triangle: u32,         // or NONE: the sky, or the back of something
-    barycentric: u32,      // of the second and third corner, 16 bits each
-    direction: u32,        // in which the ray came, octahedral, 16 bits each
-    distance: f32,         // that it came [m]
-    weight: u32,           // of light that is sent back along the ray, over MOST_MET, 10 bits a channel
+    seen: vec2u,           // triangle, or NONE: the sky, or the back of something; barycentrics of its second and third corner
+    ray: vec2u,            // direction in which the ray came, octahedral; distance that it came [m], as bits
+    weight: vec2u,         // of light that is sent back along the ray, over MOST_MET
 }
 
 // The ray that met it: where it began, its unit direction, and what it met.
@@ -59,30 +69,28 @@ struct LinkRay {
 }
 
 fn no_link_end() -> LinkEnd {
-    return LinkEnd(NONE, 0u, 0u, 0.0, 0u);
+    return LinkEnd(vec2u(NONE, 0u), vec2u(0u), vec2u(0u));
 }
 
 fn encode_link_end(ray: LinkRay, weight: vec3f) -> LinkEnd {
-    let code = vec3u(round(saturate(weight / f32(MOST_MET)) * 1023.0));
+    let share = saturate(weight / f32(MOST_MET));
     return LinkEnd(
-        ray.hit.triangle,
-        pack2x16unorm(ray.hit.barycentric),
-        pack2x16snorm(encode_octahedral(ray.direction)),
-        ray.hit.t,
-        code.x | (code.y << 10u) | (code.z << 20u),
+        vec2u(ray.hit.triangle, pack2x16unorm(ray.hit.barycentric)),
+        vec2u(pack2x16snorm(encode_octahedral(ray.direction)), bitcast<u32>(ray.hit.t)),
+        vec2u(pack2x16unorm(share.rg), pack2x16unorm(vec2f(share.b, 0.0))),
     );
 }
 
 fn link_end_weight(end: LinkEnd) -> vec3f {
-    let code = vec3u(end.weight, end.weight >> 10u, end.weight >> 20u) & vec3u(1023u);
-    return vec3f(code) * (f32(MOST_MET) / 1023.0);
+    return f32(MOST_MET) * vec3f(unpack2x16unorm(end.weight.x), unpack2x16unorm(end.weight.y).x);
 }
 
 fn link_ray(end: LinkEnd) -> LinkRay {
-    let barycentric = unpack2x16unorm(end.barycentric);
-    let triangle = load_triangle(end.triangle);
+    let barycentric = unpack2x16unorm(end.seen.y);
+    let distance = bitcast<f32>(end.ray.y);
+    let triangle = load_triangle(end.seen.x);
     let w = 1.0 - barycentric.x - barycentric.y;
     let met = w * triangle.corner_a + barycentric.x * triangle.corner_b + barycentric.y * triangle.corner_c;
-    let direction = decode_octahedral(unpack2x16snorm(end.direction));
-    return LinkRay(met - end.distance * direction, direction, hit_of(end.distance, end.triangle, barycentric));
+    let direction = decode_octahedral(unpack2x16snorm(end.ray.x));
+    return LinkRay(met - distance * direction, direction, hit_of(distance, end.seen.x, barycentric));
 }

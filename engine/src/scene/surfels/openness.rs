@@ -188,8 +188,8 @@ impl Exposed {
         let looks = rays.each_ref().map(|ray| self.along(ray));
         // Where solids overlap a ray from within one may meet the front of another before the back of its own.
         if looks.iter().any(|look| look.is_back) {
-            let is_within = |(look, ray): &(&Look, &Ray)| look.is_back || self.still.is_within(ray);
-            if 2 * looks.iter().zip(&rays).filter(is_within).count() >= looks.len() {
+            let within = rays.iter().filter(|ray| self.still.is_within(ray)).count();
+            if 2 * within >= rays.len() {
                 return Around::Solid;
             }
         }

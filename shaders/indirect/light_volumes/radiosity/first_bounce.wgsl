@@ -1,6 +1,6 @@
 // Light that surfels see at the ends of their links, straight from the lights: the first bounce, by shadow rays from where the
 // links end. Points of a patch differ in this light, which has borders, and not in that of further bounces.
-//   SAMPLES  how many links of a surfel are looked at, the first ones
+//   RAYS     links of a surfel
 //   LIGHTS   so many lights, all of which each link looks at: one that is bright but out of sight takes no samples from the
 //            others. Without it there are more, and each link chooses one by what it would bring
 //   HAZE     media scatter the lights' light on the way
@@ -9,7 +9,7 @@
 #import lightwell::haze_along::haze_along
 #endif
 #import lightwell::next_event::{BLUR, LightRange, LightSample, NO_RAY, blurred, bounded, sample_light}
-#import lightwell::radiosity::{LinkEnd, link_end_weight, link_ray}
+#import lightwell::radiosity::{ENDS, LinkEnd, link_end_of, link_end_weight, link_ray}
 #import lightwell::ray_scene::NONE
 #import lightwell::ray_surfaces::surface_at
 #import lightwell::rays::{Ray, SHADOW}
@@ -25,15 +25,9 @@ struct FirstBounce {
 }
 
 @group(0) @binding(0) var<uniform> first_bounce: FirstBounce;
-@group(0) @binding(1) var<storage, read> link_ends: array<LinkEnd>;
+@group(0) @binding(1) var<storage, read> surfel_links: array<vec2u>;
 // Irradiance [W/m²].
 @group(0) @binding(2) var<storage, read_write> reflected_light: array<vec4f>;
-
-#ifdef SAMPLES
-const SAMPLES: u32 = #{SAMPLES}u;
-#else
-const SAMPLES: u32 = 1u;
-#endif
 
 #ifdef LIGHTS
 const LIGHTS: u32 = #{LIGHTS}u;
@@ -60,14 +54,15 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
     // and keeps all.
     let light_count = min(first_bounce.light_count, 0xfffffffu + index);
     var light = vec3f(0.0);
-    for (var i = 0u; i < SAMPLES; i++) {
-        let end = link_ends[index * SAMPLES + i];
-        if end.triangle == NONE {
+    for (var i = 0u; i < ENDS; i++) {
+        let at = link_end_of(index, i);
+        let end = LinkEnd(surfel_links[at], surfel_links[at + 1u], surfel_links[at + 2u]);
+        if end.seen.x == NONE {
             continue;
         }
         let ray = link_ray(end);
         let surface = blurred(surface_at(ray.hit, ray.direction), BLUR);
-        var random = Sampler(first_bounce.seed, index * SAMPLES + i, 0u);
+        var random = Sampler(first_bounce.seed, index * ENDS + i, 0u);
         let weight = link_end_weight(end);
         var passing = weight * left_by_glass(first_bounce.root, Ray(ray.start, ray.direction), ray.hit.t);
 #ifdef HAZE
@@ -94,5 +89,5 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         light += passing * arriving(sample_light(surface, -ray.direction, NO_RAY, LightRange(0u, light_count), false, pick, on_light));
 #endif
     }
-    reflected_light[index] = vec4f(light * (PI / f32(SAMPLES)), 0.0);
+    reflected_light[index] = vec4f(light * (PI / f32(ENDS)), 0.0);
 }

@@ -11,7 +11,6 @@
 // What rays and shadow rays find of emissive surfaces and the sky depends on no light either, and is summed up at once.
 //   RAYS      rays of a surfel
 //   AT_ONCE   those of a dispatch
-//   ENDS      how many of them remember where they ended, the first ones
 //   UNLIT, DIFFUSE, EVEN_SKY and others: what the scene does not have, see lib/ray_scene.wgsl
 
 #import lightwell::next_event::{EMITTER_CANDIDATES, LightSample, bounded, direction_density, emission_weight, even_reflectance}
@@ -26,7 +25,8 @@
 #import lightwell::media::{FARTHEST, share_not_absorbed}
 #endif
 #import lightwell::patches::{NO_PATCH, patch_at}
-#import lightwell::radiosity::{LinkEnd, LinkRay, MOST_MET, RAYS, encode_link, encode_link_end, no_link, no_link_end}
+#import lightwell::radiosity::{ENDS, LinkEnd, LinkRay, MOST_MET, RAYS, encode_link, encode_link_end, link_end_of, links_of, no_link}
+#import lightwell::radiosity::no_link_end
 #import lightwell::ray_scene::{NONE, primitive_of}
 #import lightwell::ray_surfaces::{Surface, leave_surface, surface_at}
 #import lightwell::rays::{Hit, Ray, LIGHT, SHADOW, no_hit}
@@ -49,20 +49,12 @@ struct Links {
 
 @group(0) @binding(0) var<uniform> links: Links;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
-// See `lib/radiosity.wgsl`: those of a surfel follow each other.
+// And their ends, see `lib/radiosity.wgsl`.
 @group(0) @binding(2) var<storage, read_write> surfel_links: array<vec2u>;
 // Irradiance from emissive surfaces and the sky [W/m²], and the share of rays that go far: by all rays of each surfel, and after
 // all surfels by those of each dispatch, PARTS a surfel.
 @group(0) @binding(3) var<storage, read_write> shone_on: array<vec4f>;
 @group(0) @binding(4) var sky: texture_2d<f32>;
-// Of the first links of each surfel.
-@group(0) @binding(5) var<storage, read_write> link_ends: array<LinkEnd>;
-
-#ifdef ENDS
-const ENDS: u32 = #{ENDS}u;
-#else
-const ENDS: u32 = 1u;
-#endif
 
 #ifdef AT_ONCE
 const AT_ONCE: u32 = #{AT_ONCE}u;
@@ -198,9 +190,12 @@ fn main(@builtin(global_invocation_id) thread: vec3u, @builtin(num_workgroups) g
         let found = follow(surface, &random);
         light += found.light;
         far += select(0u, 1u, found.is_far);
-        surfel_links[index * RAYS + i] = found.link;
+        surfel_links[links_of(index) + i] = found.link;
         if i < ENDS {
-            link_ends[index * ENDS + i] = found.end;
+            let at = link_end_of(index, i);
+            surfel_links[at] = found.end.seen;
+            surfel_links[at + 1u] = found.end.ray;
+            surfel_links[at + 2u] = found.end.weight;
         }
     }
     let parts = arrayLength(&surfels) + index * PARTS;

@@ -7,7 +7,7 @@
 //   RAYS     links of a surfel
 
 #import lightwell::patches::NO_PATCH
-#import lightwell::radiosity::{RAYS, link_passing, link_patch}
+#import lightwell::radiosity::{RAYS, link_passing, link_patch, links_of}
 #import lightwell::sweep::Surfel
 
 // First surfel and number of surfels of a patch.
@@ -64,7 +64,7 @@ fn gathered(range: vec2u) -> vec3f {
     var all = vec3f(0.0);
     for (var i = range.x; i < range.x + range.y; i++) {
         var sum = vec3f(0.0);
-        for (var k = i * RAYS; k < (i + 1u) * RAYS; k++) {
+        for (var k = links_of(i); k < links_of(i) + RAYS; k++) {
             let link = surfel_links[k];
             let to = link_patch(link);
             if to != NO_PATCH {

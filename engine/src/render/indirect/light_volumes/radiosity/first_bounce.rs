@@ -38,7 +38,7 @@ pub(super) fn declare<'a>(
     let reflected = graph.retained_buffer("first bounce at surfels", desc);
     let mut pass = graph.pass(FIRST_BOUNCE);
     let lamp_light = lamps.map(|cells| cells.light);
-    [links.ends].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
+    [links.links].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
     let reflected = pass.write(reflected);
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays, turn));
     pass.key(&(frame.media_key(), HazeCells::key(lamps.as_ref())));
@@ -47,14 +47,14 @@ pub(super) fn declare<'a>(
         let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
         let lights = scene.light_count;
         let samples = links::ends(rays.count);
-        let [ends, reflected] = [links.ends, reflected].map(|handle| cx.buffer(handle).clone());
+        let [links, reflected] = [links.links, reflected].map(|handle| cx.buffer(handle).clone());
         let turns = turn.count(count);
         cx.counts().paths += u64::from(turns) * u64::from(samples);
         let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
         cx.counts().rays += u64::from(turns) * u64::from(samples * casts);
         let mut key = scene
             .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
-            .def("SAMPLES", ShaderDef::Uint(samples));
+            .def("RAYS", ShaderDef::Uint(rays.count));
         if (1..=FEW_LIGHTS).contains(&lights) {
             key = key.def("LIGHTS", ShaderDef::Uint(lights));
         }
@@ -74,7 +74,7 @@ pub(super) fn declare<'a>(
             let uniform = cx.gpu.uniform("first_bounce", &uniform);
             let mut group = vec![
                 ("first_bounce", Binding::Buffer(&uniform)),
-                ("link_ends", Binding::Buffer(&ends)),
+                ("surfel_links", Binding::Buffer(&links)),
                 ("reflected_light", Binding::Buffer(&reflected)),
             ];
             group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));

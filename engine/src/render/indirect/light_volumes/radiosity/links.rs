@@ -9,16 +9,11 @@ use encase::ShaderType;
 use glam::Vec3;
 use wgpu::BufferUsages;
 
-/// Bytes of a link.
+/// Bytes of a link: `surfel_links` of `links.wgsl`.
 const LINK_BYTES: u64 = 8;
 /// Bytes of where a link ended: `LinkEnd` of `lib/radiosity.wgsl`.
-const END_BYTES: u64 = 20;
-/// Bytes of a buffer for each surfel, of so many links.
-pub(super) const fn bytes_of_surfel(links: u64) -> u64 {
-    let ends = END_BYTES * if links < MOST_ENDS as u64 { links } else { MOST_ENDS as u64 };
-    if LINK_BYTES * links > ends { LINK_BYTES * links } else { ends }
-}
-/// Most links of a surfel that remember where they ended.
+const END_BYTES: u64 = 24;
+/// Most links of a surfel that remember where they ended, as `ENDS` there.
 const MOST_ENDS: u32 = 8;
 /// Rays of one submit: a submit of a second may cost the device on desktop drivers.
 const RAYS_A_SUBMIT: u64 = 1 << 18;
@@ -41,10 +36,8 @@ pub(crate) struct LinksUniform {
 /// The links of all surfels, and what shines on them.
 #[derive(Clone, Copy)]
 pub(super) struct Links {
-    /// Those of a surfel follow each other.
+    /// Those of a surfel follow each other, and their ends them: see `lib/radiosity.wgsl`.
     pub links: Handle<Buffer>,
-    /// Where the first ones of each surfel ended.
-    pub ends: Handle<Buffer>,
     /// Irradiance of each surfel from emissive surfaces and the sky [W/m²]; after all of them that by the rays of each part.
     pub shone_on: Handle<Buffer>,
 }
@@ -52,6 +45,11 @@ pub(super) struct Links {
 /// How many links of a surfel remember where they ended, of so many.
 pub(super) fn ends(links: u32) -> u32 {
     links.min(MOST_ENDS)
+}
+
+/// Bytes of so many links of a surfel, and of their ends.
+pub(super) fn bytes_of_surfel(links: u32) -> u64 {
+    LINK_BYTES * u64::from(links) + END_BYTES * u64::from(ends(links))
 }
 
 /// Declares the links of the surfels, so many rays each. `near` is the distance up to which they go on from what they meet
@@ -65,12 +63,11 @@ pub(super) fn declare<'a>(
 ) -> Links {
     let count = frame.surfels.count();
     let buffer = |bytes: u64| BufferDesc::new(bytes * u64::from(count), BufferUsages::STORAGE);
-    let links = graph.retained_buffer("links of surfels", buffer(LINK_BYTES * u64::from(rays.count)));
-    let ends = graph.retained_buffer("ends of links", buffer(END_BYTES * u64::from(ends(rays.count))));
+    let links = graph.retained_buffer("links of surfels", buffer(bytes_of_surfel(rays.count)));
     let shone_on = graph.retained_buffer("emitted light at surfels", buffer(16 * (1 + u64::from(rays.parts()))));
     let mut pass = graph.pass(LINKS);
     pass.read(surfels);
-    let found = Links { links: pass.write(links), ends: pass.write(ends), shone_on: pass.write(shone_on) };
+    let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays, frame.media_key()));
     // A part of the rays is cast while objects move; else the links stay as they are.
@@ -128,19 +125,16 @@ fn dispatch(
         near,
     };
     let uniform = cx.gpu.uniform("links", &uniform);
-    let [surfels, links, ends_of, shone_on] =
-        [surfels, found.links, found.ends, found.shone_on].map(|handle| cx.buffer(handle).clone());
+    let [surfels, links, shone_on] = [surfels, found.links, found.shone_on].map(|handle| cx.buffer(handle).clone());
     let mut key = scene_rays
         .shader("indirect/light_volumes/radiosity/links.wgsl", "main")
         .def("RAYS", ShaderDef::Uint(rays.count))
         .def("AT_ONCE", ShaderDef::Uint(rays.at_once()))
-        .def("ENDS", ShaderDef::Uint(ends(rays.count)))
         .def("NOT_ABSORBED", ShaderDef::Flag(true));
     let mut group = vec![
         ("links", Binding::Buffer(&uniform)),
         ("surfels", Binding::Buffer(&surfels)),
         ("surfel_links", Binding::Buffer(&links)),
-        ("link_ends", Binding::Buffer(&ends_of)),
         ("shone_on", Binding::Buffer(&shone_on)),
     ];
     group.extend(frame.surfels.patches().bindings());

@@ -144,9 +144,9 @@ fn count(frame: &Frame, settings: &Clpv) -> u32 {
         Quality::Low => 8,
         Quality::Medium | Quality::High | Quality::Ultra => 16,
     };
-    let fits = |links: u64| links::bytes_of_surfel(links) * u64::from(frame.surfels.count()) <= LARGEST_BINDING;
+    let fits = |links: u32| links::bytes_of_surfel(links) * u64::from(frame.surfels.count()) <= LARGEST_BINDING;
     let halves = std::iter::successors(Some(wanted), |links| Some(links / 2));
-    halves.take_while(|links| *links > 0).find(|links| fits(u64::from(*links))).unwrap_or(1)
+    halves.take_while(|links| *links > 0).find(|links| fits(*links)).unwrap_or(1)
 }
 
 impl Rays {
