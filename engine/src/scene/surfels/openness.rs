@@ -189,7 +189,7 @@ impl Exposed {
         // Where solids overlap a ray from within one may meet the front of another before the back of its own.
         if looks.iter().any(|look| look.is_back) {
             let within = rays.iter().filter(|ray| self.still.is_within(ray)).count();
-            if 2 * within >= rays.len() {
+            if 4 * within >= 3 * rays.len() {
                 return Around::Solid;
             }
         }
