@@ -18,9 +18,6 @@ pub struct Goal {
     pub least: u32,
     /// Images that are averaged at most, an even number.
     pub most: u32,
-    /// Images that the filter against noise in each of them counts on: it is the narrower the more there are, and what it
-    /// blurs is no part of the estimate.
-    pub filtered_for: u32,
     /// Shifts of the pixel grid at which each image is drawn, where one of them may gather the light of all.
     pub edges: u32,
     /// Time for an image.
@@ -30,15 +27,15 @@ pub struct Goal {
 impl Goal {
     /// The goal of a quality, within the time that was given for it.
     pub fn new(args: &QualityArgs, default: Quality) -> Self {
-        let (bound, least, most, filtered_for, seconds) = match args.quality.unwrap_or(default) {
-            Quality::Fast => (0.04, 4, 64, 1, 10.0),
-            Quality::Good => (0.02, 8, 512, 4, 120.0),
-            Quality::Best => (0.01, 16, 4096, 16, 1200.0),
+        let (bound, least, most, seconds) = match args.quality.unwrap_or(default) {
+            Quality::Fast => (0.04, 4, 64, 10.0),
+            Quality::Good => (0.02, 8, 512, 120.0),
+            Quality::Best => (0.01, 16, 4096, 1200.0),
         };
         // A longer time than can be told is no limit.
         let limit = Duration::try_from_secs_f64(args.time_limit.unwrap_or(seconds));
         let edges = args.edges.unwrap_or(EDGES);
-        Self { bound, least, most, filtered_for, edges, time_limit: limit.unwrap_or(Duration::MAX) }
+        Self { bound, least, most, edges, time_limit: limit.unwrap_or(Duration::MAX) }
     }
 
     /// How far an estimate is from the bound: above 1 it is past it.

@@ -19,6 +19,10 @@ use lightwell::render::RenderSettings;
 use lightwell_runtime::session::Session;
 use std::time::{Duration, Instant};
 
+/// Each image is filtered for a mean of this many times the images that exist with it. The filter narrows with the number of
+/// images, so the mean gets sharper as it gets less noisy. Later images outweigh earlier ones, whose filter was wider.
+const FILTER_AHEAD: u32 = 2;
+
 /// How far an average is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
@@ -44,12 +48,12 @@ pub fn average(
 ) -> Result<(Image, Outcome)> {
     let start = Instant::now();
     // Shifted images are smooth at their edges, and are averaged anyway, each by itself.
-    let settings =
-        RenderSettings { display: true, mlaa: false, average: false, images: goal.filtered_for, ..settings.clone() };
+    let mut settings = RenderSettings { display: true, mlaa: false, average: false, ..settings.clone() };
     let edges = if session.shares_light(&settings) { goal.edges } else { 1 };
     let mut halves = Halves::new(size);
     let (mut look, mut estimate) = (goal.least, None);
     loop {
+        settings.images = FILTER_AHEAD * (halves.images() + 2);
         let (pair, frame_time) = draw_pair(session, size, &settings, (halves.images() / 2, edges))?;
         halves.add(&pair);
         let images = halves.images();

@@ -42,7 +42,7 @@
 @group(0) @binding(11) var indirect: texture_storage_2d<rgba32float, write>;
 
 struct Reach {
-    radius: i32,           // the one in the middle among them [texels]
+    radius: f32,           // distance at which weights are zero [texels]
     weight: f32,           // how much the frame counts among others
     stray: f32,            // how many times as bright as all that is next to it light may be
     @align(16) interleave: Interleave,
@@ -90,13 +90,14 @@ fn mean_nearness(texel: vec2u) -> vec3f {
 fn emitted_along(center: vec2u, along: vec2i) -> f32 {
     var mean = 0.0;
     var light = 1e-30;
-    for (var d = 1 - reach.radius; d < reach.radius; d++) {
+    let last = i32(ceil(reach.radius)) - 1;
+    for (var d = -last; d <= last; d++) {
         let at = vec2i(center) + d * along;
         if any(at < vec2i(0)) || any(at >= vec2i(reach.interleave.texels)) {
             continue;
         }
         let found = textureLoad(diffuse, at, 0);
-        let weight = luminance(found.rgb) * (1.0 - f32(abs(d)) / f32(reach.radius));
+        let weight = luminance(found.rgb) * (1.0 - f32(abs(d)) / reach.radius);
         let near = decode_emitted(vec2f(found.a, textureLoad(specular, at, 0).a));
         // A running mean: the sum of weighted values could leave the range of floats.
         light += weight;
@@ -114,7 +115,7 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
     let toward_near = (basis(n) * vec3f(inverse_distance.xy, 0.0)) / TOLERANCE;
     let roughness = f32(texel.z) / 65535.0;
     // Of the specular lobe: about its width over that of the diffuse one.
-    let lobe = max(1.0, saturate(2.0 * roughness * roughness) * f32(reach.radius));
+    let lobe = max(1.0, saturate(2.0 * roughness * roughness) * reach.radius);
     var sum = Filtered(textureLoad(diffuse, center, 0).rgb, textureLoad(specular, center, 0).rgb);
     let pixels = f32(reach.interleave.stride) / LEAST;
     let least = pixels * pixels;
@@ -122,7 +123,8 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
 #ifndef UNLIT
     let emitted = emitted_along(center, along) / TOLERANCE_EMITTED;
 #endif
-    for (var d = 1 - reach.radius; d < reach.radius; d++) {
+    let last = i32(ceil(reach.radius)) - 1;
+    for (var d = -last; d <= last; d++) {
         let at = vec2i(center) + d * along;
         if d == 0 || any(at < vec2i(0)) || any(at >= vec2i(reach.interleave.texels)) {
             continue;
@@ -142,7 +144,7 @@ fn filtered(center: vec2u, z: f32, along: vec2i, inverse_distance: vec3f) -> Fil
         spread += dot(off, off) * emitted * emitted;
 #endif
         let near = exp(-spread);
-        let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(f32(reach.radius), lobe)) * like;
+        let weight = near * saturate(1.0 - f32(abs(d)) / vec2f(reach.radius, lobe)) * like;
         let found_diffuse = textureLoad(diffuse, at, 0);
         let found_specular = textureLoad(specular, at, 0);
         if has_diffuse(vec2f(found_diffuse.a, found_specular.a)) {

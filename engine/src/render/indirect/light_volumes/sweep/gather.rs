@@ -283,9 +283,8 @@ fn gathered_images(frame: &Frame, settings: &Clpv, interleave: Interleave) -> f3
 /// Radius of the filter \[pixels\] where so many images are averaged. Most of what a filter gets wrong lies at edges of the
 /// light, where the squared error grows with its radius r; that of the noise of n images falls with 1/(n·r²). Their sum is
 /// least for r ∝ n^(−1/3).
-fn filter_radius(settings: &Clpv, images: f32) -> u32 {
-    let radius = settings.gather_filter.min(MAX_FILTER) as f32;
-    (radius / images.max(1.0).cbrt()).round() as u32
+fn filter_radius(settings: &Clpv, images: f32) -> f32 {
+    settings.gather_filter.min(MAX_FILTER) as f32 / images.max(1.0).cbrt()
 }
 
 /// Whether the light is gathered; else the reason is in the report.

@@ -23,7 +23,7 @@ const ANY: f32 = 1e6;
 /// `Reach` of `indirect/light_volumes/sweep/gather_filter.wgsl`.
 #[derive(ShaderType)]
 pub(crate) struct ReachUniform {
-    radius: i32,
+    radius: f32,
     weight: f32,
     stray: f32,
     #[shader(align(16))]
@@ -33,23 +33,23 @@ pub(crate) struct ReachUniform {
 /// How far the filter reaches, over which pixels.
 #[derive(Clone, Copy)]
 struct Reach {
-    /// \[texels\]
-    radius: u32,
+    /// Distance at which weights are zero \[texels\]; up to 1 nothing is filtered.
+    radius: f32,
     interleave: Interleave,
 }
 
 /// Declares the filter where all pixels were gathered at; the result is reflected radiance. `radius` is that of the filter
-/// \[pixels\]; 0: none.
+/// \[pixels\]; up to 1 nothing is filtered.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     gbuffer: &GBuffer,
     gathered: Gathered,
     interleave: Interleave,
-    radius: u32,
+    radius: f32,
 ) -> Handle<Texture> {
     let reach = Reach { radius: interleave.radius(radius), interleave };
-    let half = if reach.radius > 1 { horizontal(graph, frame, gbuffer, gathered, reach) } else { gathered };
+    let half = if reach.radius > 1.0 { horizontal(graph, frame, gbuffer, gathered, reach) } else { gathered };
     vertical(graph, frame, gbuffer, half, reach)
 }
 
@@ -60,10 +60,10 @@ pub(super) fn declare_apart<'a>(
     gbuffer: &GBuffer,
     gathered: Gathered,
     interleave: Interleave,
-    radius: u32,
+    radius: f32,
 ) -> Gathered {
     let reach = Reach { radius: interleave.radius(radius), interleave };
-    if reach.radius <= 1 {
+    if reach.radius <= 1.0 {
         return gathered;
     }
     let half = horizontal(graph, frame, gbuffer, gathered, reach);
@@ -166,7 +166,7 @@ fn pass<'a, const N: usize>(
     inputs.iter().for_each(|(_, input)| pass.read(*input));
     let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
     let is_unlit = is_unlit(frame);
-    pass.key(&(reach.radius, reach.interleave.key(), frame.view_key(), frame.history.is_changing(), is_unlit));
+    pass.key(&(reach.radius.to_bits(), reach.interleave.key(), frame.view_key(), frame.history.is_changing(), is_unlit));
     pass.key(&is_tinted(frame));
     let frame = frame.clone();
     pass.execute(move |cx| {
@@ -193,7 +193,7 @@ fn run(
     let view = frame.view_uniform(cx.gpu);
     // Not a constant of the pipeline: the radius shrinks while a view comes to rest.
     let uniform = ReachUniform {
-        radius: radius.max(1) as i32,
+        radius: radius.max(1.0),
         weight: interleave.weight(),
         stray: if frame.history.is_changing() { STRAY } else { ANY },
         interleave: interleave.uniform(),

@@ -80,8 +80,8 @@ impl Interleave {
     }
 
     /// A filter's radius in texels, from pixels.
-    pub fn radius(&self, pixels: u32) -> u32 {
-        pixels.div_ceil(self.stride)
+    pub fn radius(&self, pixels: f32) -> f32 {
+        pixels / self.stride as f32
     }
 
     /// The values that shaders read.
