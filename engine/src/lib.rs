@@ -70,6 +70,7 @@ extern crate self as lightwell;
 
 pub mod assets;
 pub mod bvh;
+pub mod core;
 pub mod files;
 pub mod game;
 pub mod gpu;

@@ -5,7 +5,7 @@
 //! (Cauchy 1841).
 
 use super::{AssetId, Material, Mesh, Sampling, Texture, Vertex, Wrap};
-use crate::measure::srgb_encode;
+use crate::core::srgb_encode;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
@@ -223,7 +223,7 @@ mod tests {
         let texture = material.emissive_texture.clone().expect("a ramp");
         for x in [0, 20, 63] {
             let texel = &texture.rgba[4 * x..];
-            let linear = Vec3::from_array([0, 1, 2].map(|i| crate::measure::srgb_decode(f32::from(texel[i]) / 255.0)));
+            let linear = Vec3::from_array([0, 1, 2].map(|i| crate::core::srgb_decode(f32::from(texel[i]) / 255.0)));
             let wanted = of((x as f32 + 0.5) / 64.0);
             assert!((linear * material.emissive - wanted).length() < 0.01 * wanted.length(), "{x}: {linear}");
         }

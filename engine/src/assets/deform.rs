@@ -1,7 +1,7 @@
 //! Deformation of meshes: morph targets, then skins (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
 
 use super::{AssetId, Mesh, Vertex, parallel};
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;

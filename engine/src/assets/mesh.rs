@@ -2,7 +2,7 @@
 
 use super::{AssetId, Ball, Deform};
 use crate::bvh::MeshBvh;
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 

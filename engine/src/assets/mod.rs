@@ -38,7 +38,7 @@ pub use self::gltf::{
     Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, LightConversion,
     LightUnits, Normals, Parts, UpAxis,
 };
-pub use self::pixels::MAX_IMAGE_SIZE;
+pub use crate::core::{AssetId, MAX_IMAGE_SIZE};
 pub use atmosphere::{Atmosphere, AtmosphereTables};
 pub use balls::Ball;
 pub(crate) use balls::{material_of_balls, mesh_of_balls};
@@ -55,7 +55,6 @@ pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
 
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Largest file that is read \[bytes\].
 const MAX_FILE: u64 = 4 << 30;
@@ -72,16 +71,4 @@ fn read_file(path: &Path, meter: &Meter) -> Result<Vec<u8>, AssetError> {
     }
     meter.bytes(path, meta.len())?;
     std::fs::read(path).map_err(|e| AssetError::io(path, e))
-}
-
-/// Identity of an immutable asset within the process. Caches key by it; it is never reused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct AssetId(u64);
-
-impl AssetId {
-    /// An identity that no other asset of this process has.
-    pub fn fresh() -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
-        Self(NEXT.fetch_add(1, Ordering::Relaxed))
-    }
 }

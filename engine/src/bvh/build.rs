@@ -2,7 +2,7 @@
 //! hierarchies", 2007).
 
 use super::{Bvh, MAX_DEPTH, Node, half_area};
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::Vec3;
 
 /// Bins along an axis; more gain nothing measurable.

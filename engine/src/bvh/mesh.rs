@@ -2,7 +2,7 @@
 
 use super::{Bvh, Ray, intersect_triangle};
 use crate::assets::Mesh;
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::Vec3;
 
 /// Most triangles of a leaf.

@@ -8,16 +8,15 @@ mod build;
 mod mesh;
 mod movers;
 mod presplit;
-mod ray;
 mod scene;
 mod scene_part;
 mod scene_triangle;
 #[cfg(test)]
 mod tests;
 
+pub use crate::core::{Ray, intersect_triangle};
 pub use mesh::{MeshBvh, MeshHit};
 pub use movers::Movers;
-pub use ray::{Ray, intersect_triangle};
 pub(crate) use scene::is_nearer;
 pub use scene::{RayKind, SceneBvh, SceneHit, Updated};
 pub use scene_part::ScenePart;
@@ -26,7 +25,7 @@ pub(crate) use scene_triangle::{
     corner_indices, is_mirrored, normal_matrix, turned_normal, vertex_indices, world_normal,
 };
 
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 

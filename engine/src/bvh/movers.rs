@@ -7,7 +7,8 @@ use super::scene_part::{PartTriangles, ScenePart, Source};
 use super::scene_triangle::{SceneTriangle, place_corners};
 use super::{Bvh, Updated};
 use crate::assets::parallel;
-use crate::scene::{Aabb, Primitive};
+use crate::core::Aabb;
+use crate::scene::Primitive;
 
 /// A refitted tree over the objects that costs so many times what it did when it was built is rebuilt.
 const WORN_OUT: f32 = 1.25;

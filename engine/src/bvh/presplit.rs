@@ -4,7 +4,7 @@
 //! construction of high-quality bounding volume hierarchies", section 4.2). Pieces refer to their whole triangle.
 
 use super::half_area;
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::Vec3;
 
 /// Pieces that a small scene may have beside its triangles.

@@ -4,8 +4,8 @@ use super::presplit::presplit;
 use super::scene::Updated;
 use super::scene_triangle::{SceneTriangle, is_mirrored};
 use super::{Bvh, Node};
-use crate::assets::AssetId;
-use crate::scene::{Aabb, Primitive, SceneId};
+use crate::core::{Aabb, AssetId, SceneId};
+use crate::scene::Primitive;
 use glam::{Affine3A, Vec3};
 
 /// Most triangles of a leaf.

@@ -7,9 +7,9 @@ use super::source::SceneInfo;
 use crate::assets::{
     AlphaMode, Anisotropy, Attenuation, Clearcoat, Iridescence, Material, Sampling, Sheen, Texture, Wrap,
 };
-use crate::world::Transform;
+use crate::core::{Transform, look_rotation};
 use crate::world::animation::rotation_from_degrees;
-use glam::{Mat3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
@@ -39,14 +39,6 @@ impl From<Transform> for TransformFile {
             scale: (t.scale != Vec3::ONE).then_some(Scale::Axes(t.scale)),
         }
     }
-}
-
-/// The rotation that turns −Z to the direction, +Y as far up as it goes.
-pub fn look_rotation(direction: Vec3) -> Quat {
-    let Some(forward) = direction.try_normalize() else { return Quat::IDENTITY };
-    let up = if forward.y.abs() > 0.9999 { Vec3::NEG_Z * forward.y.signum() } else { Vec3::Y };
-    let right = forward.cross(up).normalize_or(Vec3::X);
-    Quat::from_mat3(&Mat3::from_cols(right, right.cross(forward), -forward)).normalize()
 }
 
 impl EntityFile {

@@ -2,11 +2,12 @@
 
 /// Texts of the source files whose documentation comments describe components and their fields: one place for help,
 /// units and ranges, whether they are read in the documentation or in an inspector.
-pub const DESCRIBED: [&str; 12] = [
+pub const DESCRIBED: [&str; 13] = [
     include_str!("format.rs"),
     include_str!("parts.rs"),
     include_str!("../assets/shape.rs"),
     include_str!("../assets/gltf/import/mod.rs"),
+    include_str!("../core/light_kind.rs"),
     include_str!("../world/components.rs"),
     include_str!("../world/animation/mod.rs"),
     include_str!("../world/animation/key.rs"),

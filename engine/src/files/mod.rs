@@ -61,7 +61,6 @@ mod prefabs;
 mod preserve;
 mod reload;
 mod repeat;
-mod replace;
 mod rewrite;
 mod save;
 mod save_as;
@@ -83,8 +82,8 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+pub use crate::core::{look_rotation, replace_file};
 pub use apply::apply_to_prefab;
-pub use convert::look_rotation;
 pub use custom_components::*;
 pub use describe::*;
 pub use described::DESCRIBED;
@@ -99,7 +98,6 @@ pub use instantiate::*;
 pub use overridden::{Overridden, override_values};
 pub use reload::{follow_scene, read_scene};
 pub use repeat::{MAX_COPIES, Repeat};
-pub use replace::replace_file;
 pub use save::save_scene;
 pub use save_as::{rewrite_paths, save_scene_as};
 pub use scene_data::*;

@@ -4,8 +4,8 @@ use super::custom_components::ComponentTypes;
 use super::document::ron_options;
 use super::error::{FileError, FileErrorKind as Kind};
 use super::format::{ImportSettings, MaterialFile, PrefabFile, SceneFile};
-use super::replace::{self, beside, discard};
 use super::tree::{Node, OWN};
+use crate::core::{beside, discard, write_in_place_of};
 use crate::world::{
     Animation, Bloom, Camera, Clpv, DepthOfField, Fog, InstantRadiosity, Lens, Light, Particles, SceneSettings,
     StochasticLightCulling,
@@ -113,12 +113,12 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
     let (temporary, copy) = (beside(path, ".tmp"), beside(path, ".bak.tmp"));
     let mut backup = path.as_os_str().to_owned();
     backup.push(".bak");
-    let result = replace::write(&temporary, text.as_bytes(), path)
+    let result = write_in_place_of(&temporary, text.as_bytes(), path)
         .map_err(|e| failed("cannot write beside it", &e))
         .and_then(|()| match path.exists() {
             // In one step too: a backup that is cut off would be none.
             true => std::fs::read(path)
-                .and_then(|old| replace::write(&copy, &old, path))
+                .and_then(|old| write_in_place_of(&copy, &old, path))
                 .and_then(|()| std::fs::rename(&copy, backup))
                 .map_err(|e| failed("cannot keep the file before as backup", &e)),
             false => Ok(()),
@@ -128,4 +128,46 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), FileError> {
         [&temporary, &copy].into_iter().for_each(|file| discard(file));
     }
     result
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::core::replace_file;
+    use std::fs::File;
+    use std::fs::{Permissions, set_permissions};
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+
+    #[test]
+    fn permissions_stay_those_of_the_file_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| folder.path().join(name).metadata().unwrap().mode() & 0o777;
+        let (path, plain) = (folder.path().join("a.scene.ron"), folder.path().join("plain"));
+        File::create(&plain).unwrap();
+        write_atomically(&path, "one").unwrap();
+        assert_eq!(mode("a.scene.ron"), mode("plain"), "a new file has the usual permissions");
+        for wanted in [0o600, 0o640, 0o664, 0o755, 0o444] {
+            set_permissions(&path, Permissions::from_mode(wanted)).unwrap();
+            write_atomically(&path, "two").unwrap();
+            assert_eq!((mode("a.scene.ron"), mode("a.scene.ron.bak")), (wanted, wanted), "{wanted:o}");
+            replace_file(&path, b"three").unwrap();
+            assert_eq!(mode("a.scene.ron"), wanted, "{wanted:o}");
+        }
+    }
+
+    #[test]
+    fn the_owner_stays_where_the_system_lets() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.scene.ron");
+        std::fs::write(&path, "one").unwrap();
+        if std::os::unix::fs::chown(&path, Some(4242), Some(4243)).is_err() {
+            return; // only root may give files away
+        }
+        write_atomically(&path, "two").unwrap();
+        for name in ["a.scene.ron", "a.scene.ron.bak"] {
+            let data = folder.path().join(name).metadata().unwrap();
+            assert_eq!((data.uid(), data.gid()), (4242, 4243), "{name}");
+        }
+    }
 }

@@ -2,8 +2,7 @@
 
 use super::Image;
 use super::exr_file::{decode_exr, encode_exr};
-use super::image::srgb_decode;
-use crate::assets::MAX_IMAGE_SIZE;
+use crate::core::{MAX_IMAGE_SIZE, replace_file, srgb_decode};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +86,7 @@ pub fn write_png_rgb8(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), Ima
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageFileError> {
-    crate::files::replace_file(path, bytes).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })
+    replace_file(path, bytes).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })
 }
 
 fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {

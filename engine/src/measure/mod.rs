@@ -27,6 +27,7 @@ mod flip;
 mod image;
 mod metrics;
 
+pub use crate::core::{srgb_decode, srgb_encode};
 pub use difference::difference_picture;
 pub(crate) use exr_file::check_exr;
 pub use figure::{displayed, figure};
@@ -35,5 +36,5 @@ pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
 pub use flip::flip_exposure;
 #[cfg(feature = "flip")]
 pub use flip::{FlipMap, flip, flip_displayed};
-pub use image::{Image, srgb_decode, srgb_encode};
+pub use image::Image;
 pub use metrics::{Comparison, MeasureError, TwoHalves, compare, two_halves};

@@ -39,8 +39,7 @@ pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 pub use units::{LightConversion, LightUnits};
 
 use super::{AssetError, Clip, Material, Mesh, Meter, parallel, read_file};
-use crate::scene::ViewProjection;
-use crate::world::{Camera, Light, LightKind, Projection, Transform};
+use crate::core::{LightKind, Transform, ViewProjection};
 use accessor::Buffers;
 use glam::{Affine3A, Vec3};
 use primitive::{Job, Reader};
@@ -71,19 +70,6 @@ pub struct GltfCamera {
     pub aspect: Option<f32>,
 }
 
-impl GltfCamera {
-    /// The component.
-    pub fn camera(&self) -> Camera {
-        let camera = Camera { near: self.near, far: self.far, ..Camera::default() };
-        match self.projection {
-            ViewProjection::Perspective { vertical_fov } => Camera { fov: vertical_fov.to_degrees(), ..camera },
-            ViewProjection::Orthographic { height } => {
-                Camera { projection: Projection::Orthographic { height }, ..camera }
-            }
-        }
-    }
-}
-
 /// A light of a file (`KHR_lights_punctual`) with the numbers of the file, shining along −Z where it has a direction.
 /// [`LightConversion`] says what they stand for.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,16 +84,6 @@ pub struct GltfLight {
     pub intensity: f32,
     /// Distance beyond which there is no light \[m\].
     pub range: Option<f32>,
-}
-
-impl GltfLight {
-    /// The component, with default shadow settings.
-    pub fn light(&self) -> Light {
-        let usual = Light::default();
-        // A directional light's map spans the whole scene.
-        let shadow_size = if self.kind == LightKind::Directional { 2 * usual.shadow_size } else { usual.shadow_size };
-        Light { kind: self.kind, color: self.color, intensity: self.intensity, range: self.range, shadow_size, ..usual }
-    }
 }
 
 /// Joints that vertices follow.

@@ -1,8 +1,7 @@
-//! Where entities stand.
+//! Transforms, relative to a parent and in the world.
 
-use crate::files::look_rotation;
 use bevy_ecs::prelude::*;
-use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Mat3A, Quat, Vec3};
 
 /// Place relative to the parent: scale first, then rotation, then translation.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
@@ -76,13 +75,21 @@ impl Transform {
     }
 }
 
+/// The rotation that turns −Z to the direction, +Y as far up as it goes.
+pub fn look_rotation(direction: Vec3) -> Quat {
+    let Some(forward) = direction.try_normalize() else { return Quat::IDENTITY };
+    let up = if forward.y.abs() > 0.9999 { Vec3::NEG_Z * forward.y.signum() } else { Vec3::Y };
+    let right = forward.cross(up).normalize_or(Vec3::X);
+    Quat::from_mat3(&Mat3::from_cols(right, right.cross(forward), -forward)).normalize()
+}
+
 /// World place, computed from the [`Transform`]s up the hierarchy once a frame.
 ///
 /// Far from the origin the numbers of single precision are coarse: 8 mm apart at 100 km. What the translation loses by
 /// them is kept beside it, so that what stands on the same distant parent fits together, see
 /// [`relative_to`](Self::relative_to).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct GlobalTransform(pub Affine3A, pub(super) Vec3);
+pub struct GlobalTransform(pub Affine3A, pub(crate) Vec3);
 
 impl GlobalTransform {
     /// World place on an origin of one's own \[m\], such as [`Scene::origin`](crate::scene::Scene::origin).
@@ -102,7 +109,7 @@ impl GlobalTransform {
     }
 
     /// A place of so much precision as two single numbers hold.
-    pub(super) fn new(matrix3: Mat3A, translation: DVec3) -> Self {
+    pub(crate) fn new(matrix3: Mat3A, translation: DVec3) -> Self {
         let high = translation.as_vec3();
         // Beyond the range of single precision nothing is left to keep.
         let low = if high.is_finite() { (translation - high.as_dvec3()).as_vec3() } else { Vec3::ZERO };

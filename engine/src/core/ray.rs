@@ -1,6 +1,6 @@
-//! Rays, and what they meet.
+//! Rays, and where they hit boxes and triangles.
 
-use crate::scene::Aabb;
+use super::Aabb;
 use glam::Vec3;
 
 /// A ray: the points `origin + t·direction` with `t` from 0 on. The direction need not be of unit length; distances

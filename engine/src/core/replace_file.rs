@@ -17,19 +17,19 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<()> {
         return std::fs::write(path, bytes);
     }
     let temporary = beside(path, ".tmp");
-    let written = write(&temporary, bytes, path).and_then(|()| std::fs::rename(&temporary, path));
+    let written = write_in_place_of(&temporary, bytes, path).and_then(|()| std::fs::rename(&temporary, path));
     written.inspect_err(|_| discard(&temporary))
 }
 
-/// A file of this process beside another one, which [`remove_leftovers`](super::remove_leftovers) knows.
-pub(super) fn beside(path: &Path, ending: &str) -> PathBuf {
+/// A file of this process beside another one, which [`remove_leftovers`](crate::files::remove_leftovers) knows.
+pub(crate) fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name: OsString = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}{ending}", std::process::id()));
     path.with_file_name(name)
 }
 
 /// Writes a file that shall take the place of another one, with the permissions of that.
-pub(super) fn write(path: &Path, bytes: &[u8], old: &Path) -> Result<()> {
+pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8], old: &Path) -> Result<()> {
     discard(path);
     let old = old.metadata().ok();
     let mut file = create(path, old.as_ref())?;
@@ -76,47 +76,6 @@ fn keep_access(_file: &File, _old: &Metadata) -> Result<()> {
 }
 
 /// The rest of a failed write is of no use and harms nobody.
-pub(super) fn discard(path: &Path) {
+pub(crate) fn discard(path: &Path) {
     let _ = std::fs::remove_file(path);
-}
-
-#[cfg(all(test, unix))]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use crate::files::write_atomically;
-    use std::fs::{Permissions, set_permissions};
-    use std::os::unix::fs::{MetadataExt, PermissionsExt};
-
-    #[test]
-    fn permissions_stay_those_of_the_file_before() {
-        let folder = tempfile::tempdir().unwrap();
-        let mode = |name: &str| folder.path().join(name).metadata().unwrap().mode() & 0o777;
-        let (path, plain) = (folder.path().join("a.scene.ron"), folder.path().join("plain"));
-        File::create(&plain).unwrap();
-        write_atomically(&path, "one").unwrap();
-        assert_eq!(mode("a.scene.ron"), mode("plain"), "a new file has the usual permissions");
-        for wanted in [0o600, 0o640, 0o664, 0o755, 0o444] {
-            set_permissions(&path, Permissions::from_mode(wanted)).unwrap();
-            write_atomically(&path, "two").unwrap();
-            assert_eq!((mode("a.scene.ron"), mode("a.scene.ron.bak")), (wanted, wanted), "{wanted:o}");
-            replace_file(&path, b"three").unwrap();
-            assert_eq!(mode("a.scene.ron"), wanted, "{wanted:o}");
-        }
-    }
-
-    #[test]
-    fn the_owner_stays_where_the_system_lets() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.scene.ron");
-        std::fs::write(&path, "one").unwrap();
-        if std::os::unix::fs::chown(&path, Some(4242), Some(4243)).is_err() {
-            return; // only root may give files away
-        }
-        write_atomically(&path, "two").unwrap();
-        for name in ["a.scene.ron", "a.scene.ron.bak"] {
-            let data = folder.path().join(name).metadata().unwrap();
-            assert_eq!((data.uid(), data.gid()), (4242, 4243), "{name}");
-        }
-    }
 }

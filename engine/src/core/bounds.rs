@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn frustum_keeps_what_it_sees_and_drops_what_lies_behind() {
-        let clip_from_world = crate::scene::perspective(1.0, 1.0, 0.1, Some(10.0));
+        let clip_from_world = crate::core::perspective(1.0, 1.0, 0.1, Some(10.0));
         let frustum = Frustum::new(&clip_from_world);
         let at = |z: f32| Aabb { min: Vec3::new(-0.1, -0.1, z - 0.1), max: Vec3::new(0.1, 0.1, z + 0.1) };
         assert!(frustum.intersects(&at(-5.0)));
@@ -163,7 +163,7 @@ mod tests {
         (corner(), corner(), 0.2_f32..3.0, prop::option::of(1.0_f32..40.0)).prop_map(|(eye, center, fov, far)| {
             let up = if (center - eye).normalize_or_zero().y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
             let view_from_world = glam::camera::rh::view::look_at_mat4(eye, center + Vec3::splat(0.001), up);
-            Frustum::new(&(crate::scene::perspective(fov, 1.5, 0.1, far) * view_from_world))
+            Frustum::new(&(crate::core::perspective(fov, 1.5, 0.1, far) * view_from_world))
         })
     }
 
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_box_that_a_border_cuts_is_seen_and_not_held() {
-        let frustum = Frustum::new(&crate::scene::perspective(1.0, 1.0, 0.1, Some(10.0)));
+        let frustum = Frustum::new(&crate::core::perspective(1.0, 1.0, 0.1, Some(10.0)));
         let at =
             |z: f32, half: f32| Aabb { min: Vec3::new(-half, -half, z - 1.0), max: Vec3::new(half, half, z + 1.0) };
         assert!(frustum.holds(&at(-5.0, 0.5)));
