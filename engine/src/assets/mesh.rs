@@ -88,7 +88,14 @@ impl Mesh {
 
     /// The mesh for rays; built when it is first asked for.
     pub fn hierarchy(&self) -> &MeshBvh {
-        self.hierarchy.get_or_init(|| MeshBvh::new(self))
+        self.hierarchy.get_or_init(|| MeshBvh::from_triangles(self.corners()))
+    }
+
+    /// Corners of all triangles in object space \[m\], in their order.
+    pub fn corners(&self) -> Vec<[Vec3; 3]> {
+        let position = |&index: &u32| Vec3::from(self.vertices[index as usize].position);
+        let corner = |triangle: &[u32]| [position(&triangle[0]), position(&triangle[1]), position(&triangle[2])];
+        self.indices.chunks_exact(3).map(corner).collect()
     }
 
     /// Identity of the triangles, whichever way they wind: all poses of a mesh share it.

@@ -3,6 +3,7 @@
 //! The scene knows no entities, and it knows no GPU. [`Extractor`] keeps it current from the world by change
 //! detection. Every change takes a new value of one counter, so that equal revisions mean equal content.
 
+mod bvh;
 mod extract;
 mod light;
 mod medium;
@@ -11,6 +12,10 @@ mod surfels;
 mod view;
 
 pub use crate::core::{Aabb, Frustum, SceneId, ViewProjection, orthographic, perspective};
+pub use bvh::{Movers, RayKind, SceneBvh, SceneHit, ScenePart, SceneTriangle, Updated};
+pub(crate) use bvh::{
+    corner_indices, is_mirrored, is_nearer, normal_matrix, turned_normal, vertex_indices, world_normal,
+};
 pub use extract::Extractor;
 pub use light::{LightShape, MAX_RSM_SIZE, SceneLight};
 pub use medium::{MAX_MEDIA, MediumShape, SceneMedium};

@@ -1,6 +1,6 @@
 //! Triangles of a scene in world space, and the order of their corners.
 
-use super::Ray;
+use crate::bvh::Ray;
 use crate::scene::Primitive;
 use glam::{Affine3A, Mat3, Vec3, Vec3A};
 

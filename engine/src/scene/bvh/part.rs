@@ -1,9 +1,7 @@
 //! A hierarchy of a scene: over all static primitives, or over one that moves.
 
-use super::presplit::presplit;
-use super::scene::Updated;
-use super::scene_triangle::{SceneTriangle, is_mirrored};
-use super::{Bvh, Node};
+use super::triangle::{SceneTriangle, is_mirrored};
+use crate::bvh::{Bvh, Node, presplit};
 use crate::core::{Aabb, AssetId, SceneId};
 use crate::scene::Primitive;
 use glam::{Affine3A, Vec3};
@@ -12,6 +10,18 @@ use glam::{Affine3A, Vec3};
 const LEAF_SIZE: usize = 2;
 /// A refitted tree that costs so many times what it did when it was built is rebuilt.
 const WORN_OUT: f32 = 1.5;
+
+/// The work of the last [`SceneBvh::update`](super::SceneBvh::update).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Updated {
+    /// Nothing had changed.
+    #[default]
+    Nothing,
+    /// Boxes were fitted to moved triangles.
+    Refitted,
+    /// A tree was built.
+    Built,
+}
 
 /// The triangles of some primitives, with a hierarchy of their own.
 #[derive(Clone, Debug, Default)]

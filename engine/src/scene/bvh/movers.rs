@@ -3,10 +3,10 @@
 //! All are in world space. An object that stands still costs nothing; one that has moved or bent has its own boxes fitted
 //! again, and then those above the objects.
 
-use super::scene_part::{PartTriangles, ScenePart, Source};
-use super::scene_triangle::{SceneTriangle, place_corners};
-use super::{Bvh, Updated};
+use super::part::{PartTriangles, ScenePart, Source, Updated};
+use super::triangle::{SceneTriangle, place_corners};
 use crate::assets::parallel;
+use crate::bvh::Bvh;
 use crate::core::Aabb;
 use crate::scene::Primitive;
 

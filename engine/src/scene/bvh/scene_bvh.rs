@@ -5,9 +5,9 @@
 //! one with the lower index counts, unless rounding hides its box.
 
 use super::movers::Movers;
-use super::scene_part::{PartTriangles, ScenePart, Source, winding};
-use super::scene_triangle::{SceneTriangle, place_corners};
-use super::{Bvh, Ray, intersect_triangle};
+use super::part::{PartTriangles, ScenePart, Source, Updated, winding};
+use super::triangle::{SceneTriangle, place_corners};
+use crate::bvh::{Bvh, Ray, intersect_triangle};
 use crate::scene::{Primitive, Scene};
 use glam::Vec3;
 use std::ops::Range;
@@ -31,18 +31,6 @@ pub struct SceneHit {
     pub triangle: u32,
     /// Barycentric coordinates of the second and third corner.
     pub barycentric: [f32; 2],
-}
-
-/// The work of the last [`SceneBvh::update`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Updated {
-    /// Nothing had changed.
-    #[default]
-    Nothing,
-    /// Boxes were fitted to moved triangles.
-    Refitted,
-    /// A tree was built.
-    Built,
 }
 
 /// All surfaces of a scene, ready for rays.
