@@ -8,7 +8,7 @@
 use super::group::{Group, GroupKey};
 use super::patches::{Occluders, Subject};
 use super::still::Still;
-use super::{CLOSED_SHIFT, HIDDEN, Surfel};
+use super::surfel::{CLOSED_SHIFT, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
 use crate::bvh::Ray;
 use crate::scene::world_normal;

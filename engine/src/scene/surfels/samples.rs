@@ -1,7 +1,7 @@
 //! Where the surfels of an object lie on its triangles, and what they are made of.
 
 use super::group::{Group, Triangle, triangle, triangles, world_area};
-use super::{ENDLESS, Fineness, INNER, Surfel};
+use super::surfel::{ENDLESS, Fineness, INNER, Surfel};
 use crate::assets::{AlphaMode, Mesh, Texture, UvMap, Wrap};
 use crate::bvh::{MeshBvh, Ray};
 use crate::scene::Primitive;
