@@ -13,7 +13,8 @@
 //! games; with components of its own by [`files::SceneData`]. The crate `lightwell_game` puts it into a window.
 //!
 //! Beside them: [`assets`] (meshes, materials, textures, glTF), [`bvh`] (hierarchies that rays are cast at), [`files`]
-//! (scenes and prefabs), [`measure`] (image error metrics) and [`profile`] (times of the last frames).
+//! (scenes and prefabs), [`measure`] (image error metrics) and [`profile`] (times of the last frames). Below them all lies
+//! [`core`] (boxes, rays, transforms, identities).
 //!
 //! # A frame without a window
 //!
@@ -70,6 +71,7 @@ extern crate self as lightwell;
 
 pub mod assets;
 pub mod bvh;
+pub mod core;
 pub mod files;
 pub mod game;
 pub mod gpu;

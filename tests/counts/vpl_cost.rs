@@ -1,9 +1,10 @@
 //! Costs of virtual lights: casts through the hierarchy against brute force on Sponza, and one pass for all lights
 //! against one pass a light. Run with `--nocapture` for the figures. The first needs Sponza (`LIGHTWELL_MODELS`).
 
-use lightwell::bvh::{Ray, SceneBvh};
+use lightwell::bvh::Ray;
 use lightwell::render::vpl::{Caster, IntersectionCounts, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings};
+use lightwell::scene::SceneBvh;
 use lightwell::world::{Accumulation, InstantRadiosity, ParticleCasts, VirtualVisibility};
 use lightwell_needs::needs;
 use lightwell_tests::{Stage, folder_from_env, root};

@@ -4,9 +4,8 @@
 //! out the light that the sphere does, into all directions alike: the mean shadow of a convex body is a quarter of its surface
 //! (Cauchy 1841).
 
-use super::{AssetId, Material, Mesh, Sampling, Texture, Vertex, Wrap};
-use crate::measure::srgb_encode;
-use bytemuck::{Pod, Zeroable};
+use super::{AssetId, Ball, Material, Mesh, Sampling, Texture, Vertex, Wrap};
+use crate::core::srgb_encode;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -15,25 +14,6 @@ use std::sync::Arc;
 const FEW_TRIANGLES: usize = 40_000;
 /// Texels of the colours over life.
 const RAMP: u32 = 64;
-
-/// A ball, as `Ball` of `transparency/particles.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Ball {
-    /// Middle in object space \[m\].
-    pub position: [f32; 3],
-    /// Radius \[m\]; 0: there is none.
-    pub radius: f32,
-    /// Emitted radiance [W/(m² sr)].
-    pub radiance: [f32; 3],
-    /// Share of its life that is over, 0..1.
-    pub age: f32,
-}
-
-impl Ball {
-    /// No ball.
-    pub const NONE: Self = Self { position: [0.0; 3], radius: 0.0, radiance: [0.0; 3], age: 0.0 };
-}
 
 /// A mesh of balls, each turned; `rest` is the mesh of as many balls that it is a pose of.
 pub(crate) fn mesh_of_balls(
@@ -223,7 +203,7 @@ mod tests {
         let texture = material.emissive_texture.clone().expect("a ramp");
         for x in [0, 20, 63] {
             let texel = &texture.rgba[4 * x..];
-            let linear = Vec3::from_array([0, 1, 2].map(|i| crate::measure::srgb_decode(f32::from(texel[i]) / 255.0)));
+            let linear = Vec3::from_array([0, 1, 2].map(|i| crate::core::srgb_decode(f32::from(texel[i]) / 255.0)));
             let wanted = of((x as f32 + 0.5) / 64.0);
             assert!((linear * material.emissive - wanted).length() < 0.01 * wanted.length(), "{x}: {linear}");
         }

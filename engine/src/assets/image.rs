@@ -1,7 +1,8 @@
 //! Image files decoded to eight bits a channel.
 
-use super::pixels::{MAX_IMAGE_SIZE, Pixels};
+use super::pixels::Pixels;
 use super::{AssetError, Meter, ktx2};
+use crate::core::MAX_IMAGE_SIZE;
 use image::{ImageDecoder, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;

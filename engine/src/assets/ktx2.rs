@@ -2,8 +2,9 @@
 //!
 //! Layout: Khronos KTX File Format 2.0, section 3. The first level alone is used: mipmaps are made as for all images.
 
-use super::pixels::{MAX_IMAGE_SIZE, Pixels};
+use super::pixels::Pixels;
 use super::{AssetError, Meter};
+use crate::core::MAX_IMAGE_SIZE;
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 use std::path::Path;
 

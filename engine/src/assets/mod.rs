@@ -1,6 +1,7 @@
 //! Meshes, materials and textures: import, procedural shapes, and the cache of loaded assets.
 
 pub(crate) mod atmosphere;
+mod ball;
 mod balls;
 mod budget;
 mod clip;
@@ -16,6 +17,7 @@ mod material;
 mod mesh;
 pub(crate) mod parallel;
 mod pixels;
+mod pose;
 mod shape;
 mod shape_mesh;
 #[cfg(test)]
@@ -25,11 +27,11 @@ mod sky_image;
 mod sky_map;
 mod sky_reflection;
 mod texture;
+mod vertex;
 
 pub use self::budget::LoadBudget;
 pub(crate) use self::budget::Meter;
 pub use self::clip::{Between, Clip, Curve, NodeCurves};
-pub(crate) use self::deform::pose_all;
 pub use self::deform::{Deform, Influences, MorphTarget, Pose};
 pub use self::error::AssetError;
 #[cfg(test)]
@@ -38,24 +40,25 @@ pub use self::gltf::{
     Gltf, GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin, ImportFault, ImportSettings, LightConversion,
     LightUnits, Normals, Parts, UpAxis,
 };
-pub use self::pixels::MAX_IMAGE_SIZE;
+pub use crate::core::{AssetId, MAX_IMAGE_SIZE};
 pub use atmosphere::{Atmosphere, AtmosphereTables};
-pub use balls::Ball;
+pub use ball::Ball;
 pub(crate) use balls::{material_of_balls, mesh_of_balls};
 pub use cube_table::CubeTable;
 pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use library::AssetLibrary;
 pub(crate) use material::TEXTURE_COUNT;
 pub use material::{AlphaMode, Attenuation, Material, UvMap, UvMaps};
-pub use mesh::{Mesh, Vertex, VertexExtra};
+pub use mesh::Mesh;
+pub(crate) use pose::pose_all;
 pub use shape::{MAX_SEGMENTS, Shape};
 pub(crate) use sky_directions::{SkyDirections, SkySample};
 pub use sky_map::SkyMap;
 pub use sky_reflection::{REFLECTION_LEVELS, SkyReflection};
 pub use texture::{Levels, Minification, Sampling, Texture, Wrap};
+pub use vertex::{Vertex, VertexExtra};
 
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Largest file that is read \[bytes\].
 const MAX_FILE: u64 = 4 << 30;
@@ -72,16 +75,4 @@ fn read_file(path: &Path, meter: &Meter) -> Result<Vec<u8>, AssetError> {
     }
     meter.bytes(path, meta.len())?;
     std::fs::read(path).map_err(|e| AssetError::io(path, e))
-}
-
-/// Identity of an immutable asset within the process. Caches key by it; it is never reused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct AssetId(u64);
-
-impl AssetId {
-    /// An identity that no other asset of this process has.
-    pub fn fresh() -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
-        Self(NEXT.fetch_add(1, Ordering::Relaxed))
-    }
 }

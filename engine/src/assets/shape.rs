@@ -1,6 +1,6 @@
 //! Procedural shapes: parameters, defaults and their validation. The triangles are made in `shape_mesh`.
 
-use super::{AssetError, Mesh};
+use super::AssetError;
 use serde::{Deserialize, Serialize};
 
 /// Most segments, sides, rings or subdivisions along one direction.
@@ -157,15 +157,6 @@ impl Shape {
             Self::Torus { .. } => "Torus",
             Self::Capsule { .. } => "Capsule",
         }
-    }
-
-    /// Makes the triangles.
-    ///
-    /// # Errors
-    /// Those of [`Shape::validate`].
-    pub fn mesh(&self) -> Result<Mesh, AssetError> {
-        self.validate()?;
-        Ok(super::shape_mesh::build(self))
     }
 
     /// Checks the parameters.

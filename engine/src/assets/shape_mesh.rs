@@ -2,12 +2,23 @@
 //!
 //! In all of them the bitangent is `normal × tangent` (handedness +1) and points up the texture image, as glTF wants.
 
-use super::{Mesh, Shape, Vertex};
+use super::{AssetError, Mesh, Shape, Vertex};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
+impl Shape {
+    /// Makes the triangles.
+    ///
+    /// # Errors
+    /// Those of [`Shape::validate`].
+    pub fn mesh(&self) -> Result<Mesh, AssetError> {
+        self.validate()?;
+        Ok(build(self))
+    }
+}
+
 /// Makes the triangles of a shape whose parameters are valid.
-pub(super) fn build(shape: &Shape) -> Mesh {
+fn build(shape: &Shape) -> Mesh {
     let mut b = Builder::default();
     match *shape {
         Shape::Quad { size } => b.grid(Vec3::ZERO, Vec3::X * size[0], Vec3::Y * size[1], [1, 1]),

@@ -1,13 +1,11 @@
 //! The decoding of images of skies.
 
 use super::AssetError;
+use crate::core::MAX_IMAGE_SIZE;
 use crate::measure::{check_exr, may_hold};
 use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
-
-/// Largest image that is decoded \[texels along an edge\].
-const MAX_EDGE: u32 = 16384;
 
 /// Width, height and linear RGB values of an equirectangular image, row by row from the zenith down.
 ///
@@ -35,13 +33,13 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), 
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_EDGE), Some(MAX_EDGE));
-    limits.max_alloc = Some(u64::from(MAX_EDGE) * u64::from(MAX_EDGE) * 8);
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_SIZE), Some(MAX_IMAGE_SIZE));
+    limits.max_alloc = Some(u64::from(MAX_IMAGE_SIZE) * u64::from(MAX_IMAGE_SIZE) * 8);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(fail)?;
     let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 || width > MAX_EDGE || height > MAX_EDGE {
-        let problem = format!("has {width}×{height} texels; both must lie between 1 and {MAX_EDGE}: scale it");
+    if width == 0 || height == 0 || width > MAX_IMAGE_SIZE || height > MAX_IMAGE_SIZE {
+        let problem = format!("has {width}×{height} texels; both must lie between 1 and {MAX_IMAGE_SIZE}: scale it");
         return Err(AssetError::format(path, "sky image", problem));
     }
     if !may_hold(bytes, width.into(), height.into()) {

@@ -1,7 +1,7 @@
 //! Textures on the CPU side: eight bits a channel, four channels.
 
 use super::AssetId;
-use crate::measure::srgb_decode;
+use crate::core::srgb_decode;
 use glam::Vec3;
 
 /// How texture coordinates outside 0..1 are treated.

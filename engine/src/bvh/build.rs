@@ -1,8 +1,8 @@
 //! The builder: binned surface area heuristic (Wald, "On fast construction of SAH-based bounding volume
 //! hierarchies", 2007).
 
-use super::{Bvh, MAX_DEPTH, Node, half_area};
-use crate::scene::Aabb;
+use super::tree::{Bvh, MAX_DEPTH, Node, half_area};
+use crate::core::Aabb;
 use glam::Vec3;
 
 /// Bins along an axis; more gain nothing measurable.
@@ -24,7 +24,15 @@ struct Open {
     depth: u32,
 }
 
-pub(super) fn build(boxes: &[Aabb], leaf_size: usize) -> Bvh {
+impl Bvh {
+    /// Builds the hierarchy: binned surface area heuristic (Wald 2007), leaves of at most `leaf_size` boxes. Boxes
+    /// that are empty or not finite are left out. Equal input gives equal nodes.
+    pub fn new(boxes: &[Aabb], leaf_size: usize) -> Self {
+        build(boxes, leaf_size.max(1))
+    }
+}
+
+fn build(boxes: &[Aabb], leaf_size: usize) -> Bvh {
     let usable = |bounds: &Aabb| !bounds.is_empty() && bounds.min.is_finite() && bounds.max.is_finite();
     let entry = |(bounds, index): (&Aabb, u32)| Entry { bounds: *bounds, center: bounds.center(), index };
     let mut entries: Vec<Entry> = boxes.iter().zip(0..).filter(|(bounds, _)| usable(bounds)).map(entry).collect();

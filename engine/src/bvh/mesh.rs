@@ -1,8 +1,7 @@
 //! The hierarchy over the triangles of a mesh, in object space.
 
-use super::{Bvh, Ray, intersect_triangle};
-use crate::assets::Mesh;
-use crate::scene::Aabb;
+use super::tree::Bvh;
+use crate::core::{Aabb, Ray, intersect_triangle};
 use glam::Vec3;
 
 /// Most triangles of a leaf.
@@ -29,13 +28,6 @@ pub struct MeshBvh {
 }
 
 impl MeshBvh {
-    /// Builds the hierarchy of a mesh.
-    pub fn new(mesh: &Mesh) -> Self {
-        let position = |&index: &u32| Vec3::from(mesh.vertices[index as usize].position);
-        let corner = |triangle: &[u32]| [position(&triangle[0]), position(&triangle[1]), position(&triangle[2])];
-        Self::from_triangles(mesh.indices.chunks_exact(3).map(corner).collect())
-    }
-
     /// Builds the hierarchy of a soup of triangles.
     pub fn from_triangles(corners: Vec<[Vec3; 3]>) -> Self {
         Self { bvh: Bvh::new(&boxes(&corners), LEAF_SIZE), corners }

@@ -3,8 +3,8 @@
 //! clipping, Ernst and Greiner 2007), a limited number of them, where most is gained (Karras and Aila 2013, "Fast parallel
 //! construction of high-quality bounding volume hierarchies", section 4.2). Pieces refer to their whole triangle.
 
-use super::half_area;
-use crate::scene::Aabb;
+use super::tree::half_area;
+use crate::core::Aabb;
 use glam::Vec3;
 
 /// Pieces that a small scene may have beside its triangles.
@@ -25,7 +25,7 @@ struct Piece {
 /// The boxes of triangles and of pieces of triangles, each with the index of the triangle. Boxes that are empty stay so.
 /// Equal input gives equal boxes. Only triangles that `may_split` are cut: rays that go through glass must meet each of its
 /// triangles once.
-pub(super) fn presplit(triangles: &[[Vec3; 3]], boxes: &[Aabb], may_split: &[bool]) -> (Vec<Aabb>, Vec<u32>) {
+pub(crate) fn presplit(triangles: &[[Vec3; 3]], boxes: &[Aabb], may_split: &[bool]) -> (Vec<Aabb>, Vec<u32>) {
     let whole = boxes.iter().fold(Aabb::EMPTY, |sum, bounds| sum.union(bounds));
     let cuts = cuts(triangles, boxes, may_split);
     let (mut pieces, mut indices) = (Vec::with_capacity(boxes.len()), Vec::with_capacity(boxes.len()));

@@ -36,111 +36,40 @@
 //! byte. Entities that come from a glTF model are not written, nor what was changed of them: the file
 //! names the model. Nor are values that were changed for this run alone ([`override_values`]).
 
-mod apply;
-mod canonical;
-mod convert;
-mod custom_components;
-mod describe;
-mod described;
-mod document;
 mod edit;
-mod edit_context;
-mod edit_prefab;
-mod edit_scene;
 mod error;
 mod format;
-mod instantiate;
 mod load;
-mod merge;
-mod model;
-mod opened;
-mod overridden;
-mod parts;
-mod paths;
-mod prefabs;
-mod preserve;
-mod reload;
-mod repeat;
-mod replace;
-mod rewrite;
+mod ron;
 mod save;
-mod save_as;
-mod scan;
-mod scene_data;
-mod source;
-mod spawn;
-mod steps;
-mod suggest;
-mod surfaces;
-mod temporary_files;
-mod track_fields;
-mod tracks;
-mod tree;
-mod trust;
-mod validate;
-mod write;
-
 #[cfg(test)]
 mod tests;
 
-pub use apply::apply_to_prefab;
-pub use convert::look_rotation;
-pub use custom_components::*;
-pub use describe::*;
-pub use described::DESCRIBED;
-pub use document::{Document, ron_options};
-pub use edit::*;
-pub use edit_context::EditContext;
-pub use edit_prefab::*;
-pub use edit_scene::edit_scene;
+pub use self::ron::document::{Document, ron_options};
+pub use self::ron::suggest::suggestion;
+pub use self::ron::tree::Step;
+pub use crate::core::{look_rotation, replace_file};
+pub use edit::apply::apply_to_prefab;
+pub use edit::context::EditContext;
+pub use edit::entity::*;
+pub use edit::prefab::*;
+pub use edit::reload::{follow_scene, read_scene};
+pub use edit::scene::edit_scene;
+pub use edit::spawn::spawn_prefab_onto;
 pub use error::{FileError, FileErrorKind, Place};
-pub use format::*;
-pub use instantiate::*;
-pub use overridden::{Overridden, override_values};
-pub use reload::{follow_scene, read_scene};
-pub use repeat::{MAX_COPIES, Repeat};
-pub use replace::replace_file;
-pub use save::save_scene;
-pub use save_as::{rewrite_paths, save_scene_as};
-pub use scene_data::*;
-pub use source::{Origin, SceneInfo, Source};
-pub use suggest::suggestion;
-pub use temporary_files::remove_leftovers;
-pub use tree::Step;
-pub(crate) use trust::Roots;
-pub use trust::project_root;
-pub use write::write_atomically;
-
-use crate::assets::{AssetLibrary, LightUnits, LoadBudget};
-use crate::world::GameWorld;
-use opened::Opened;
-use std::path::{Path, PathBuf};
-
-/// How scenes are loaded.
-#[derive(Clone, Debug, Default)]
-pub struct LoadOptions {
-    /// Folder of third-party models (`--models`).
-    pub models: Option<PathBuf>,
-    /// Folders that files are read from beside that of models and the scene's project, see [`project_root`] (`--trust`).
-    pub trusted: Vec<PathBuf>,
-    /// Limits of a load (`--budget`).
-    pub budget: LoadBudget,
-    /// Units of the lights of models whose import settings name none (`--light-units`).
-    pub light_units: LightUnits,
-    /// Whether a model of which something is broken is refused, in place of a warning (`--strict`).
-    pub strict: bool,
-    /// Components of a game that scenes may hold.
-    pub types: ComponentTypes,
-}
-
-/// Loads a scene: a `.scene.ron` file, or a glTF or `.prefab.ron` file as a scene of its own.
-///
-/// # Errors
-/// Whatever is wrong with the file, a prefab or an asset that it names. No world is changed.
-pub fn load_scene(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
-    match Opened::of(path) {
-        Opened::Gltf => model::load_gltf_scene(path, library, options),
-        Opened::Prefab => opened::load_prefab_scene(path, library, options),
-        Opened::Scene => load::load(path, library, options),
-    }
-}
+pub use format::custom_components::*;
+pub use format::described::DESCRIBED;
+pub use format::repeat::{MAX_COPIES, Repeat};
+pub use format::scene_data::*;
+pub use format::scene_file::*;
+pub use load::instantiate::*;
+pub use load::options::LoadOptions;
+pub use load::source::{Origin, SceneInfo, Source};
+pub(crate) use load::trust::Roots;
+pub use load::trust::project_root;
+pub use save::describe::*;
+pub use save::disk::{remove_leftovers, write_atomically};
+pub use save::overridden::Overridden;
+pub use save::override_values::override_values;
+pub use save::save_as::{rewrite_paths, save_scene_as};
+pub use save::scene::save_scene;

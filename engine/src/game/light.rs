@@ -6,10 +6,9 @@
 
 use super::space::SpatialQuery;
 use crate::files::SceneData;
-pub use crate::scene::ProbePoint;
-use crate::world::{GameWorld, GlobalTransform, Identity, Light, LightKind, Orientation, forward, right};
+use crate::world::{GlobalTransform, Light, LightKind, Orientation, forward, right};
 use bevy_ecs::prelude::*;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Measures the light where its entity stands.
 ///
@@ -93,48 +92,4 @@ fn arriving(light: &Light, place: &GlobalTransform, axes: &Orientation, at: Vec3
     };
     let irradiance = intensity * (window * cone / (distance * distance));
     (irradiance.is_finite() && irradiance != Vec3::ZERO).then_some((irradiance, source))
-}
-
-impl super::Game {
-    /// The points whose indirect light the renderer is to look up, in an order that stays, from the
-    /// [origin](crate::scene::Scene::origin) of the scene that it draws.
-    pub fn probe_points(&self, origin: DVec3) -> Vec<ProbePoint> {
-        let found = probes(&self.world).into_iter();
-        found
-            .map(|(_, _, probe, place)| ProbePoint {
-                position: Vec3::from(place.relative_to(origin).translation) + probe.offset,
-                normal: probe.normal,
-            })
-            .collect()
-    }
-
-    /// Takes what the renderer found at [`Game::probe_points`](Self::probe_points) of the frame before.
-    pub fn set_probe_light(&mut self, light: &[Vec3]) {
-        self.set_probe_light_of(&self.probe_entities(), light);
-    }
-
-    /// The probes in the order of [`Game::probe_points`](Self::probe_points).
-    pub fn probe_entities(&self) -> Vec<Entity> {
-        probes(&self.world).into_iter().map(|(entity, ..)| entity).collect()
-    }
-
-    /// Takes the light of those probes, as of some frame before. Probes that are gone since then are passed over.
-    pub fn set_probe_light_of(&mut self, entities: &[Entity], light: &[Vec3]) {
-        for (&entity, light) in entities.iter().zip(light) {
-            if let Some(mut probe) = self.world.ecs.get_mut::<LightProbe>(entity)
-                && probe.indirect != *light
-            {
-                probe.indirect = *light;
-            }
-        }
-    }
-}
-
-fn probes(world: &GameWorld) -> Vec<(Entity, Identity, LightProbe, GlobalTransform)> {
-    let Some(mut query) = world.ecs.try_query::<(Entity, &Identity, &LightProbe, &GlobalTransform)>() else {
-        return Vec::new();
-    };
-    let mut found: Vec<_> = query.iter(&world.ecs).map(|(e, id, probe, place)| (e, *id, *probe, *place)).collect();
-    found.sort_unstable_by_key(|(_, id, ..)| *id);
-    found
 }

@@ -1,7 +1,7 @@
 //! The driver's pipeline cache on disk: shaders are not compiled again at the next start.
 
 use super::Gpu;
-use crate::files::replace_file;
+use crate::core::replace_file;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use xxhash_rust::xxh3::xxh3_64;

@@ -7,38 +7,13 @@
 use super::alias::{self, Lifetime};
 use super::builder::{Graph, Storage};
 use super::cache::TargetCache;
+use super::decision::{CompileOptions, Decision, WantedBy};
 use super::error::GraphError;
 use super::handle::Version;
 use super::key::Keys;
 use super::order::order;
 use super::plan::{Layout, Place, Plan, PlannedResource, Step, StepWrite};
 use super::reason;
-
-/// How to compile.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CompileOptions {
-    /// Reuse nothing from earlier frames: all passes that contribute to an output run.
-    pub no_cache: bool,
-}
-
-/// The first consumer of a version.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum WantedBy {
-    Output,
-    Pass(usize),
-}
-
-/// The passes that run, and for which results.
-pub(super) struct Decision {
-    /// The version that the slot of a retained resource holds and that can be used.
-    pub available: Vec<Option<usize>>,
-    /// As `available`, before use: a slot whose content is overwritten before its reader is not
-    /// available, and appears only here.
-    pub held: Vec<Option<usize>>,
-    pub runs: Vec<bool>,
-    /// By resource and version.
-    pub wanted: Vec<Vec<Option<WantedBy>>>,
-}
 
 impl<'a> Graph<'a> {
     /// Checks the graph and decides what has to run, given what the cache holds.

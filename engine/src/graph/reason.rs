@@ -2,7 +2,7 @@
 
 use super::builder::{Graph, PassNode, Storage};
 use super::cache::TargetCache;
-use super::compile::{CompileOptions, Decision, WantedBy};
+use super::decision::{CompileOptions, Decision, WantedBy};
 use super::handle::Version;
 use super::key::{Keys, Recipe};
 use super::report::{PassReport, PassState};

@@ -1,7 +1,7 @@
 //! OpenEXR files.
 
 use super::Image;
-use super::file::may_hold;
+use super::capacity::may_hold;
 use std::io::Cursor;
 
 /// Checks the sizes in the headers of an EXR file, which memory is taken by.

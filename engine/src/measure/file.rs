@@ -2,8 +2,7 @@
 
 use super::Image;
 use super::exr_file::{decode_exr, encode_exr};
-use super::image::srgb_decode;
-use crate::assets::MAX_IMAGE_SIZE;
+use crate::core::{replace_file, srgb_decode};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +86,7 @@ pub fn write_png_rgb8(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), Ima
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), ImageFileError> {
-    crate::files::replace_file(path, bytes).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })
+    replace_file(path, bytes).map_err(|reason| ImageFileError::Io { path: path.to_owned(), reason })
 }
 
 fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {
@@ -96,14 +95,6 @@ fn decode_srgb(bytes: &[u8]) -> Result<Image, image::ImageError> {
     let pixels = picture.pixels().map(|p| p.0.map(|v| srgb_decode(f32::from(v) / 65535.0))).collect();
     let (width, height) = picture.dimensions();
     Ok(Image::from_pixels(width, height, pixels).unwrap_or_else(|| Image::filled(width, height, [0.0; 3])))
-}
-
-/// Whether a file may hold so many floating-point pixels: deflate packs 1,032 bytes into one at best, no other method of
-/// such files packs more, and four times that is let pass.
-pub(crate) fn may_hold(bytes: &[u8], width: u64, height: u64) -> bool {
-    const PACKED: u64 = 4096;
-    let most = u64::from(MAX_IMAGE_SIZE);
-    width <= most && height <= most && width * height * size_of::<[f32; 3]>() as u64 <= PACKED * bytes.len() as u64
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Image;
 #[cfg(feature = "flip")]
-use super::image::srgb_encode;
+use crate::core::srgb_encode;
 
 /// Luminance that the mean of the reference is exposed to: photographic middle grey.
 const MIDDLE_GREY: f64 = 0.18;

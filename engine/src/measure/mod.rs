@@ -18,6 +18,7 @@
 //!
 //! The features `exr` and `flip` of this crate add OpenEXR files and FLIP; both are off by default.
 
+mod capacity;
 mod difference;
 #[cfg_attr(not(feature = "exr"), path = "no_exr.rs")]
 mod exr_file;
@@ -27,13 +28,14 @@ mod flip;
 mod image;
 mod metrics;
 
+pub use crate::core::{srgb_decode, srgb_encode};
+pub(crate) use capacity::may_hold;
 pub use difference::difference_picture;
 pub(crate) use exr_file::check_exr;
 pub use figure::{displayed, figure};
-pub(crate) use file::may_hold;
 pub use file::{ImageFileError, read_image, write_image, write_png_rgb8};
 pub use flip::flip_exposure;
 #[cfg(feature = "flip")]
 pub use flip::{FlipMap, flip, flip_displayed};
-pub use image::{Image, srgb_decode, srgb_encode};
+pub use image::Image;
 pub use metrics::{Comparison, MeasureError, TwoHalves, compare, two_halves};

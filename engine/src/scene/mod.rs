@@ -3,7 +3,7 @@
 //! The scene knows no entities, and it knows no GPU. [`Extractor`] keeps it current from the world by change
 //! detection. Every change takes a new value of one counter, so that equal revisions mean equal content.
 
-mod bounds;
+mod bvh;
 mod extract;
 mod light;
 mod medium;
@@ -11,23 +11,23 @@ mod probe;
 mod surfels;
 mod view;
 
-pub use bounds::{Aabb, Frustum};
+pub use crate::core::{Aabb, Frustum, SceneId, ViewProjection, orthographic, perspective};
+pub use bvh::{Movers, RayKind, SceneBvh, SceneHit, ScenePart, SceneTriangle, Updated};
+pub(crate) use bvh::{
+    corner_indices, is_mirrored, is_nearer, normal_matrix, turned_normal, vertex_indices, world_normal,
+};
 pub use extract::Extractor;
 pub use light::{LightShape, MAX_RSM_SIZE, SceneLight};
 pub use medium::{MAX_MEDIA, MediumShape, SceneMedium};
 pub use probe::ProbePoint;
 pub use surfels::{MAX_SURFELS, NO_PATCH, Patches, Surfel, SurfelCloud, cells_from_world};
 pub(crate) use surfels::{texel, wall_extent};
-pub use view::{SceneCamera, SceneView, ViewProjection, orthographic, perspective};
+pub use view::{SceneCamera, SceneView};
 
 use crate::assets::{Material, Mesh, SkyMap};
 use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
 use glam::{Affine3A, DVec3, Vec3};
 use std::sync::Arc;
-
-/// Persistent identity of a thing in the scene: stable over undo, reload and play; ties break by it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct SceneId(pub u64);
 
 /// One mesh with one material at one place.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 
 use super::identity::{Identities, Identity, RootOrder};
 use super::{GameWorld, WorldError};
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::EntityCloner;
 use bevy_ecs::entity_disabling::Disabled;

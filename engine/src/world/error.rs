@@ -1,6 +1,6 @@
 //! Errors of edits of the world.
 
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use bevy_ecs::prelude::Entity;
 
 /// An edit that the world refuses. The world is unchanged then.

@@ -6,7 +6,7 @@ use super::{
     Animation, Camera, Clock, Clpv, Fog, Light, MeshRenderer, Name, Particles, SceneSettings, StochasticLightCulling,
     Transform, WorldError, animate, deform, descendants, hierarchy, propagate,
 };
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::ScheduleSystem;

@@ -2,7 +2,7 @@
 
 use super::identity::{Identities, Identity, RootOrder};
 use super::{GameWorld, Name, WorldError};
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use bevy_ecs::entity::EntityCloner;
 use bevy_ecs::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Persistent identities of entities.
 
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;

@@ -15,6 +15,7 @@ mod environment;
 mod error;
 pub mod fields;
 mod fog;
+mod from_gltf;
 mod game_world;
 mod hierarchy;
 mod identity;
@@ -27,7 +28,6 @@ mod rest_pose;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod transform;
 
 pub use clips::{ClipTarget, Clips, MorphWeights};
 pub use clock::{Clock, FLICKS_PER_SECOND};

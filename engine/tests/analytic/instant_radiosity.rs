@@ -3,11 +3,12 @@
 use crate::support::{Stage, gpu, rgb};
 use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::{Material, Shape};
-use lightwell::bvh::{Ray, SceneBvh};
+use lightwell::bvh::Ray;
 use lightwell::gpu::{Gpu, ImageF32};
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::vpl::{Caster, IntersectionCounts, intersect_square, intersect_unit_box, virtual_lights};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::scene::SceneBvh;
 use lightwell::scene::{LightShape, ViewProjection};
 use lightwell::world::{
     Accumulation, Bounces, InstantRadiosity, ParticleCasts, ParticleSequence, VirtualPlacement, VirtualVisibility,

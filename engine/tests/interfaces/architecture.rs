@@ -1,7 +1,65 @@
-//! Data flows one way through the stages of a frame, from geometry to post. The list below names the parts of the renderer
-//! from the ground up; a file may import from those that stand before its own.
+//! Every room imports downwards. A room is a folder or file at the top of a crate; the lists below name the rooms from the
+//! ground up, and a room may import only from those before it. Within the engine the same holds of the floors of `files` and the
+//! stages of a frame in `render`. Files within a room import each other in no cycle, but for those that `cycles.txt` lists.
 
-use std::path::{Path, PathBuf};
+mod imports;
+mod rules;
+
+use imports::Sources;
+use rules::{against, changed_cycles, read_cycles};
+use std::path::Path;
+
+/// The rooms of each crate, and of two rooms of the engine, by the folder that holds them.
+const ROOMS: [(&str, &str, &[&str]); 8] = [
+    ("engine/src", "", &ENGINE),
+    ("engine/src", "files", &["error", "ron", "format", "load", "save", "edit"]),
+    ("engine/src", "render", &RENDER),
+    ("game/src", "", &["app", "prelude"]),
+    ("game/runtime/src", "", &RUNTIME),
+    ("game/editor/src", "", &["comparison", "editor", "play"]),
+    ("game/tools/src", "", &TOOLS),
+    ("game/program/src", "", &["shipped", "cli", "play", "main"]),
+];
+
+/// From what all share up to games and frames.
+const ENGINE: [&str; 13] = [
+    "core", "packed", "profile", "measure", "bvh", "gpu", "graph", "assets", "world", "files", "scene", "game",
+    "render",
+];
+
+/// From what prints and names scenes up to whole sessions.
+const RUNTIME: [&str; 14] = [
+    "logging",
+    "output",
+    "progress",
+    "scene_path",
+    "writer",
+    "watch",
+    "window_figures",
+    "frame_budget",
+    "window",
+    "steps",
+    "set",
+    "cli",
+    "session",
+    "probe_light",
+];
+
+/// From single images up to commands.
+const TOOLS: [&str; 12] = [
+    "cli",
+    "jitter",
+    "capture",
+    "still",
+    "shot",
+    "sequence",
+    "scene_test",
+    "bench",
+    "sheet",
+    "stress",
+    "pack",
+    "commands",
+];
 
 /// The parts of a frame: what is shared, the stages in their order, and what puts them together.
 const RENDER: [&str; 27] = [
@@ -34,119 +92,32 @@ const RENDER: [&str; 27] = [
     "layout_tests",
 ];
 
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
-}
-
-/// All sources below a folder, with the path of their module.
-fn modules(folder: &Path, module: &[String]) -> Vec<(Vec<String>, String)> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("the sources") {
-        let path = entry.expect("an entry").path();
-        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name").to_owned();
-        let below = [module, std::slice::from_ref(&name)].concat();
-        if path.is_dir() {
-            found.extend(modules(&path, &below));
-        } else if path.extension().is_some_and(|ending| ending == "rs") && !name.ends_with("tests") {
-            let text = std::fs::read_to_string(&path).expect("a source");
-            let of = if ["mod", "lib"].contains(&name.as_str()) { module.to_vec() } else { below };
-            found.push((of, text));
-        }
-    }
-    found
-}
-
-/// The text without comments, and without the tests at its end.
-fn code(text: &str) -> String {
-    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-    text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
-}
-
-/// Reads a path that may end in a list, and puts all that it names into `found`.
-fn read_path<'t>(mut rest: &'t str, prefix: &[String], found: &mut Vec<Vec<String>>) -> &'t str {
-    let mut path = prefix.to_vec();
-    loop {
-        rest = rest.trim_start();
-        if let Some(list) = rest.strip_prefix('{') {
-            rest = list;
-            while let Some(item) = rest.trim_start().chars().next().filter(|c| *c != '}') {
-                rest = match item {
-                    ',' | '*' => &rest.trim_start()[1..],
-                    _ => read_path(rest, &path, found),
-                };
-            }
-            return rest.trim_start().strip_prefix('}').unwrap_or(rest);
-        }
-        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-        if end == 0 {
-            found.push(path);
-            return rest.strip_prefix(|_: char| true).unwrap_or(rest);
-        }
-        path.push(rest[..end].to_owned());
-        rest = rest[end..].trim_start();
-        // An alias, as in `a as b`, names nothing more.
-        match rest.strip_prefix("::") {
-            Some(more) => rest = more,
-            None => {
-                found.push(path);
-                let alias = rest.strip_prefix("as ").map(|rest| rest.trim_start_matches(|c: char| c.is_alphanumeric()));
-                return alias.unwrap_or(rest);
-            }
-        }
-    }
-}
-
-/// What a module imports from its own crate, as paths from the crate's root.
-fn imports(module: &[String], text: &str) -> Vec<Vec<String>> {
-    let (code, mut found) = (code(text), Vec::new());
-    for start in ["crate::", "super::"] {
-        for (at, _) in code.match_indices(start) {
-            let before = code[..at].chars().next_back();
-            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
-                continue;
-            }
-            let mut rest = &code[at..];
-            let mut base = if start == "crate::" { Vec::new() } else { module.to_vec() };
-            rest = rest.strip_prefix("crate::").unwrap_or(rest);
-            while let Some(more) = rest.strip_prefix("super::") {
-                base.pop();
-                rest = more;
-            }
-            read_path(rest, &base, &mut found);
-        }
-    }
-    found
-}
-
-/// Imports against the order of the rooms that lie in `folder`, and rooms that the order does not know.
-fn against(order: &[&str], folder: &[&str]) -> Vec<String> {
-    let depth = folder.len();
-    let place = |path: &[String]| order.iter().position(|room| path.get(depth).is_some_and(|name| name == room));
-    let mut wrong = Vec::new();
-    for (module, text) in modules(&source(), &[]) {
-        let lies_in = |path: &[String]| path.len() > depth && path.iter().zip(folder).all(|(a, b)| a == b);
-        if !lies_in(&module) {
-            continue;
-        }
-        let Some(own) = place(&module) else {
-            wrong.push(format!("{} is in no list of this test", module.join("::")));
-            continue;
-        };
-        for import in imports(&module, &text).into_iter().filter(|import| lies_in(import)) {
-            if place(&import).is_some_and(|other| other > own) {
-                wrong.push(format!("{} imports {}", module.join("::"), import.join("::")));
-            }
-        }
-    }
-    wrong.sort();
-    wrong.dedup();
-    wrong
+fn sources(folder: &str) -> Sources {
+    Sources::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder))
 }
 
 #[test]
-fn stages_of_a_frame_import_from_those_before() {
-    let wrong = against(&RENDER, &["render"]);
-    assert!(wrong.is_empty(), "against {RENDER:?}:\n{}", wrong.join("\n"));
+fn rooms_import_from_those_before() {
+    for (folder, within, order) in ROOMS {
+        let wrong = against(order, within, &sources(folder));
+        assert!(wrong.is_empty(), "{folder}/{within}, whose order is {order:?}:\n{}", wrong.join("\n"));
+    }
+}
+
+#[test]
+fn cycles_of_files_only_become_fewer() {
+    let listed = read_cycles(include_str!("architecture/cycles.txt"));
+    let mut folders: Vec<&str> = ROOMS.map(|(folder, ..)| folder).to_vec();
+    folders.dedup();
+    let changed: Vec<String> = folders
+        .into_iter()
+        .flat_map(|folder| {
+            let listed = listed.iter().filter(|(crate_of, _)| crate_of == folder).map(|(_, files)| files.clone());
+            let changed = changed_cycles(&sources(folder), &listed.collect::<Vec<_>>());
+            changed.into_iter().map(move |change| format!("{folder}: {change}"))
+        })
+        .collect();
+    assert!(changed.is_empty(), "engine/tests/interfaces/architecture/cycles.txt:\n{}", changed.join("\n"));
 }
 
 #[test]
@@ -197,21 +168,4 @@ fn the_page_of_tests_names_all_files() {
     assert!(files.len() > 50, "{files:?}");
     let missing: Vec<&String> = files.iter().filter(|path| !named(path) && !path.starts_with("tests/fuzz/")).collect();
     assert!(missing.is_empty(), "docs/tests.md has no row for {missing:?}");
-}
-
-#[test]
-fn paths_are_read_as_rust_reads_them() {
-    let module = ["render", "indirect", "gloss"].map(str::to_owned);
-    let text = "use crate::gpu::{Binding, graph::{Graph as G, Handle}};\nuse super::super::frame::Frame; // super::no\n\
-                fn f() { crate::render::post::mlaa::declare(super::sky_reflection::map()) }\n#[cfg(test)]\nmod tests {\nuse crate::x;";
-    let found: Vec<String> = imports(&module, text).iter().map(|path| path.join("::")).collect();
-    let expected = [
-        "gpu::Binding",
-        "gpu::graph::Graph",
-        "gpu::graph::Handle",
-        "render::post::mlaa::declare",
-        "render::frame::Frame",
-        "render::indirect::sky_reflection::map",
-    ];
-    assert_eq!(found, expected);
 }

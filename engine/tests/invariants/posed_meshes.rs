@@ -3,10 +3,11 @@
 use crate::support::{Stage, error, gpu, rgb};
 use glam::{Affine3A, Vec3};
 use lightwell::assets::{Deform, Influences, Material, Mesh, MorphTarget, Shape};
-use lightwell::bvh::{Ray, RayKind, SceneBvh, Updated};
+use lightwell::bvh::Ray;
 use lightwell::render::reference::{PathTracer, TraceSettings};
 use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
 use lightwell::scene::{Extractor, LightShape, Primitive, Scene, SceneId, SurfelCloud};
+use lightwell::scene::{RayKind, SceneBvh, Updated};
 use lightwell::world::{Clpv, GameWorld, MeshRenderer, MorphWeights, Posed, Quality, Transform};
 use std::sync::Arc;
 

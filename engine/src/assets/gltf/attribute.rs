@@ -1,7 +1,7 @@
 //! Vertex attributes, in the formats of glTF and in those that exporters write besides.
 
 use super::accessor::place;
-use super::primitive::{Job, Reader};
+use super::reader::{Job, Reader};
 use super::remarks::Remarks;
 use crate::assets::AssetError;
 use gltf::accessor::{Accessor, DataType};

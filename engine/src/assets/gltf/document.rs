@@ -2,13 +2,16 @@
 
 use super::accessor::Buffers;
 use super::remarks::Remarks;
-use super::{BufferData, draco, mend, meshopt, source};
+use super::{draco, mend, meshopt, source};
 use crate::assets::AssetError;
 use gltf::Document;
 use gltf::json::Value;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
+
+/// Buffers of a document: parts of the file itself, or loaded.
+type BufferData<'a> = Vec<Cow<'a, [u8]>>;
 
 /// Extensions that are read, at least as far as to draw the file sensibly.
 const SUPPORTED: [&str; 22] = [

@@ -2,7 +2,7 @@
 
 use super::accessor::{Buffers, place};
 use crate::assets::AssetError;
-use crate::world::Transform;
+use crate::core::Transform;
 use glam::{Quat, Vec3};
 use gltf::Document;
 use gltf::accessor::Accessor;

@@ -1,7 +1,7 @@
 //! Layers of materials: `KHR_materials_clearcoat`, `_sheen`, `_anisotropy`, `_iridescence` and `_dispersion`. The loader has no types
 //! for them: they are read from the extensions as they are written.
 
-use super::material::{TextureUse, Textures, affine};
+use super::texture_use::{TextureUse, Textures, affine};
 use crate::assets::{Anisotropy, Clearcoat, Iridescence, Material, Sheen, Texture, UvMap};
 use glam::Vec3;
 use gltf::json::Value;

@@ -2,12 +2,13 @@
 
 use super::remarks::Remarks;
 use super::specular_glossiness::{self, RoughnessMaps};
+use super::texture_use::{TextureUse, Textures, affine};
 use super::{layers, source};
 use crate::assets::{
     AlphaMode, AssetError, Attenuation, Levels, Material, Minification, Sampling, Texture, UvMap, UvMaps, Wrap,
 };
 use crate::assets::{image, parallel, pixels};
-use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use gltf::Document;
 use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -38,12 +39,6 @@ impl UvSource {
         (self.sets, self.uses, rows.map(|rows| std::array::from_fn(|i| rows[i / 4][i % 4].to_bits())))
     }
 }
-
-/// A texture as a material uses it: its index, and whether its colours are sRGB.
-pub(super) type TextureUse = (usize, bool);
-
-/// Textures as materials use them.
-pub(super) type Textures = HashMap<TextureUse, Arc<Texture>>;
 
 /// All materials of a document; the last one is glTF's default material.
 pub(super) struct Materials {
@@ -342,15 +337,6 @@ fn uv_map(info: &Option<Info>) -> UvMap {
         return UvMap { set: info.tex_coord(), ..Default::default() };
     };
     UvMap { set: t.tex_coord().unwrap_or(info.tex_coord()), transform: affine(t.offset(), t.rotation(), t.scale()) }
-}
-
-pub(super) fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Affine2 {
-    // The extension rotates counter-clockwise in a space whose v points down.
-    let (sin, cos) = rotation.sin_cos();
-    let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
-    let transform =
-        Affine2::from_mat2_translation(rotation * Mat2::from_diagonal(Vec2::from(scale)), Vec2::from(offset));
-    if transform.is_finite() { transform } else { Affine2::IDENTITY }
 }
 
 /// The loader has no type for the transform of normal textures: it is read from the extension as it is written.

@@ -7,6 +7,7 @@
 mod accessor;
 mod animation;
 mod attribute;
+mod content;
 mod document;
 mod draco;
 mod face_normal;
@@ -22,6 +23,7 @@ mod meshopt;
 mod model_tests;
 mod nodes;
 mod primitive;
+mod reader;
 mod remarks;
 #[cfg(test)]
 pub(crate) mod rig_tests;
@@ -31,119 +33,25 @@ mod specular_glossiness;
 mod tangents;
 #[cfg(test)]
 mod tests;
+mod texture_use;
 mod thin;
 mod units;
 mod uri;
 
+pub use content::{GltfCamera, GltfLight, GltfNode, GltfPrimitive, GltfSkin};
 pub use import::{ImportFault, ImportSettings, Normals, Parts, UpAxis};
 pub use units::{LightConversion, LightUnits};
 
-use super::{AssetError, Clip, Material, Mesh, Meter, parallel, read_file};
-use crate::scene::ViewProjection;
-use crate::world::{Camera, Light, LightKind, Projection, Transform};
+use super::{AssetError, Clip, Meter, parallel, read_file};
 use accessor::Buffers;
-use glam::{Affine3A, Vec3};
-use primitive::{Job, Reader};
+use reader::{Job, Reader};
 use remarks::Remarks;
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Most vertices and corners of all meshes of a file together.
 const MAX_CORNERS: usize = 1 << 27;
-
-/// Triangles with their surface.
-pub type GltfPrimitive = (Arc<Mesh>, Arc<Material>);
-
-/// A camera of a file, looking along −Z.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GltfCamera {
-    /// Name; empty if the file has none.
-    pub name: String,
-    /// Projection; a field of view is above 0 and below π.
-    pub projection: ViewProjection,
-    /// Near plane \[m\].
-    pub near: f32,
-    /// Far plane \[m\]; none: infinite.
-    pub far: Option<f32>,
-    /// Width over height that the author had in mind.
-    pub aspect: Option<f32>,
-}
-
-impl GltfCamera {
-    /// The component.
-    pub fn camera(&self) -> Camera {
-        let camera = Camera { near: self.near, far: self.far, ..Camera::default() };
-        match self.projection {
-            ViewProjection::Perspective { vertical_fov } => Camera { fov: vertical_fov.to_degrees(), ..camera },
-            ViewProjection::Orthographic { height } => {
-                Camera { projection: Projection::Orthographic { height }, ..camera }
-            }
-        }
-    }
-}
-
-/// A light of a file (`KHR_lights_punctual`) with the numbers of the file, shining along −Z where it has a direction.
-/// [`LightConversion`] says what they stand for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GltfLight {
-    /// Name; empty if the file has none.
-    pub name: String,
-    /// Kind; cone angles in degrees.
-    pub kind: LightKind,
-    /// Colour, linear RGB.
-    pub color: Vec3,
-    /// Irradiance \[W/m²\] of directional lights, radiant intensity \[W/sr\] of the others, once it is converted.
-    pub intensity: f32,
-    /// Distance beyond which there is no light \[m\].
-    pub range: Option<f32>,
-}
-
-impl GltfLight {
-    /// The component, with default shadow settings.
-    pub fn light(&self) -> Light {
-        let usual = Light::default();
-        // A directional light's map spans the whole scene.
-        let shadow_size = if self.kind == LightKind::Directional { 2 * usual.shadow_size } else { usual.shadow_size };
-        Light { kind: self.kind, color: self.color, intensity: self.intensity, range: self.range, shadow_size, ..usual }
-    }
-}
-
-/// Joints that vertices follow.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GltfSkin {
-    /// Indices of the nodes.
-    pub joints: Vec<usize>,
-    /// For each joint, its own space from that of the mesh, as the mesh was modelled.
-    pub inverse_bind: Vec<Affine3A>,
-}
-
-/// A node of the hierarchy.
-#[derive(Clone, Debug, Default)]
-pub struct GltfNode {
-    /// Name; `node N` if the file has none. Names need not be unique.
-    pub name: String,
-    /// Index of the parent.
-    pub parent: Option<usize>,
-    /// Indices of the children.
-    pub children: Vec<usize>,
-    /// Place relative to the parent.
-    pub local: Transform,
-    /// Its primitives. Nodes with the same mesh share them.
-    pub primitives: Vec<GltfPrimitive>,
-    /// Index of the skin that poses the primitives; their place is then that of the joints alone.
-    pub skin: Option<usize>,
-    /// Where copies of the primitives stand, in the node's own space, in place of the one at its origin
-    /// (`EXT_mesh_gpu_instancing`); none: there is just that one.
-    pub instances: Vec<Transform>,
-    /// Weights of the morph targets of the primitives, as many as these have.
-    pub weights: Vec<f32>,
-    /// Camera that stands there.
-    pub camera: Option<GltfCamera>,
-    /// Light that stands there.
-    pub light: Option<GltfLight>,
-}
 
 /// The content of a glTF file.
 #[derive(Clone, Debug)]
@@ -330,6 +238,3 @@ fn load_meshes(
     }
     Ok(meshes)
 }
-
-/// Buffers of a document: parts of the file itself, or loaded.
-type BufferData<'a> = Vec<Cow<'a, [u8]>>;

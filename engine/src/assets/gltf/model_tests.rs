@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::Gltf;
-use crate::scene::ViewProjection;
+use crate::core::ViewProjection;
 use lightwell_needs::needs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

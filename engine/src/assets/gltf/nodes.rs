@@ -3,8 +3,7 @@
 use super::remarks::Remarks;
 use super::{GltfCamera, GltfLight, GltfNode};
 use crate::assets::AssetError;
-use crate::scene::ViewProjection;
-use crate::world::{self, Camera, LightKind, Transform};
+use crate::core::{DEFAULT_NEAR, LightKind, ORTHOGRAPHIC_HEIGHTS, Transform, ViewProjection};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use gltf::Document;
 use gltf::camera::Projection;
@@ -239,7 +238,7 @@ fn camera(path: &Path, camera: &gltf::Camera, remarks: &mut Remarks) -> Result<G
         None => format!("camera {}", camera.index()),
     };
     let fail = |problem: String| Err(AssetError::format(path, &place, problem));
-    let usual = Camera::default().near;
+    let usual = DEFAULT_NEAR;
     let (projection, aspect, near, far, is_near) = match camera.projection() {
         Projection::Perspective(p) => {
             if !(p.yfov() > 0.0 && p.yfov() < PI) {
@@ -251,7 +250,7 @@ fn camera(path: &Path, camera: &gltf::Camera, remarks: &mut Remarks) -> Result<G
         Projection::Orthographic(o) => {
             // Half the width and height; negative ones, which would mirror the image, glTF advises against.
             let (width, height) = (2.0 * o.xmag().abs(), 2.0 * o.ymag().abs());
-            if !world::Projection::HEIGHTS.contains(&height) {
+            if !ORTHOGRAPHIC_HEIGHTS.contains(&height) {
                 return fail(format!("ymag {} must be between 5e-7 and 5e8 m", o.ymag()));
             }
             let projection = ViewProjection::Orthographic { height };

@@ -1,32 +1,16 @@
 //! Mesh primitives: triangles of any topology as indexed lists, with normals and tangents for every vertex.
 
-use super::accessor::{Buffers, is_index, place};
+use super::accessor::{is_index, place};
 use super::attribute::{self, Format};
 use super::face_normal::face_normal;
-use super::material::UvSource;
+use super::reader::{Job, Reader};
 use super::remarks::Remarks;
 use super::{tangents, thin};
 use crate::assets::{AssetError, Deform, Mesh, Vertex, VertexExtra};
 use glam::Vec3;
 use gltf::accessor::{Accessor, DataType};
-use gltf::mesh::{Mode, Primitive, Semantic};
+use gltf::mesh::{Mode, Semantic};
 use std::sync::Arc;
-
-/// How to read primitives.
-pub(super) struct Reader<'a> {
-    pub buffers: Buffers<'a>,
-    /// `KHR_mesh_quantization`: integer positions, normals and tangents.
-    pub quantized: bool,
-}
-
-/// A primitive with what its material asks for.
-pub(super) struct Job<'a> {
-    pub primitive: Primitive<'a>,
-    pub name: String,
-    /// Where messages say it is.
-    pub place: String,
-    pub uv: UvSource,
-}
 
 /// A mesh, or none for what has no triangles, and remarks.
 pub(super) type Loaded = (Option<Mesh>, Remarks);

@@ -1,7 +1,7 @@
 //! Skins, and what vertices have for them and for morph targets.
 
 use super::accessor::{Buffers, place};
-use super::primitive::{Job, Reader};
+use super::reader::{Job, Reader};
 use super::remarks::Remarks;
 use super::{GltfNode, GltfSkin, attribute};
 use crate::assets::{AssetError, Deform, Influences, Mesh, MorphTarget};

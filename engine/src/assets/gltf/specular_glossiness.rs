@@ -6,7 +6,7 @@
 //! roughness by a texture of its own, since it is one minus a product.
 
 use super::layers::{field, number, numbers, used};
-use super::material::{TextureUse, Textures};
+use super::texture_use::{TextureUse, Textures};
 use crate::assets::{AssetId, Material, Texture};
 use glam::{Vec3, Vec4};
 use gltf::Document;

@@ -4,7 +4,7 @@
 //! say its unit; the name of the exporter does.
 
 use super::GltfLight;
-use crate::world::LightKind;
+use crate::core::LightKind;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
 use std::fmt;

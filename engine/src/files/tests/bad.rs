@@ -1,8 +1,8 @@
 //! Every kind of bad input gives its place, what is wrong and what to do.
 
-use super::super::document::Document;
-use super::super::validate::Validator;
 use super::*;
+use crate::files::format::validate::Validator;
+use crate::files::ron::document::Document;
 use FileErrorKind as Kind;
 use proptest::prelude::*;
 
@@ -429,7 +429,7 @@ fn mutated_scenes_never_panic() {
 proptest! {
     #[test]
     fn any_text_gives_a_tree_and_an_answer(text in "[\\[\\](){}:,\"'/*#!rab1.\\\\\\- \n…]{0,80}") {
-        let tree = super::super::tree::Node::parse(&text);
+        let tree = crate::files::ron::tree::Node::parse(&text);
         let _ = tree.pretty();
         parses_or_errs(text);
     }

@@ -1,7 +1,7 @@
 //! Tracks of keys for fields by path, in files: read, played, saved, reloaded, and refused with a place.
 
 use super::*;
-use crate::files::save::scene_text;
+use crate::files::save::scene::scene_text;
 use crate::files::{
     ComponentType, ComponentTypes, EditContext, LoadOptions, SceneData, describe_scene, edit_scene, follow_scene,
     read_scene,

@@ -37,7 +37,7 @@ fn a_table_lies_beside_the_file_that_names_it() {
     assert_eq!(camera.lens.grading.as_ref(), Some(&found.file));
     assert_eq!(found.table.entries[7], glam::Vec3::Y);
     // What was not changed is not saved as an override.
-    let text = super::super::save::scene_text(&world, &folder.path("a.scene.ron")).unwrap();
+    let text = crate::files::save::scene::scene_text(&world, &folder.path("a.scene.ron")).unwrap();
     assert!(text.contains("looks/warm.cube") && !text.contains("overrides"), "{text}");
 }
 

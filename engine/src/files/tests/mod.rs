@@ -16,8 +16,10 @@ mod round_trip;
 mod tracks;
 
 use super::*;
-use crate::world::Name;
+use crate::assets::AssetLibrary;
+use crate::world::{GameWorld, Name};
 use bevy_ecs::prelude::Entity;
+use std::path::{Path, PathBuf};
 
 /// A folder of files made of texts.
 struct Folder(tempfile::TempDir);

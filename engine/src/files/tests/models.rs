@@ -56,7 +56,7 @@ fn a_bare_model_opens_as_a_scene_with_camera_light_and_volumes() {
     let camera = at(&world, "framing camera").unwrap();
     let view = crate::scene::SceneView {
         camera: crate::scene::SceneCamera {
-            id: crate::scene::SceneId(0),
+            id: crate::core::SceneId(0),
             name: String::new(),
             world_from_view: world.ecs.get::<GlobalTransform>(camera).unwrap().0,
             projection: crate::scene::ViewProjection::Perspective {

@@ -1,8 +1,8 @@
 //! A save changes what was edited and nothing else.
 
-use super::super::rewrite::rewritten;
-use super::super::save::scene_text;
 use super::*;
+use crate::files::save::rewrite::rewritten;
+use crate::files::save::scene::scene_text;
 use crate::world::{Fog, FogShape, Light, Transform};
 use lightwell_needs::needs;
 

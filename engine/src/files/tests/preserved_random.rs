@@ -1,12 +1,12 @@
 //! Random edits of random texts with comments anywhere: the text means what was to be saved, and what was not edited
 //! stays.
 
-use super::super::rewrite::rewritten;
-use super::super::scan::strings;
-use super::super::tree::{Node, Step};
-use super::super::write::to_text;
 use super::round_trip::{entity, unique};
 use super::*;
+use crate::files::ron::scan::strings;
+use crate::files::ron::tree::{Node, Step};
+use crate::files::save::rewrite::rewritten;
+use crate::files::save::text::to_text;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;

@@ -1,9 +1,9 @@
 //! Load → save → load is the identity; saves are atomic and keep what they replace.
 
-use super::super::document::Document;
-use super::super::save::scene_text;
-use super::super::write::to_text;
 use super::*;
+use crate::files::ron::document::Document;
+use crate::files::save::scene::scene_text;
+use crate::files::save::text::to_text;
 use crate::world::animation::{Interpolation, KeyValue, Target, Track, Wrap};
 use crate::world::{
     Animation, Bloom, Bounces, Camera, CellSize, Clpv, ClpvPlacement, Delta, DepthOfField, Exposure, Fog, FogShape,

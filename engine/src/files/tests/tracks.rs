@@ -138,8 +138,8 @@ fn tracks_survive_being_read_and_written() {
     let folder = folder(MODEL);
     let world = folder.load("s.scene.ron").unwrap();
     let tracks = &world.ecs.get::<Animation>(at(&world, "M").unwrap()).unwrap().tracks;
-    let text = ron::to_string(tracks).unwrap();
-    assert_eq!(&ron::from_str::<Vec<Track>>(&text).unwrap(), tracks);
+    let text = ::ron::to_string(tracks).unwrap();
+    assert_eq!(&::ron::from_str::<Vec<Track>>(&text).unwrap(), tracks);
     // A track for the entity itself names no node.
     assert_eq!(text.matches("node:").count(), 2, "{text}");
 }

@@ -87,7 +87,7 @@ impl Encoding<'_> {
 
 impl BoxLists {
     /// The lists of a hierarchy; rays go on at a box of dynamic objects, or at none if that is 0. The lists of one that
-    /// [is split](crate::bvh::ScenePart) have the first child of the root in front, and behind it the second.
+    /// [is split](crate::scene::ScenePart) have the first child of the root in front, and behind it the second.
     pub(super) fn new(bvh: &Bvh, exact: bool, movers: u32, is_split: bool) -> Self {
         let boxes = bvh.nodes.len();
         let frame = bvh.nodes.first().map(|root| Frame::new(&root.bounds(), 0.0));

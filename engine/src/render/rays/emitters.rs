@@ -2,7 +2,8 @@
 
 use super::geometry::NONE;
 use crate::assets::{AssetId, Texture};
-use crate::bvh::{Bvh, SceneBvh};
+use crate::bvh::Bvh;
+use crate::scene::SceneBvh;
 use crate::scene::{Primitive, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -7,9 +7,10 @@ use super::moving_boxes::runs;
 use super::nodes::Nodes;
 use super::words::{ROW, Texel, Words};
 use crate::assets::{VertexExtra, parallel};
-use crate::bvh::{Bvh, SceneBvh, corner_indices, is_mirrored, normal_matrix, turned_normal};
+use crate::bvh::Bvh;
 use crate::gpu::Gpu;
 use crate::scene::{Primitive, Scene};
+use crate::scene::{SceneBvh, corner_indices, is_mirrored, normal_matrix, turned_normal};
 use glam::{Mat3, Vec2, Vec3};
 
 /// Flags of a triangle, above the index of its material.

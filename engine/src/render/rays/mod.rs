@@ -18,10 +18,10 @@ mod wide_nodes;
 mod wide_tree;
 mod words;
 
-use crate::bvh::SceneBvh;
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
 use crate::graph::{ComputeBuilder, Groups, PassContext, PassError, SharedGroup, hash};
 use crate::render::scene_gpu::media::GpuMedia;
+use crate::scene::SceneBvh;
 use crate::scene::{Aabb, Scene};
 use atlas::Atlas;
 use emitters::{Emitters, Followed};

@@ -12,9 +12,10 @@ use super::box_list::{BoxList, Links, Order};
 use super::boxes::{END, Encoding, Frame, HEADER, NOWHERE, most_boxes, texels_of_box};
 use super::words::{Texel, Words};
 use crate::assets::parallel;
-use crate::bvh::{Bvh, Movers, Node, ScenePart};
+use crate::bvh::{Bvh, Node};
 use crate::gpu::{Gpu, changed};
 use crate::scene::Aabb;
+use crate::scene::{Movers, ScenePart};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -246,7 +247,7 @@ pub(super) mod tests {
     use super::super::boxes::{COUNT_BITS, LEAF};
     use super::*;
     use crate::assets::{Material, Shape};
-    use crate::bvh::SceneBvh;
+    use crate::scene::SceneBvh;
     use crate::scene::{Primitive, Scene, SceneId};
     use glam::Affine3A;
     use proptest::prelude::*;

@@ -6,8 +6,8 @@ use super::boxes::{self, BoxLists};
 use super::moving_boxes::MovingBoxes;
 use super::wide_nodes::{self, WideNodes};
 use super::words::{ROW, Words};
-use crate::bvh::SceneBvh;
 use crate::gpu::{Binding, Gpu, RayNodes};
+use crate::scene::SceneBvh;
 
 /// Lists of boxes.
 pub(super) struct Lists {

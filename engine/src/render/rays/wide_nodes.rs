@@ -12,8 +12,9 @@ use super::wide_tree::{Leaves, TEXELS, WideNode, WideTree, can_hold, most_nodes}
 use super::words::Texel;
 use super::{RayError, check_size};
 use crate::assets::parallel;
-use crate::bvh::{Bvh, Movers, Node, SceneBvh, ScenePart};
+use crate::bvh::{Bvh, Node};
 use crate::gpu::{Gpu, changed};
+use crate::scene::{Movers, SceneBvh, ScenePart};
 
 /// Nodes whose encoding a thread of its own is worth.
 const WORTH_A_THREAD: usize = 1024;

@@ -2,9 +2,9 @@
 
 use super::material::alpha_cutoff;
 use crate::assets::{AlphaMode, Vertex, VertexExtra};
-use crate::bvh::is_mirrored;
 use crate::gpu::ShaderDef;
 use crate::scene::Primitive;
+use crate::scene::is_mirrored;
 
 /// The properties of a primitive that choose its pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -25,9 +25,9 @@ pub use blended::Side;
 pub use class::{MaterialClass, vertex_layout};
 
 use crate::assets::AssetId;
-use crate::bvh::is_mirrored;
 use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
 use crate::graph::{ComputeBuilder, PassContext, PassError};
+use crate::scene::is_mirrored;
 use crate::scene::{Aabb, Primitive};
 use batch::{Batch, Member};
 use block::Blocks;

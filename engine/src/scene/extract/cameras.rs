@@ -1,7 +1,7 @@
 //! Cameras, rigid and with parameters in range.
 
+use super::context::{Context, Part, name_or_id};
 use super::sorted::Elements;
-use super::{Context, Part, name_or_id};
 use crate::assets::CubeTable;
 use crate::scene::{Scene, SceneCamera, ViewProjection};
 use crate::world::{Camera, GlobalTransform, GradingTable, Identity, Lens, Name, Orientation, Projection};

@@ -1,6 +1,6 @@
 //! The settings of the light propagation volumes.
 
-use super::{Context, Part, name_or_id};
+use super::context::{Context, Part, name_or_id};
 use crate::scene::{Scene, SceneClpv};
 use crate::world::{Bounces, CellSize, Clpv, ClpvPlacement, GatherRays, GlobalTransform, Identity, Name};
 use bevy_ecs::prelude::*;

@@ -1,8 +1,8 @@
 //! Lights, with parameters that the renderer can rely on.
 
+use super::context::{Context, Part, name_or_id};
 use super::sky::Air;
 use super::sorted::Elements;
-use super::{Context, Part, name_or_id};
 use crate::scene::{LightShape, MAX_RSM_SIZE, Scene, SceneLight};
 use crate::world::{GlobalTransform, Identity, Light, LightKind, Name, Orientation, forward, right};
 use bevy_ecs::prelude::*;

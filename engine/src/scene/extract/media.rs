@@ -1,6 +1,6 @@
 //! Participating media.
 
-use super::{Context, Part, name_or_id};
+use super::context::{Context, Part, name_or_id};
 use crate::scene::{MAX_MEDIA, MediumShape, Scene, SceneMedium};
 use crate::world::{Fog, FogShape, GlobalTransform, Identity, Name, Orientation};
 use bevy_ecs::prelude::*;

@@ -5,6 +5,7 @@
 
 mod cameras;
 mod clpv;
+mod context;
 mod lights;
 mod media;
 mod motion;
@@ -19,10 +20,10 @@ mod tests;
 mod vpl;
 
 use super::{Revisions, Scene};
-use crate::world::{GameWorld, Name, UpdateCount};
+use crate::world::{GameWorld, UpdateCount};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::WorldId;
-use std::collections::HashSet;
+use context::{Context, Counter, Log};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Keeps a [`Scene`] current. One extractor serves one world and one scene; for another world or scene it restarts.
@@ -72,102 +73,6 @@ impl Source {
 
 fn updates(world: &World) -> u64 {
     world.get_resource::<UpdateCount>().map_or(0, |count| count.0)
-}
-
-/// The revision counter of a scene.
-#[derive(Debug, Default)]
-struct Counter(u64);
-
-impl Counter {
-    fn next(&mut self) -> u64 {
-        self.0 += 1;
-        self.0
-    }
-}
-
-/// The subject of warnings: a part of an entity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
-    Primitive,
-    Particles,
-    Light,
-    Medium,
-    Camera,
-    Clpv,
-    Vpl,
-    Slc,
-    /// Of no entity, but of the scene as a whole.
-    Sky,
-}
-
-/// Warnings: each is logged once an entity, and stands in the scene for as long as it holds.
-#[derive(Debug, Default)]
-struct Log {
-    logged: HashSet<(Entity, &'static str)>,
-    held: Vec<(Entity, Part, String)>,
-    has_changed: bool,
-}
-
-impl Log {
-    fn warn(&mut self, entity: Entity, part: Part, name: Option<&Name>, message: &'static str) {
-        let text = format!("`{}`: {message}", name_or_id(entity, name));
-        if self.logged.insert((entity, message)) {
-            log::warn!("{text}");
-        }
-        self.held.push((entity, part, text));
-        self.has_changed = true;
-    }
-
-    /// Warns of the scene's sky. It is looked at only where it changed, so that each time is worth a line.
-    fn warn_of_sky(&mut self, message: String) {
-        log::warn!("{message}");
-        self.held.push((Entity::PLACEHOLDER, Part::Sky, message));
-        self.has_changed = true;
-    }
-
-    /// A part of an entity is checked again: its former warnings no longer hold.
-    fn begin(&mut self, entity: Entity, part: Part) {
-        self.keep(|(e, p, _)| (*e, *p) != (entity, part));
-    }
-
-    /// Parts of which only the first counts are checked again.
-    fn begin_all(&mut self, part: Part) {
-        self.keep(|(_, p, _)| *p != part);
-    }
-
-    /// Forgets a part of an entity, and warns of the entity again.
-    fn forget(&mut self, entity: Entity, part: Part) {
-        self.begin(entity, part);
-        if !self.logged.is_empty() {
-            self.logged.retain(|(e, _)| *e != entity);
-        }
-    }
-
-    fn keep(&mut self, keep: impl Fn(&(Entity, Part, String)) -> bool) {
-        let before = self.held.len();
-        self.held.retain(keep);
-        self.has_changed |= self.held.len() != before;
-    }
-
-    /// Updates the scene's warnings, in an order that does not depend on that of changes.
-    fn write(&mut self, scene: &mut Scene) {
-        if std::mem::take(&mut self.has_changed) || scene.warnings.len() != self.held.len() {
-            scene.warnings = self.held.iter().map(|(.., text)| text.clone()).collect();
-            scene.warnings.sort_unstable();
-        }
-    }
-}
-
-fn name_or_id(entity: Entity, name: Option<&Name>) -> String {
-    name.map_or_else(|| entity.to_string(), |n| n.0.clone())
-}
-
-/// Shared state of the parts of an extraction.
-struct Context<'a> {
-    log: &'a mut Log,
-    revisions: &'a mut Counter,
-    /// Removal events may have expired: look whether everything is still there.
-    is_late: bool,
 }
 
 impl Default for Extractor {

@@ -1,7 +1,7 @@
 //! Light-emitting particles: one primitive for all of a source, posed anew whenever time or the source has changed.
 
+use super::context::{Context, Part, name_or_id};
 use super::sorted::Elements;
-use super::{Context, Part, name_or_id};
 use crate::assets::{Ball, Material, Mesh, material_of_balls, mesh_of_balls};
 use crate::scene::{Primitive, Scene, SceneId};
 use crate::world::{Clock, GlobalTransform, Identity, Name, Orientation, Particle, Particles, turn_of_particle};

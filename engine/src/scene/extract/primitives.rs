@@ -1,8 +1,8 @@
 //! Primitives: places, meshes and materials.
 
+use super::context::{Context, Part};
 use super::motion::{Drivers, Motion, is_driven};
 use super::sorted::Elements;
-use super::{Context, Part};
 use crate::scene::{Primitive, Scene};
 use crate::world::{GlobalTransform, Identity, MeshRenderer, Name};
 use bevy_ecs::prelude::*;

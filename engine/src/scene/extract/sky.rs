@@ -1,7 +1,6 @@
 //! The sky, and what its air does to the light of the sun.
 
-use super::Context;
-use super::Part;
+use super::context::{Context, Part};
 use crate::assets::{Atmosphere, AtmosphereTables, SkyMap};
 use crate::scene::{Scene, SunDisc};
 use crate::world::{

@@ -1,6 +1,6 @@
 //! The settings of stochastic light culling.
 
-use super::{Context, Part, name_or_id};
+use super::context::{Context, Part, name_or_id};
 use crate::scene::Scene;
 use crate::world::{Identity, Name, StochasticLightCulling};
 use bevy_ecs::prelude::*;

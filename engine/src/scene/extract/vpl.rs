@@ -1,6 +1,6 @@
 //! The settings of instant radiosity.
 
-use super::{Context, Part, name_or_id};
+use super::context::{Context, Part, name_or_id};
 use crate::scene::Scene;
 use crate::world::{Bounces, Identity, InstantRadiosity, Name};
 use bevy_ecs::prelude::*;

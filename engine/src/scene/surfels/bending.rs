@@ -4,10 +4,11 @@
 //! so that links that end there, and what earlier frames know of a patch, hold in the next pose. Where surfels are now tells in
 //! which cells their patch is looked for.
 
+use super::SurfelCloud;
 use super::group::{Group, GroupKey, bends, place_bits, shape};
 use super::patches::{Arranged, Cell, Faces, cells_of, grid_normal};
 use super::samples::Samples;
-use super::{Fineness, Surfel, SurfelCloud, has_surfels};
+use super::surfel::{Fineness, Surfel, has_surfels};
 use crate::assets::parallel;
 use crate::scene::{Primitive, Scene};
 use glam::{Affine3A, Vec3};

@@ -1,6 +1,6 @@
 //! Objects: primitives that stand at the same place, whose surfels are made together.
 
-use super::{Fineness, has_surfels};
+use super::surfel::{Fineness, has_surfels};
 use crate::assets::{AssetId, Mesh};
 use crate::scene::{Primitive, Scene};
 use glam::{Affine3A, Mat3A, Vec3};

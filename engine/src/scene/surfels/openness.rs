@@ -8,9 +8,10 @@
 use super::group::{Group, GroupKey};
 use super::patches::{Occluders, Subject};
 use super::still::Still;
-use super::{CLOSED_SHIFT, HIDDEN, Surfel};
+use super::surfel::{CLOSED_SHIFT, HIDDEN, Surfel};
 use crate::assets::{AlphaMode, AssetId, parallel};
-use crate::bvh::{Ray, world_normal};
+use crate::bvh::Ray;
+use crate::scene::world_normal;
 use crate::scene::{Aabb, Primitive, Scene};
 use glam::{Affine3A, Vec3};
 use std::collections::HashMap;

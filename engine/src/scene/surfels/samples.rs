@@ -1,7 +1,7 @@
 //! Where the surfels of an object lie on its triangles, and what they are made of.
 
 use super::group::{Group, Triangle, triangle, triangles, world_area};
-use super::{ENDLESS, Fineness, INNER, Surfel};
+use super::surfel::{ENDLESS, Fineness, INNER, Surfel};
 use crate::assets::{AlphaMode, Mesh, Texture, UvMap, Wrap};
 use crate::bvh::{MeshBvh, Ray};
 use crate::scene::Primitive;
@@ -288,6 +288,6 @@ pub(crate) fn texel(texture: &Texture, uv: [f32; 2]) -> Vec4 {
     let y = at(uv[1], texture.sampling.wrap_v, texture.height);
     let first = 4 * (y * texture.width as usize + x);
     let rgba: [f32; 4] = std::array::from_fn(|i| f32::from(texture.rgba[first + i]) / 255.0);
-    let linear = |c: f32| if texture.srgb { crate::measure::srgb_decode(c) } else { c };
+    let linear = |c: f32| if texture.srgb { crate::core::srgb_decode(c) } else { c };
     Vec4::new(linear(rgba[0]), linear(rgba[1]), linear(rgba[2]), rgba[3])
 }

@@ -1,7 +1,8 @@
 //! Surfels of a scene in which nothing changed but where some objects stand.
 
+use super::SurfelCloud;
 use super::group::{Group, place_bits, shape};
-use super::{Fineness, SurfelCloud, has_surfels};
+use super::surfel::{Fineness, has_surfels};
 use crate::assets::AssetId;
 use crate::scene::Scene;
 use glam::Affine3A;

@@ -1,4 +1,4 @@
-use crate::scene::SceneId;
+use crate::core::SceneId;
 use crate::world::*;
 use bevy_ecs::prelude::{ChildOf, Children, Component, DetectChanges, Entity, Query, Ref, ResMut};
 use glam::{Quat, Vec3};

@@ -8,7 +8,7 @@ mod tests;
 
 use super::{Gltf, GltfNode, GltfPrimitive, LightUnits, tangents};
 use crate::assets::{AssetId, Material, Mesh, Vertex};
-use crate::scene::ViewProjection;
+use crate::core::ViewProjection;
 use glam::{Mat3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};

@@ -1,7 +1,7 @@
 //! Splitting of a mesh into connected parts.
 
 use crate::assets::{Mesh, Vertex};
-use crate::scene::Aabb;
+use crate::core::Aabb;
 use glam::Vec3;
 use std::collections::HashMap;
 

@@ -1,8 +1,9 @@
 //! Where particles of a directional light start: side by side before the scene, and only where something is in their way.
 
 use super::random::frame;
-use crate::bvh::{Bvh, SceneBvh};
+use crate::bvh::Bvh;
 use crate::scene::Aabb;
+use crate::scene::SceneBvh;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Cells along an edge of the rectangle before the scene; a column is the bits of a `u64`.

@@ -2,8 +2,9 @@
 //! by the oriented boxes around objects as it suggests.
 
 use super::surface::is_cut_out;
-use crate::bvh::{Bvh, MAX_DEPTH, MeshBvh, Ray, SceneBvh, intersect_triangle, is_nearer, vertex_indices};
+use crate::bvh::{Bvh, MAX_DEPTH, MeshBvh, Ray, intersect_triangle};
 use crate::scene::{Primitive, Scene};
+use crate::scene::{SceneBvh, is_nearer, vertex_indices};
 use crate::world::ParticleCasts;
 use glam::{Affine3A, Vec3};
 use std::ops::AddAssign;

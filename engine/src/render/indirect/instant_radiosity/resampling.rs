@@ -11,7 +11,7 @@ use super::intersection::{Caster, IntersectionCounts};
 use super::trace_particles::{Candidate, DISTANT, Origin, Particles, Shot, VirtualLight};
 use super::view_points::{Contribution, ViewPoints};
 use crate::assets::parallel;
-use crate::bvh::SceneBvh;
+use crate::scene::SceneBvh;
 use crate::scene::{Scene, SceneView};
 use crate::world::InstantRadiosity;
 use glam::Vec3;

@@ -5,7 +5,7 @@ use super::random::{Numbers, cone_direction, cosine_direction, frame};
 use super::surface;
 use super::trace_particles::Origin;
 use crate::assets::{SkyDirections, SkySample};
-use crate::bvh::SceneBvh;
+use crate::scene::SceneBvh;
 use crate::scene::{LightShape, Scene, SceneLight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;

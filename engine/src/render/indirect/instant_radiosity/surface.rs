@@ -2,9 +2,10 @@
 
 use super::intersection::CastHit;
 use crate::assets::{AlphaMode, Texture, UvMap};
-use crate::bvh::{Ray, SceneBvh, vertex_indices, world_normal};
+use crate::bvh::Ray;
 use crate::render::indirect::lobe_reflectance::lobe_reflectance;
 use crate::scene::{Primitive, Scene, texel};
+use crate::scene::{SceneBvh, vertex_indices, world_normal};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
 

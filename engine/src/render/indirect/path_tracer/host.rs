@@ -2,8 +2,9 @@
 //! its speed is held against. Purely diffuse surfaces without textures.
 
 use super::TraceSettings;
-use crate::bvh::{Ray, RayKind, SceneBvh, SceneHit, vertex_indices, world_normal};
+use crate::bvh::Ray;
 use crate::scene::{LightShape, Scene, SceneLight, SceneView};
+use crate::scene::{RayKind, SceneBvh, SceneHit, vertex_indices, world_normal};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 

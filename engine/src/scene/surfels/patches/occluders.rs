@@ -1,9 +1,9 @@
 //! Occluders between the surfels of a static object.
 
 use super::cells::{BEFORE, Cell, cells_from_world};
-use crate::bvh::world_normal;
 use crate::scene::Surfel;
 use crate::scene::surfels::still::Still;
+use crate::scene::world_normal;
 use glam::{Affine3A, Vec3, Vec4};
 
 /// Cosine from which on two faces of a wall are taken for parallel.

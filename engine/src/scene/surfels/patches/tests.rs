@@ -73,7 +73,7 @@ fn every_point_of_a_surface_has_a_patch_nearby() {
                     let nearest = nearest.fold(f32::INFINITY, f32::min);
                     assert!(nearest < 5.0 * patches.size, "{nearest} m, patches of {} m", patches.size);
                     let faces =
-                        surfels.iter().any(|s| crate::bvh::world_normal(&place, s.normal.into()).dot(normal) > 0.4);
+                        surfels.iter().any(|s| crate::scene::world_normal(&place, s.normal.into()).dot(normal) > 0.4);
                     facing += u32::from(faces);
                     all += 1;
                 }
