@@ -24,7 +24,7 @@ pub(crate) use rsm_draw::DrawUniform;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
-use crate::graph::{Buffer, ComputeBuilder, Handle, PassContext, Texture};
+use crate::graph::{Buffer, Handle, PassBindings, PassContext, Texture};
 use crate::render::indirect::Scattered;
 use diffusion::relight;
 
@@ -86,7 +86,7 @@ impl Field {
     }
 
     /// Binds it to a pass, if its shader knows swept light.
-    pub(in crate::render) fn bind_swept(&self, pass: &mut ComputeBuilder) {
+    pub(in crate::render) fn bind_swept(&self, pass: &mut PassBindings) {
         if let Self::Swept { volume, buffers: [axes, facing, opacity] } = self {
             pass.uniform("swept", &volume.uniform());
             pass.read("axes", *axes);

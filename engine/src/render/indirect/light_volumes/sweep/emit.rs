@@ -57,15 +57,7 @@ pub(super) struct Step {
 pub(super) fn totals(graph: &mut Graph<'_>, bounces: u32) -> Handle<Buffer> {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let totals = graph.retained_buffer("flux of the bounces", BufferDesc::new(TOTAL_BYTES * u64::from(bounces), usage));
-    let mut pass = graph.pass("flux of the bounces");
-    let totals = pass.write(totals);
-    pass.key(&());
-    pass.execute(move |cx| {
-        let buffer = cx.buffer(totals).clone();
-        cx.encoder().clear_buffer(&buffer, 0, None);
-        Ok(())
-    });
-    totals
+    graph.clear("flux of the bounces", totals)
 }
 
 /// Power of two that turns flux [W] into fixed point: all light of the lights together is below 2³⁸ of 2⁴⁵, and all bounces
