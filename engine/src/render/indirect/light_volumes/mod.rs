@@ -87,11 +87,26 @@ impl Field {
 
     /// Binds it to a pass, if its shader knows swept light.
     pub(in crate::render) fn bind_swept(&self, pass: &mut PassBindings) {
-        if let Self::Swept { volume, buffers: [axes, facing, opacity] } = self {
-            pass.uniform("swept", &volume.uniform());
-            pass.read("axes", *axes);
-            pass.read("facing", *facing);
-            pass.read("opacity", *opacity);
+        if let Self::Swept { .. } = self {
+            self.bind(pass, |_| true);
+        }
+    }
+
+    /// Binds to a pass that looks it up what the shader asks for.
+    pub(in crate::render) fn bind(&self, pass: &mut PassBindings, asks_for: impl Fn(&str) -> bool) {
+        match self {
+            Self::Swept { volume, buffers: [axes, facing, opacity] } => {
+                pass.uniform("swept", &volume.uniform());
+                let buffers = [("axes", *axes), ("facing", *facing), ("opacity", *opacity)];
+                buffers
+                    .into_iter()
+                    .filter(|(name, _)| asks_for(name))
+                    .for_each(|(name, buffer)| pass.read(name, buffer));
+            }
+            Self::Propagated { uniform, lit } => {
+                pass.uniform("relight", uniform);
+                relight::bind_cascades(pass, lit);
+            }
         }
     }
 
