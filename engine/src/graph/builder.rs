@@ -306,6 +306,12 @@ impl<'a> PassBuilder<'_, 'a> {
         self.id()
     }
 
+    /// Whether the pass itself makes that version.
+    pub(super) fn is_written<K: Kind>(&self, handle: Handle<K>) -> bool {
+        let pass = &self.graph.passes[self.index];
+        handle.graph == self.graph.id && pass.writes.iter().any(|write| write.next() == handle.at)
+    }
+
     /// Name of a resource of this graph.
     pub(super) fn resource_name<K: Kind>(&self, handle: Handle<K>) -> Option<&str> {
         let resource = self.graph.resources.get(handle.at.resource).filter(|_| handle.graph == self.graph.id);

@@ -237,7 +237,7 @@ impl<'c> PassContext<'c> {
         bindings: &[(&str, Binding)],
         groups: [u32; 3],
     ) -> Result<(), PassError> {
-        self.dispatch_threads(key, bindings, None, |_| Groups::Count(groups))
+        self.dispatch_threads(key, bindings, &[], None, |_| Groups::Count(groups))
     }
 
     /// As [`PassContext::dispatch`], with group 1 bound by `shared`, over workgroups whose number a buffer may hold.
@@ -251,18 +251,20 @@ impl<'c> PassContext<'c> {
         shared: &BindGroup,
         groups: impl Into<Groups<'g>>,
     ) -> Result<(), PassError> {
-        self.dispatch_threads(key, bindings, Some(shared), |_| groups.into())
+        self.dispatch_threads(key, bindings, &[], Some(shared), |_| groups.into())
     }
 
-    /// As [`PassContext::dispatch`], with the number of workgroups by their size.
+    /// As [`PassContext::dispatch`], with the number of workgroups by their size. Of the `common` bindings those are bound
+    /// that the shader uses.
     pub(super) fn dispatch_threads<'g>(
         &mut self,
         key: &ComputeKey,
         bindings: &[(&str, Binding)],
+        common: &[(&str, Binding)],
         shared: Option<&BindGroup>,
         groups: impl FnOnce([u32; 3]) -> Groups<'g>,
     ) -> Result<(), PassError> {
-        let dispatch = Dispatch::new(self.gpu, key, bindings, shared)?;
+        let dispatch = Dispatch::new(self.gpu, key, bindings, common, shared)?;
         self.record(&dispatch, groups(dispatch.workgroup_size));
         Ok(())
     }
@@ -314,7 +316,7 @@ pub(crate) fn record_dispatch(
     shared: Option<&BindGroup>,
     groups: [u32; 3],
 ) -> Result<(), PassError> {
-    let dispatch = Dispatch::new(gpu, key, bindings, shared)?;
+    let dispatch = Dispatch::new(gpu, key, bindings, &[], shared)?;
     dispatch.record(gpu, &mut begin_compute_pass(gpu, encoder), Groups::Count(groups));
     Ok(())
 }
@@ -337,10 +339,12 @@ impl Dispatch {
         gpu: &Gpu,
         key: &ComputeKey,
         bindings: &[(&str, Binding)],
+        common: &[(&str, Binding)],
         shared: Option<&BindGroup>,
     ) -> Result<Self, PassError> {
         let pipeline = gpu.pipelines.compute(gpu, key)?;
-        let own = pipeline.bind(gpu, 0, bindings)?;
+        let used = common.iter().filter(|(name, _)| pipeline.declares(0, name));
+        let own = pipeline.bind(gpu, 0, &bindings.iter().chain(used).copied().collect::<Vec<_>>())?;
         let shared = shared.map(|bind| bind(gpu, &pipeline)).transpose()?;
         let compute = pipeline.compute().cloned();
         let no_compute = || PassError::message(format!("`{}` in `{}` is not a compute shader", key.entry, key.shader));

@@ -23,6 +23,7 @@
 
 mod alias;
 mod audit;
+mod bindings;
 mod builder;
 mod cache;
 mod compile;
@@ -44,9 +45,10 @@ mod report;
 mod tests;
 mod timer;
 
+pub use bindings::{PassBindings, SharedGroup, Tracked};
 pub use builder::{Graph, PassBuilder};
 pub use cache::{CacheFigures, Target, TargetCache};
-pub use compute::{ComputeBuilder, RowWork, Rows, SharedGroup, Tracked};
+pub use compute::{ComputeBuilder, Piece, PieceWork, Step};
 pub(crate) use context::record_dispatch;
 pub use context::{Groups, PassContext};
 pub use decision::CompileOptions;

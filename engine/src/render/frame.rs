@@ -7,7 +7,7 @@ use super::scene_gpu::surfels::GpuSurfels;
 use super::settings::RenderSettings;
 use super::views::Views;
 use crate::gpu::{Gpu, ShaderDef};
-use crate::graph::{ComputeBuilder, TextureDesc, Tracked};
+use crate::graph::{PassBindings, TextureDesc, Tracked};
 use crate::scene::{Aabb, Frustum, ProbePoint, Scene, SceneView};
 use encase::ShaderType;
 use glam::{Mat4, UVec2, Vec4};
@@ -23,6 +23,9 @@ pub(crate) struct ViewUniform {
     pixel: f32,
     reach: f32,
 }
+
+/// Why a pass fails that casts rays.
+const NO_RAYS: &str = "the scene is not ready for rays";
 
 /// A result of a method that the next frame may go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,17 +127,41 @@ impl<'a> Frame<'a> {
     }
 
     /// Binds that to a pass.
-    pub(super) fn bind_view(&self, pass: &mut ComputeBuilder) {
+    pub(super) fn bind_view(&self, pass: &mut PassBindings) {
         pass.uniform("view", &self.view_values());
     }
 
     /// Binds to a pass where the patches of surfels lie.
-    pub(super) fn bind_patches(&self, pass: &mut ComputeBuilder<'_, 'a>) {
+    pub(super) fn bind_patches(&self, pass: &mut PassBindings<'_, 'a>) {
         self.surfels.patches().bind(pass, &(self.geometry_key(), self.surfels.revision()));
     }
 
+    /// Lets a pass cast rays that ask for surfaces and lights.
+    pub(super) fn bind_rays(&self, pass: &mut PassBindings<'_, 'a>) {
+        match self.rays {
+            Some(rays) => rays.bind_all(pass),
+            None => pass.refuse(NO_RAYS),
+        }
+    }
+
+    /// Lets a pass cast rays that ask for surfaces alone.
+    pub(super) fn bind_ray_surfaces(&self, pass: &mut PassBindings<'_, 'a>) {
+        match self.rays {
+            Some(rays) => rays.bind_surfaces(pass),
+            None => pass.refuse(NO_RAYS),
+        }
+    }
+
+    /// Binds the sky by direction to a pass, or lets it know that the sky is even.
+    pub(super) fn bind_sky(&self, pass: &mut PassBindings<'_, 'a>) {
+        match &self.scene.sky_map {
+            Some(map) => pass.tracked("sky", Tracked::texture(self.gpu_scene.sky(), &map.id)),
+            None => pass.flag("EVEN_SKY", true),
+        }
+    }
+
     /// Binds to a pass where objects that moved stood in the frame before.
-    pub(super) fn bind_motions(&self, pass: &mut ComputeBuilder<'_, 'a>) {
+    pub(super) fn bind_motions(&self, pass: &mut PassBindings<'_, 'a>) {
         let Some((step, moved)) = self.history.step().zip(self.history.motions().buffer()) else { return };
         pass.define("MOVED", ShaderDef::Flag(true));
         pass.tracked("moved", Tracked::buffer(moved, &step.key()));

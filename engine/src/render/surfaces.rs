@@ -1,7 +1,7 @@
 //! Which surfaces of the pixels a G-buffer holds.
 
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::ComputeBuilder;
+use crate::graph::PassBindings;
 
 /// Which surfaces of the pixels a G-buffer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,7 +22,7 @@ impl Surfaces {
     }
 
     /// The same for a pass.
-    pub(in crate::render) fn define_for(self, pass: &mut ComputeBuilder) {
+    pub(in crate::render) fn define_for(self, pass: &mut PassBindings) {
         if self == Self::SecondLobes {
             pass.define("STRETCHED", ShaderDef::Flag(true));
         }

@@ -3,7 +3,7 @@
 use super::desc;
 use crate::gpu::{BindError, ComputeKey, Gpu, GpuOptions, Pipeline, ShaderDef, read_texture};
 use crate::graph::{
-    CompileOptions, ComputeBuilder, Counts, FrameReport, Graph, Handle, PassState, RowWork, Rows, SharedGroup,
+    CompileOptions, ComputeBuilder, Counts, FrameReport, Graph, Handle, PassState, Piece, PieceWork, SharedGroup,
     TargetCache, Texture, Tracked,
 };
 use std::fs;
@@ -71,8 +71,8 @@ fn fill<'a>(graph: &mut Graph<'a>, name: &str, value: u32) -> Handle<Texture> {
     let mut pass = graph.compute(name, ComputeKey::new("fill.wgsl", "main"));
     let filled = pass.write("filled", filled);
     // A submit for every eight rows.
-    let work = RowWork { units: 1 << 20, on_software: 1 };
-    pass.dispatch_rows([16, 16], work, "fill", move |rows: Rows| Fill { first_row: rows.first, value });
+    let work = PieceWork { units: 1 << 20, on_software: 1 };
+    pass.dispatch_rows([16, 16], work, "fill", move |rows: Piece| Fill { first_row: rows.first, value });
     filled
 }
 

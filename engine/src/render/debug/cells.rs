@@ -3,12 +3,10 @@
 use super::overlay::{self, DEPTH, Draw};
 use super::{DebugView, skip};
 use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, Texture, TextureDesc};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::frame::linear_groups;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::{Volume, VolumeUniform};
-use crate::scene::Surfel;
 use encase::ShaderType;
 use wgpu::{BufferUsages, TextureUsages};
 
@@ -65,7 +63,7 @@ pub(super) fn declare<'a>(
         pad_b: 0,
     };
     let buffer = match content {
-        Content::VoxelsOfSurfels => declare_sums(graph, buffer, volume, uniform),
+        Content::VoxelsOfSurfels => declare_sums(graph, (buffer, frame.surfels.count()), volume, uniform),
         _ => buffer,
     };
     let [width, height] = frame.view.size;
@@ -121,28 +119,23 @@ fn find(graph: &Graph, view: DebugView, level: usize) -> Option<(Content, Handle
 }
 
 /// Declares the sums of the surfels in each cell.
-fn declare_sums(graph: &mut Graph, surfels: Handle<Buffer>, volume: &Volume, uniform: CellsUniform) -> Handle<Buffer> {
+fn declare_sums(
+    graph: &mut Graph,
+    (surfels, count): (Handle<Buffer>, u32),
+    volume: &Volume,
+    uniform: CellsUniform,
+) -> Handle<Buffer> {
     let bytes = 16 * u64::from(volume.cell_count());
     let sums = graph.buffer("voxels", BufferDesc::new(bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST));
-    let mut pass = graph.pass("voxels");
-    pass.read(surfels);
-    let sums = pass.write(sums);
-    pass.key(&volume.key());
-    pass.execute(move |cx| {
-        let [source, target] = [surfels, sums].map(|handle| cx.buffer(handle).clone());
-        cx.encoder().clear_buffer(&target, 0, None);
-        let uniform = cx.gpu.uniform("cells", &uniform);
-        let count = (source.size() / size_of::<Surfel>() as u64) as u32;
-        cx.counts().injections += u64::from(count);
-        cx.dispatch(
-            &ComputeKey::new("debug/cells.wgsl", "scatter"),
-            &[
-                ("cells", Binding::Buffer(&uniform)),
-                ("surfels", Binding::Buffer(&source)),
-                ("sums", Binding::Buffer(&target)),
-            ],
-            linear_groups(count),
-        )
-    });
+    let mut pass = graph.compute("voxels", ComputeKey::new("debug/cells.wgsl", "scatter"));
+    let sums = pass.write_in_steps(sums);
+    pass.clear(sums);
+    pass.count(Counts { injections: count.into(), ..Counts::default() });
+    let mut step = pass.step("scatter");
+    step.uniform("cells", &uniform);
+    step.read("surfels", surfels);
+    step.read("sums", sums);
+    step.over_items(count);
+    pass.finish();
     sums
 }

@@ -23,28 +23,14 @@ pub(super) fn declare<'a>(
     // Blended surfaces lie before those of the G-buffer.
     let blended = graph.latest::<Texture>(OBJECTS).unwrap_or(object);
 
-    let mut pass = graph.pass("selection");
-    pass.read(object);
-    pass.read(blended);
-    let mask = pass.write(mask);
-    pass.key(outlined);
-    pass.execute(move |cx| {
-        // Their number first: buffers are padded.
-        let counted: Vec<u32> = std::iter::once(outlined.len() as u32).chain(outlined.iter().copied()).collect();
-        let ids = cx.gpu.storage("outlined", &counted, wgpu::BufferUsages::empty());
-        let [object, blended, target] = [object, blended, mask].map(|handle| cx.view(handle));
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        cx.dispatch(
-            &ComputeKey::new("debug/outline.wgsl", "mark"),
-            &[
-                ("outlined", Binding::Buffer(&ids)),
-                ("object", Binding::Texture(&object)),
-                ("blended", Binding::Texture(&blended)),
-                ("mask_out", Binding::Texture(&target)),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    // Their number first: buffers are padded.
+    let counted: Vec<u32> = std::iter::once(outlined.len() as u32).chain(outlined.iter().copied()).collect();
+    let mut pass = graph.compute("selection", ComputeKey::new("debug/outline.wgsl", "mark"));
+    pass.values("outlined", &counted);
+    pass.read("object", object);
+    pass.read("blended", blended);
+    let mask = pass.write("mask_out", mask);
+    pass.dispatch_over([width, height]);
 
     let mut pass = graph.pass("outline");
     pass.read(mask);

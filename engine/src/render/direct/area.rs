@@ -4,7 +4,7 @@
 use super::area_shadows::{self, Shadows};
 use super::{DirectLight, Region, comparison};
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{ComputeBuilder, Counts, Graph, Handle, Texture};
+use crate::graph::{Counts, Graph, Handle, PassBindings, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::RayScene;
@@ -80,7 +80,7 @@ impl Share {
         if let Self::Rays(shadows) = self { shadows.radius } else { 0 }
     }
 
-    fn bind(&self, pass: &mut ComputeBuilder) {
+    fn bind(&self, pass: &mut PassBindings) {
         match self {
             Self::Whole => {}
             Self::Rays(shadows) => {

@@ -2,7 +2,7 @@
 
 use super::{DirectLight, Region, area_tiles};
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Buffer, Counts, Graph, Handle, RowWork, Texture};
+use crate::graph::{Buffer, Counts, Graph, Handle, PieceWork, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::RayScene;
@@ -99,7 +99,7 @@ impl<'a> Work<'_, 'a> {
         let Region { origin, size } = self.direct_light.region;
         // At most: tiles whose first rays agree need no more.
         let rays_a_pixel = if before.is_some() { self.samples - 1 } else { 1 };
-        let work = RowWork { units: u64::from(size.x) * u64::from(rays_a_pixel), on_software: RAYS_A_SUBMIT };
+        let work = PieceWork { units: u64::from(size.x) * u64::from(rays_a_pixel), on_software: RAYS_A_SUBMIT };
         pass.count(Counts { rays: work.units * u64::from(size.y), ..Counts::default() });
         let seed = frame.seed() ^ (self.direct_light.light.id.0 as u32).wrapping_mul(0x9e37_79b9);
         let root = rays.root();

@@ -2,7 +2,7 @@
 
 use super::static_layers;
 use crate::gpu::RasterKey;
-use crate::graph::{ComputeBuilder, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PassBindings, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
 use crate::render::surfaces::Surfaces;
@@ -41,7 +41,7 @@ pub struct GBuffer {
 
 impl GBuffer {
     /// Binds what passes need that reflect light: `base_color`, `normal`, `object` and `depth`.
-    pub(in crate::render) fn bind(&self, pass: &mut ComputeBuilder) {
+    pub(in crate::render) fn bind(&self, pass: &mut PassBindings) {
         pass.read("base_color", self.base_color);
         pass.read("normal", self.normal);
         pass.read("object", self.object);

@@ -1,7 +1,7 @@
 //! The grid before the camera.
 
 use crate::gpu::Gpu;
-use crate::graph::ComputeBuilder;
+use crate::graph::PassBindings;
 use crate::render::frame::Frame;
 use crate::scene::{MediumShape, SceneMedium};
 use encase::ShaderType;
@@ -64,7 +64,7 @@ impl Grid {
         gpu.uniform("haze", &self.uniform)
     }
 
-    pub fn bind(&self, pass: &mut ComputeBuilder) {
+    pub fn bind(&self, pass: &mut PassBindings) {
         pass.uniform("haze", &self.uniform);
     }
 

@@ -15,7 +15,7 @@ use super::frame::Frame;
 use super::geometry::GBuffer;
 use super::indirect::light_volumes::Field;
 use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, ComputeBuilder, Graph, Handle, PassContext};
+use crate::graph::{Buffer, Graph, Handle, PassBindings, PassContext};
 use grid::Grid;
 
 /// Whether the frame shows media.
@@ -69,7 +69,7 @@ impl Haze {
     }
 
     /// Binds it to a pass that looks it up.
-    pub fn bind(&self, pass: &mut ComputeBuilder, frame: &Frame) {
+    pub fn bind(&self, pass: &mut PassBindings, frame: &Frame) {
         pass.define("HAZE", ShaderDef::Flag(true));
         self.grid.bind(pass);
         pass.read("in_scattered", self.in_scattered);

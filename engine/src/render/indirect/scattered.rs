@@ -3,7 +3,7 @@
 
 use super::light_volumes::sweep::HazeCells;
 use crate::gpu::ShaderDef;
-use crate::graph::{Buffer, ComputeBuilder, Handle, Tracked};
+use crate::graph::{Buffer, Handle, PassBindings};
 use crate::render::frame::Frame;
 
 /// The light of a method that rays find.
@@ -17,7 +17,7 @@ pub(crate) struct Scattered {
 
 impl Scattered {
     /// Binds it to a pass whose shader looks it up.
-    pub(in crate::render) fn bind<'a>(&self, pass: &mut ComputeBuilder<'_, 'a>, frame: &Frame<'a>) {
+    pub(in crate::render) fn bind<'a>(&self, pass: &mut PassBindings<'_, 'a>, frame: &Frame<'a>) {
         if let Some(haze) = &self.haze {
             haze.bind(pass);
         }
@@ -28,9 +28,6 @@ impl Scattered {
             }
             None => pass.define("ONE_BOUNCE", ShaderDef::Flag(true)),
         }
-        match &frame.scene.sky_map {
-            Some(map) => pass.tracked("sky", Tracked::texture(frame.gpu_scene.sky(), &map.id)),
-            None => pass.define("EVEN_SKY", ShaderDef::Flag(true)),
-        }
+        frame.bind_sky(pass);
     }
 }

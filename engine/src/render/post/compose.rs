@@ -1,7 +1,7 @@
 //! The sum of what each pixel shows, or one layer of it.
 
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{ComputeBuilder, Graph, Handle, Texture, TextureDesc, Tracked};
+use crate::graph::{Graph, Handle, PassBindings, Texture, TextureDesc, Tracked};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::haze::Haze;
@@ -37,7 +37,7 @@ impl ComposeUniform {
 }
 
 /// The image of the sky, if it has one.
-fn bind_sky<'a>(pass: &mut ComputeBuilder<'_, 'a>, frame: &Frame<'a>) {
+fn bind_sky<'a>(pass: &mut PassBindings<'_, 'a>, frame: &Frame<'a>) {
     let map = frame.scene.sky_map.as_deref();
     if map.is_some() {
         pass.define("SKY_MAP", ShaderDef::Flag(true));
@@ -76,7 +76,7 @@ pub(in crate::render) struct SecondLobe {
 }
 
 impl SecondLobe {
-    fn bind(&self, pass: &mut ComputeBuilder) {
+    fn bind(&self, pass: &mut PassBindings) {
         pass.define("SECOND_LOBE", ShaderDef::Flag(true));
         pass.read("second_lobe", self.reflected);
         pass.read("lobe_normal", self.gbuffer.normal);

@@ -19,7 +19,7 @@ mod wide_tree;
 mod words;
 
 use crate::gpu::{BindError, Binding, ComputeKey, Gpu, Pipeline, ShaderDef};
-use crate::graph::{ComputeBuilder, Groups, PassContext, PassError, SharedGroup, hash};
+use crate::graph::{Groups, PassBindings, PassContext, PassError, SharedGroup, hash};
 use crate::render::scene_gpu::media::GpuMedia;
 use crate::scene::SceneBvh;
 use crate::scene::{Aabb, Scene};
@@ -292,16 +292,16 @@ impl RayScene {
     }
 
     /// Lets a pass cast rays that ask for surfaces, but not for lights: its group 1 is the scene.
-    pub(in crate::render) fn bind_surfaces<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>) {
+    pub(in crate::render) fn bind_surfaces<'a>(&'a self, pass: &mut PassBindings<'_, 'a>) {
         self.bind_to(pass, false);
     }
 
     /// Lets a pass cast rays that ask for surfaces and lights: its group 1 is the scene.
-    pub(in crate::render) fn bind_all<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>) {
+    pub(in crate::render) fn bind_all<'a>(&'a self, pass: &mut PassBindings<'_, 'a>) {
         self.bind_to(pass, true);
     }
 
-    fn bind_to<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, lights: bool) {
+    fn bind_to<'a>(&'a self, pass: &mut PassBindings<'_, 'a>, lights: bool) {
         self.defines().for_each(|(name, value)| pass.define(name, value));
         pass.share(RayGroup { scene: self, lights });
     }

@@ -1,7 +1,7 @@
 //! Participating media in the layout of `lib/media.wgsl`.
 
 use crate::gpu::{Gpu, ShaderDef, uniform_bytes};
-use crate::graph::ComputeBuilder;
+use crate::graph::PassBindings;
 use crate::scene::{MAX_MEDIA, MediumShape, Scene, SceneMedium};
 use encase::ShaderType;
 use glam::{Vec3, Vec4};
@@ -83,7 +83,7 @@ impl GpuMedia {
     }
 
     /// Binds it to a pass, whose shader then knows of media.
-    pub(crate) fn bind(&self, pass: &mut ComputeBuilder) {
+    pub(crate) fn bind(&self, pass: &mut PassBindings) {
         let (name, count) = self.define();
         pass.define(name, count);
         pass.uniform("media", &self.values);

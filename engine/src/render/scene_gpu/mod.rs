@@ -26,9 +26,8 @@ pub use class::{MaterialClass, vertex_layout};
 
 use crate::assets::AssetId;
 use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
-use crate::graph::{ComputeBuilder, PassContext, PassError};
-use crate::scene::is_mirrored;
-use crate::scene::{Aabb, Primitive};
+use crate::graph::{PassBindings, PassContext, PassError};
+use crate::scene::{Aabb, Primitive, is_mirrored};
 use batch::{Batch, Member};
 use block::Blocks;
 use bytemuck::{Pod, Zeroable};
@@ -248,7 +247,7 @@ impl GpuScene {
     }
 
     /// Binds the media to a pass, if there are any.
-    pub(in crate::render) fn bind_media(&self, pass: &mut ComputeBuilder) {
+    pub(in crate::render) fn bind_media(&self, pass: &mut PassBindings) {
         if let Some(media) = &self.media {
             media.bind(pass);
         }

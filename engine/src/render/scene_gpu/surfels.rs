@@ -1,7 +1,7 @@
 //! The scene's surfels on the device.
 
 use crate::gpu::{Binding, Changing, Gpu};
-use crate::graph::{ComputeBuilder, Tracked, hash};
+use crate::graph::{PassBindings, Tracked, hash};
 use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -84,15 +84,15 @@ impl GpuPatches {
         }
     }
 
-    /// First surfel and number of surfels of each patch.
-    pub fn ranges(&self) -> Binding<'_> {
-        Binding::Buffer(&self.ranges)
+    /// Binds them to a pass whose shader looks patches up, with the revision of the surfels.
+    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut PassBindings<'_, 'a>, revision: &impl Hash) {
+        self.bind_grids(pass, revision);
+        pass.tracked("place_of_primitive", Tracked::buffer(&self.place_of_primitive, revision));
     }
 
-    /// Binds them to a pass whose shader looks patches up, with the revision of the surfels.
-    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, revision: &impl Hash) {
+    /// The same of a shader that knows in which place it looks.
+    pub(in crate::render) fn bind_grids<'a>(&'a self, pass: &mut PassBindings<'_, 'a>, revision: &impl Hash) {
         pass.tracked("patch_table", Tracked::buffer(&self.table, revision));
-        pass.tracked("place_of_primitive", Tracked::buffer(&self.place_of_primitive, revision));
         pass.tracked("patch_grids", Tracked::buffer(self.grids.buffer(), revision));
     }
 
@@ -258,8 +258,13 @@ impl GpuSurfels {
         &self.patches
     }
 
+    /// First surfel and number of surfels of each patch.
+    pub(in crate::render) fn ranges(&self) -> Tracked<'_> {
+        Tracked::buffer(&self.patches.ranges, &self.revision())
+    }
+
     /// Binds them to the pass that places them, of a scene's geometry.
-    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut ComputeBuilder<'_, 'a>, geometry: &impl Hash) {
+    pub(in crate::render) fn bind<'a>(&'a self, pass: &mut PassBindings<'_, 'a>, geometry: &impl Hash) {
         pass.tracked("cloud", Tracked::buffer(&self.surfels, &self.revision()));
         pass.tracked("places", Tracked::buffer(self.places.buffer(), &(hash(geometry), self.revision())));
     }

@@ -5,7 +5,7 @@
 
 use super::glass_depth;
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, RowWork, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PieceWork, Texture, TextureDesc};
 use crate::render::direct::{Region, region_around};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::indirect::Scattered;
@@ -83,7 +83,7 @@ pub(in crate::render) fn declare<'a>(
         glow: pass.write("glow_at_glass", glow),
         rough: pass.write("rough_glass", rough),
     };
-    let work = RowWork { units: region.size.x.into(), on_software: PATHS_A_SUBMIT };
+    let work = PieceWork { units: region.size.x.into(), on_software: PATHS_A_SUBMIT };
     let uniform = uniform(frame, rays);
     pass.dispatch_rows(region.size.into(), work, "glass", move |rows| SeenThroughUniform {
         origin: region.origin + UVec2::new(0, rows.first),

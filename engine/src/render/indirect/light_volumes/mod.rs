@@ -24,7 +24,7 @@ pub(crate) use rsm_draw::DrawUniform;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
-use crate::graph::{Buffer, ComputeBuilder, Handle, PassContext, Texture};
+use crate::graph::{Buffer, Handle, PassBindings, PassContext, Texture};
 use crate::render::indirect::Scattered;
 use diffusion::relight;
 
@@ -86,12 +86,27 @@ impl Field {
     }
 
     /// Binds it to a pass, if its shader knows swept light.
-    pub(in crate::render) fn bind_swept(&self, pass: &mut ComputeBuilder) {
-        if let Self::Swept { volume, buffers: [axes, facing, opacity] } = self {
-            pass.uniform("swept", &volume.uniform());
-            pass.read("axes", *axes);
-            pass.read("facing", *facing);
-            pass.read("opacity", *opacity);
+    pub(in crate::render) fn bind_swept(&self, pass: &mut PassBindings) {
+        if let Self::Swept { .. } = self {
+            self.bind(pass, |_| true);
+        }
+    }
+
+    /// Binds to a pass that looks it up what the shader asks for.
+    pub(in crate::render) fn bind(&self, pass: &mut PassBindings, asks_for: impl Fn(&str) -> bool) {
+        match self {
+            Self::Swept { volume, buffers: [axes, facing, opacity] } => {
+                pass.uniform("swept", &volume.uniform());
+                let buffers = [("axes", *axes), ("facing", *facing), ("opacity", *opacity)];
+                buffers
+                    .into_iter()
+                    .filter(|(name, _)| asks_for(name))
+                    .for_each(|(name, buffer)| pass.read(name, buffer));
+            }
+            Self::Propagated { uniform, lit } => {
+                pass.uniform("relight", uniform);
+                relight::bind_cascades(pass, lit);
+            }
         }
     }
 

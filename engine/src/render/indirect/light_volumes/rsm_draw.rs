@@ -1,8 +1,7 @@
 //! Texels of reflective shadow maps, drawn in proportion to the flux that they receive or reflect. See `lib/rsm_draw.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassBuilder, PassContext, PassError};
-use crate::render::frame::linear_groups;
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Graph, Handle, PassBindings};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use crate::scene::Aabb;
@@ -79,9 +78,6 @@ fn strips_of(rsm: &Rsm) -> u32 {
     rsm.size.div_ceil(STRIP) * rsm.size
 }
 
-/// All that an outcome depends on besides the maps: lights, the box, scale, number, seed, weight.
-type Key = (Vec<(u64, u32)>, [[u32; 3]; 2], [u32; 3], Weight);
-
 /// Maps to draw from, with the sum of their weights.
 #[derive(Clone)]
 pub(super) struct Draw<'a> {
@@ -115,32 +111,20 @@ impl<'a> Draw<'a> {
         let desc = BufferDesc::new(4 * u64::from(strips), BufferUsages::STORAGE | BufferUsages::COPY_DST);
         let cumulative = graph.retained_buffer(name, desc.clone());
         let weights = graph.buffer(temporary, desc);
-        let mut draw = Self { maps, uniform, wanted, cumulative };
-        let mut pass = graph.pass(name);
-        draw.read_maps(&mut pass);
-        let (weights, cumulative) = (pass.write(weights), pass.write(cumulative));
-        draw.cumulative = cumulative;
+        let mut pass = graph.compute(name, wanted.weight.shader(SHADER, "weigh"));
+        let (weights, cumulative) = (pass.write("weights", weights), pass.write("cumulative", cumulative));
         // Not the seed and the number: the sum does not depend on them.
-        let (lights, reach, _, weight) = draw.key();
-        pass.key(&(lights, reach, scale.to_bits(), strips, weight));
-        let weighed = draw.clone();
-        pass.execute(move |cx| weighed.weigh(cx, weights));
-        draw
-    }
-
-    fn weigh(&self, cx: &mut PassContext, weights: Handle<Buffer>) -> Result<(), PassError> {
-        let [weights, cumulative] = [weights, self.cumulative].map(|handle| cx.buffer(handle).clone());
-        let weigh = self.wanted.weight.shader(SHADER, "weigh");
-        for map in &self.maps {
-            self.dispatch_map(cx, &weigh, map, &[("weights", Binding::Buffer(&weights))], linear_groups(map.strips()))?;
+        let weighed = Self { maps, uniform: DrawUniform { points: 0, seed: 0, ..uniform }, wanted, cumulative };
+        for map in &weighed.maps {
+            let mut step = pass.step("weigh");
+            weighed.bind_map(&mut step, map);
+            step.over_items(map.strips());
         }
-        let uniform = cx.gpu.uniform("draw", &self.uniform);
-        let group = [
-            ("draw", Binding::Buffer(&uniform)),
-            ("weights", Binding::Buffer(&weights)),
-            ("cumulative", Binding::Buffer(&cumulative)),
-        ];
-        cx.dispatch(&ComputeKey::new(SHADER, "sum_up"), &group, [1, 1, 1])
+        let mut step = pass.step_of(ComputeKey::new(SHADER, "sum_up"));
+        step.uniform("draw", &weighed.uniform);
+        step.in_groups([1, 1, 1]);
+        pass.finish();
+        Self { uniform, ..weighed }
     }
 
     /// How many texels are drawn.
@@ -153,64 +137,29 @@ impl<'a> Draw<'a> {
         self.wanted.weight.shader(path, entry)
     }
 
-    /// All that a pass depends on which draws texels, besides what it reads.
-    pub fn key(&self) -> Key {
-        let lights = self.maps.iter().map(|map| (map.rsm.light.revision, map.rsm.index)).collect();
-        let Wanted { reach, scale, points, seed, weight } = self.wanted;
-        let corners = [reach.min, reach.max].map(|corner| corner.to_array().map(f32::to_bits));
-        (lights, corners, [scale.to_bits(), points, seed], weight)
+    /// Binds the uniform and the sum to a step that needs no map.
+    pub fn bind_sums(&self, step: &mut PassBindings) {
+        step.uniform("draw", &self.uniform);
+        step.read("cumulative", self.cumulative);
     }
 
-    /// Says that a pass reads all maps and the sum.
-    pub fn read(&self, pass: &mut PassBuilder<'_, 'a>) {
-        self.read_maps(pass);
-        pass.read(self.cumulative);
-    }
-
-    fn read_maps(&self, pass: &mut PassBuilder<'_, 'a>) {
-        for Map { rsm, .. } in self.maps.iter().filter(|map| map.layer == 0) {
-            [rsm.base_color, rsm.normal, rsm.specular, rsm.depth].into_iter().for_each(|input| pass.read(input));
+    /// Declares the steps of a shader that draws all texels: once a map, and each sample acts where its texel lies.
+    pub fn declare_steps(&self, pass: &mut ComputeBuilder<'_, 'a>, shader: &ComputeKey) {
+        for map in &self.maps {
+            let mut step = pass.step_of(shader.clone());
+            self.bind_map(&mut step, map);
+            step.read("cumulative", self.cumulative);
+            step.over_items(self.points());
         }
     }
 
-    /// The uniform and the sum, for a shader that needs no map.
-    pub fn sums(&self, cx: &PassContext) -> [(&'static str, wgpu::Buffer); 2] {
-        let uniform = cx.gpu.uniform("draw", &self.uniform);
-        [("draw", uniform), ("cumulative", cx.buffer(self.cumulative).clone())]
-    }
-
-    /// Runs an entry point that draws all texels: once a map, and each sample acts where its texel lies.
-    pub fn dispatch(&self, cx: &mut PassContext, key: &ComputeKey, more: &[(&str, Binding)]) -> Result<(), PassError> {
-        let cumulative = cx.buffer(self.cumulative).clone();
-        let more = [&[("cumulative", Binding::Buffer(&cumulative))], more].concat();
-        let groups = linear_groups(self.points());
-        self.maps.iter().try_for_each(|map| self.dispatch_map(cx, key, map, &more, groups))
-    }
-
-    fn dispatch_map(
-        &self,
-        cx: &mut PassContext,
-        key: &ComputeKey,
-        map: &Map,
-        more: &[(&str, Binding)],
-        groups: [u32; 3],
-    ) -> Result<(), PassError> {
-        let gpu = cx.gpu;
-        let draw = DrawUniform { first_strip: map.first_strip, light: map.rsm.index, ..self.uniform };
-        let draw = gpu.uniform("draw", &draw);
-        let light = LightUniform::buffer(gpu, map.rsm.light);
-        let rsm = gpu.uniform("rsm", &map.rsm.layer_uniform(map.layer, 1.0));
-        let textures = [
-            ("base_color", map.rsm.base_color),
-            ("normal", map.rsm.normal),
-            ("specular", map.rsm.specular),
-            ("depth", map.rsm.depth),
-        ];
-        let textures = textures.map(|(name, handle)| (name, cx.view(handle)));
-        let mut group =
-            vec![("draw", Binding::Buffer(&draw)), ("light", Binding::Buffer(&light)), ("rsm", Binding::Buffer(&rsm))];
-        group.extend(textures.iter().map(|(name, view)| (*name, Binding::Texture(view))));
-        group.extend_from_slice(more);
-        cx.dispatch(key, &group, groups)
+    fn bind_map(&self, step: &mut PassBindings, Map { rsm, layer, first_strip }: &Map) {
+        step.uniform("draw", &DrawUniform { first_strip: *first_strip, light: rsm.index, ..self.uniform });
+        step.uniform("light", &LightUniform::new(rsm.light));
+        step.uniform("rsm", &rsm.layer_uniform(*layer, 1.0));
+        step.read("base_color", rsm.base_color);
+        step.read("normal", rsm.normal);
+        step.read("specular", rsm.specular);
+        step.read("depth", rsm.depth);
     }
 }

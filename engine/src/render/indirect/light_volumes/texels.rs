@@ -1,53 +1,28 @@
 //! Work for each texel of reflective shadow maps, which both ways of transport begin with.
 
-use super::volume::Volume;
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{PassContext, PassError};
+use crate::graph::{ComputeBuilder, Counts, Step};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use std::ops::Range;
 
-/// Runs an entry point for each texel of some layers of an RSM, into a buffer of fixed-point sums.
-pub(super) fn dispatch_texels(
-    cx: &mut PassContext,
-    key: &ComputeKey,
-    rsm: &Rsm,
-    layers: Range<usize>,
-    volume: &Volume,
-    fixed: &wgpu::Buffer,
+/// Declares a step for each of some layers of an RSM, at an entry point with a thread for each texel. `scale` turns flux into
+/// the fixed point of its sums, and `bind` binds what else the shader asks for.
+pub(super) fn declare_steps<'g, 'a>(
+    pass: &mut ComputeBuilder<'g, 'a>,
+    entry: &'static str,
+    (rsm, layers): (&Rsm<'a>, Range<usize>),
     scale: f32,
-) -> Result<(), PassError> {
-    dispatch_rsm(cx, key, rsm, layers, volume, scale, &[("fixed", Binding::Buffer(fixed))])
-}
-
-/// Runs an entry point for each texel of some layers of an RSM, with further bindings.
-pub(super) fn dispatch_rsm(
-    cx: &mut PassContext,
-    key: &ComputeKey,
-    rsm: &Rsm,
-    layers: Range<usize>,
-    volume: &Volume,
-    scale: f32,
-    more: &[(&str, Binding)],
-) -> Result<(), PassError> {
-    let gpu = cx.gpu;
-    let volume = gpu.uniform("volume", &volume.uniform());
-    let light = LightUniform::buffer(gpu, rsm.light);
-    let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
-    let groups = rsm.size.div_ceil(8);
-    cx.counts().injections += layers.len() as u64 * rsm.layer_texels();
+    bind: impl Fn(&mut Step<'_, 'g, 'a>),
+) {
+    pass.count(Counts { injections: layers.len() as u64 * rsm.layer_texels(), ..Counts::default() });
     for layer in layers {
-        let layer = gpu.uniform("rsm", &rsm.layer_uniform(layer, scale));
-        let mut bindings = vec![
-            ("volume", Binding::Buffer(&volume)),
-            ("light", Binding::Buffer(&light)),
-            ("rsm", Binding::Buffer(&layer)),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("depth", Binding::Texture(&depth)),
-        ];
-        bindings.extend_from_slice(more);
-        cx.dispatch(key, &bindings, [groups, groups, 1])?;
+        let mut step = pass.step(entry);
+        step.uniform("light", &LightUniform::new(rsm.light));
+        step.uniform("rsm", &rsm.layer_uniform(layer, scale));
+        step.read("base_color", rsm.base_color);
+        step.read("normal", rsm.normal);
+        step.read("depth", rsm.depth);
+        bind(&mut step);
+        step.over_uncounted([rsm.size; 2]);
     }
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Screen-space ambient occlusion: how much of the volumes' light nearby surfaces keep away (Šefčík 2016, section 8.2; Jimenez
 //! et al. 2016). See `indirect/light_volumes/diffusion/ambient_occlusion.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::direct::Region;
 use crate::render::frame::Frame;
@@ -45,33 +45,18 @@ pub(super) fn declare<'a>(
     let slices = TextureDesc::d2(width, height, wgpu::TextureFormat::Rg32Float, usage);
     let noisy = graph.texture("slices of ambient occlusion", slices);
     let visibility = graph.retained_texture(NAME, desc);
-    let mut pass = graph.pass(NAME);
-    let inputs = [gbuffer.normal, gbuffer.depth];
-    inputs.into_iter().for_each(|input| pass.read(input));
-    let [noisy, visibility] = [noisy, visibility].map(|target| pass.write(target));
+    let mut pass = graph.compute(NAME, ComputeKey::new(SHADER, "occlude"));
     let Region { origin, size } = region;
-    pass.key(&(radius.to_bits(), origin.to_array(), size.to_array(), frame.view_key()));
-    let uniform = OcclusionUniform { origin, size, radius, padding: 0 };
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let view = frame.view_uniform(cx.gpu);
-        let occlusion = cx.gpu.uniform("occlusion", &uniform);
-        let [normal, depth, noisy, visibility] =
-            [inputs[0], inputs[1], noisy, visibility].map(|handle| cx.view(handle));
-        cx.counts().texels += u64::from(size.x) * u64::from(size.y);
-        let inputs = [
-            ("view", Binding::Buffer(&view)),
-            ("occlusion", Binding::Buffer(&occlusion)),
-            ("normal", Binding::Texture(&normal)),
-            ("depth", Binding::Texture(&depth)),
-        ];
-        let groups = [size.x.div_ceil(8), size.y.div_ceil(8), 1];
-        let occlude = [&inputs[..], &[("integrals", Binding::Texture(&noisy))]].concat();
-        cx.dispatch(&ComputeKey::new(SHADER, "occlude"), &occlude, groups)?;
-        let denoise =
-            [&inputs[..], &[("noisy", Binding::Texture(&noisy)), ("visibility", Binding::Texture(&visibility))]]
-                .concat();
-        cx.dispatch(&ComputeKey::new(SHADER, "denoise"), &denoise, groups)
-    });
+    frame.bind_view(&mut pass);
+    pass.uniform("occlusion", &OcclusionUniform { origin, size, radius, padding: 0 });
+    pass.read("normal", gbuffer.normal);
+    pass.read("depth", gbuffer.depth);
+    let noisy = pass.write("integrals", noisy);
+    let visibility = pass.write("visibility", visibility);
+    pass.step("occlude").over(size.into());
+    let mut denoise = pass.step("denoise");
+    denoise.read("noisy", noisy);
+    denoise.over_uncounted(size.into());
+    pass.finish();
     Some(visibility)
 }

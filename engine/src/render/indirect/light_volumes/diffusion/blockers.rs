@@ -1,11 +1,10 @@
 //! The geometry volume: blockers of transported radiance with their reflectance, from all that lights (and the camera) see.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle};
 use crate::render::frame::Frame;
-use crate::render::frame::linear_groups;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::indirect::light_volumes::texels::dispatch_texels;
+use crate::render::indirect::light_volumes::texels;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;
 use crate::world::Formulas;
@@ -71,21 +70,15 @@ fn of_lights<'a>(graph: &mut Graph<'a>, rsms: &[Rsm<'a>], level: usize, grid: Gr
         return Vec::new();
     }
     let volumes: Vec<_> = (0..count).map(|view| graph.buffer(format!("{name}, view {view}"), grid.desc())).collect();
-    let mut pass = graph.pass(name);
-    for rsm in rsms {
-        [rsm.base_color, rsm.normal, rsm.depth].into_iter().for_each(|input| pass.read(input));
+    let mut pass = graph.compute(name, grid.shader("from_rsm"));
+    pass.uniform("volume", &grid.volume.uniform());
+    let volumes: Vec<_> = volumes.into_iter().map(|volume| pass.write_in_steps(volume)).collect();
+    let views = rsms.iter().flat_map(|rsm| (0..rsm.views.len()).map(move |layer| (rsm, layer)));
+    for ((rsm, layer), &fixed) in views.zip(&volumes) {
+        pass.clear(fixed);
+        texels::declare_steps(&mut pass, "from_rsm", (rsm, layer..layer + 1), 1.0, |step| step.read("fixed", fixed));
     }
-    let volumes: Vec<_> = volumes.into_iter().map(|volume| pass.write(volume)).collect();
-    // What the lights see says it all; how bright they are does not matter here.
-    pass.key(&(grid.volume.key(), rsms.len(), grid.formulas));
-    let (rsms, targets) = (rsms.to_vec(), volumes.clone());
-    pass.execute(move |cx| {
-        let views = rsms.iter().flat_map(|rsm| (0..rsm.views.len()).map(move |layer| (rsm, layer)));
-        views.zip(&targets).try_for_each(|((rsm, layer), &target)| {
-            let fixed = cleared(cx, target);
-            dispatch_texels(cx, &grid.shader("from_rsm"), rsm, layer..layer + 1, &grid.volume, &fixed, 1.0)
-        })
-    });
+    pass.finish();
     volumes
 }
 
@@ -105,37 +98,20 @@ fn of_camera<'a>(
 ) -> Handle<Buffer> {
     let name = format!("blockers of the camera, cascade {level}");
     let volume = graph.buffer(name.as_str(), grid.desc());
-    let mut pass = graph.pass(name);
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
-    inputs.into_iter().for_each(|input| pass.read(input));
-    let volume = pass.write(volume);
-    pass.key(&(grid.volume.key(), frame.view_key(), grid.formulas));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let fixed = cleared(cx, volume);
-        let [width, height] = frame.view.size;
-        let stride = camera_stride(frame.view.size, grid.formulas);
-        let half_height = frame.view.camera.half_height();
-        let samples = gpu.uniform("camera samples", &CameraSamplesUniform { stride, half_height });
-        let uniform = gpu.uniform("volume", &grid.volume.uniform());
-        let [base_color, normal, depth] = inputs.map(|input| cx.view(input));
-        let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
-        cx.counts().injections += u64::from(columns) * u64::from(rows);
-        cx.dispatch(
-            &grid.shader("from_camera"),
-            &[
-                ("volume", Binding::Buffer(&uniform)),
-                ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                ("camera", Binding::Buffer(&samples)),
-                ("camera_base_color", Binding::Texture(&base_color)),
-                ("camera_normal", Binding::Texture(&normal)),
-                ("camera_depth", Binding::Texture(&depth)),
-                ("fixed", Binding::Buffer(&fixed)),
-            ],
-            [columns.div_ceil(8), rows.div_ceil(8), 1],
-        )
-    });
+    let stride = camera_stride(frame.view.size, grid.formulas);
+    let samples = frame.view.size.map(|edge| edge.div_ceil(stride));
+    let mut pass = graph.compute(name, grid.shader("from_camera"));
+    pass.uniform("volume", &grid.volume.uniform());
+    frame.bind_view(&mut pass);
+    pass.uniform("camera", &CameraSamplesUniform { stride, half_height: frame.view.camera.half_height() });
+    pass.read("camera_base_color", gbuffer.base_color);
+    pass.read("camera_normal", gbuffer.normal);
+    pass.read("camera_depth", gbuffer.depth);
+    let volume = pass.write("fixed", volume);
+    pass.clear(volume);
+    pass.count(Counts { injections: u64::from(samples[0]) * u64::from(samples[1]), ..Counts::default() });
+    pass.step("from_camera").over_uncounted(samples);
+    pass.finish();
     volume
 }
 
@@ -143,41 +119,21 @@ fn of_camera<'a>(
 fn merged(graph: &mut Graph, views: Vec<Handle<Buffer>>, level: usize, grid: Grid) -> Handle<Buffer> {
     let name = format!("blockers, cascade {level}");
     let merged = graph.retained_buffer(name.as_str(), grid.desc());
-    let mut pass = graph.pass(name);
-    views.iter().for_each(|&view| pass.read(view));
-    let merged = pass.write(merged);
-    pass.key(&(grid.volume.key(), views.len(), grid.formulas));
-    pass.execute(move |cx| {
-        let target = cx.buffer(merged).clone();
-        cx.encoder().clear_buffer(&target, 0, None);
-        let volume = cx.gpu.uniform("volume", &grid.volume.uniform());
-        let groups = linear_groups(grid.volume.corner_count());
-        for &view in &views {
-            let fixed = cx.buffer(view).clone();
-            cx.dispatch(
-                &grid.shader("merge"),
-                &[
-                    ("volume", Binding::Buffer(&volume)),
-                    ("fixed", Binding::Buffer(&fixed)),
-                    ("merged", Binding::Buffer(&target)),
-                ],
-                groups,
-            )?;
-        }
-        // The first view is no merge: it meets an empty volume.
-        cx.counts().merges += (views.len() as u64).saturating_sub(1);
-        if grid.formulas == Formulas::Printed {
-            // The thesis sets no limit.
-            return Ok(());
-        }
-        let bindings = [("volume", Binding::Buffer(&volume)), ("merged", Binding::Buffer(&target))];
-        cx.dispatch(&grid.shader("limit"), &bindings, groups)
-    });
+    let mut pass = graph.compute(name, grid.shader("merge"));
+    pass.uniform("volume", &grid.volume.uniform());
+    let merged = pass.write("merged", merged);
+    pass.clear(merged);
+    for &view in &views {
+        let mut step = pass.step("merge");
+        step.read("fixed", view);
+        step.over_items(grid.volume.corner_count());
+    }
+    // The first view is no merge: it meets an empty volume.
+    pass.count(Counts { merges: (views.len() as u64).saturating_sub(1), ..Counts::default() });
+    // The thesis sets no limit.
+    if grid.formulas != Formulas::Printed {
+        pass.step("limit").over_items(grid.volume.corner_count());
+    }
+    pass.finish();
     merged
-}
-
-fn cleared(cx: &mut PassContext, volume: Handle<Buffer>) -> wgpu::Buffer {
-    let fixed = cx.buffer(volume).clone();
-    cx.encoder().clear_buffer(&fixed, 0, None);
-    fixed
 }

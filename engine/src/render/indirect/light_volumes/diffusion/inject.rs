@@ -2,12 +2,11 @@
 //! of emissive surfaces (Šefčík 2016, section 8.2).
 
 use super::LIGHT_BYTES;
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Counts, Graph, Handle, Step};
 use crate::render::frame::Frame;
-use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::rsm_draw::{Draw, Wanted, Weight};
-use crate::render::indirect::light_volumes::texels::dispatch_texels;
+use crate::render::indirect::light_volumes::texels;
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::render::shadows::reflective::Rsm;
 use crate::scene::Aabb;
@@ -79,119 +78,68 @@ pub(super) fn declare<'a>(
     let desc = BufferDesc::new(bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST);
     let fixed = graph.buffer(format!("{name}, fixed point"), desc.clone());
     let injected = graph.retained_buffer(name.as_str(), desc);
-    let mut pass = graph.pass(name.as_str());
-    for rsm in *rsms {
-        pass.read(rsm.base_color);
-        pass.read(rsm.normal);
-        pass.read(rsm.depth);
+    let mut pass = graph.compute(name, ComputeKey::new("indirect/light_volumes/diffusion/inject.wgsl", "inject"));
+    pass.uniform("volume", &volume.uniform());
+    let into = Into { volume: *volume, fixed: pass.write("fixed", fixed), injected: pass.write("injected", injected) };
+    pass.clear(into.injected);
+    match samples {
+        Some(samples) => into.inject_samples(&mut pass, samples),
+        None => rsms.iter().for_each(|rsm| into.inject(&mut pass, rsm)),
     }
-    samples.iter().for_each(|samples| samples.read(&mut pass));
-    emitters.iter().for_each(|emitters| pass.read(emitters.surfels));
-    let (fixed, injected) = (pass.write(fixed), pass.write(injected));
-    let lights: Vec<u64> = rsms.iter().map(|rsm| rsm.light.revision).collect();
-    pass.key(&(volume.key(), lights, frame.scene.identity, samples.as_ref().map(Draw::key)));
-    let (rsms, samples, emitters, volume) = (rsms.to_vec(), samples.clone(), *emitters, *volume);
-    pass.execute(move |cx| {
-        let target = cx.buffer(injected).clone();
-        cx.encoder().clear_buffer(&target, 0, None);
-        match &samples {
-            Some(samples) => inject_samples(cx, samples, &volume, fixed, injected)?,
-            None => rsms.iter().try_for_each(|rsm| inject(cx, rsm, &volume, fixed, injected))?,
-        }
-        emitters.iter().try_for_each(|emitters| inject_emitters(cx, emitters, &volume, fixed, injected))
-    });
-    injected
+    emitters.iter().for_each(|emitters| into.inject_emitters(&mut pass, emitters));
+    pass.finish();
+    into.injected
 }
 
-fn inject(
-    cx: &mut PassContext,
-    rsm: &Rsm,
-    volume: &Volume,
+/// What light is injected into.
+struct Into {
+    volume: Volume,
     fixed: Handle<Buffer>,
     injected: Handle<Buffer>,
-) -> Result<(), PassError> {
-    let scale = rsm.fixed_point_scale();
-    let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
-    cx.encoder().clear_buffer(&fixed, 0, None);
-    let key = ComputeKey::new("indirect/light_volumes/diffusion/inject.wgsl", "inject");
-    dispatch_texels(cx, &key, rsm, 0..rsm.views.len(), volume, &fixed, scale)?;
-    let counts = cx.counts();
-    counts.lights += 1;
-    counts.cells += u64::from(volume.cell_count());
-    let volume_uniform = cx.gpu.uniform("volume", &volume.uniform());
-    let layer = cx.gpu.uniform("rsm", &rsm.layer_uniform(0, scale));
-    cx.dispatch(
-        &ComputeKey::new("indirect/light_volumes/diffusion/inject.wgsl", "add_to_volume"),
-        &[
-            ("volume", Binding::Buffer(&volume_uniform)),
-            ("rsm", Binding::Buffer(&layer)),
-            ("fixed", Binding::Buffer(&fixed)),
-            ("injected", Binding::Buffer(&injected)),
-        ],
-        linear_groups(12 * volume.cell_count()),
-    )
 }
 
-/// Adds the light of the texels that are drawn.
-fn inject_samples(
-    cx: &mut PassContext,
-    samples: &Draw,
-    volume: &Volume,
-    fixed: Handle<Buffer>,
-    injected: Handle<Buffer>,
-) -> Result<(), PassError> {
-    const SHADER: &str = "indirect/light_volumes/diffusion/inject_samples.wgsl";
-    let volume_uniform = cx.gpu.uniform("volume", &volume.uniform());
-    let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
-    cx.encoder().clear_buffer(&fixed, 0, None);
-    let into = [("volume", Binding::Buffer(&volume_uniform)), ("fixed", Binding::Buffer(&fixed))];
-    samples.dispatch(cx, &samples.shader(SHADER, "inject"), &into)?;
-    let counts = cx.counts();
-    counts.injections += u64::from(samples.points());
-    counts.cells += u64::from(volume.cell_count());
-    let sums = samples.sums(cx);
-    let sums = sums.each_ref().map(|(name, buffer)| (*name, Binding::Buffer(buffer)));
-    let bindings = [&into[..], &sums, &[("injected", Binding::Buffer(&injected))]].concat();
-    cx.dispatch(&samples.shader(SHADER, "add_to_volume"), &bindings, linear_groups(12 * volume.cell_count()))
-}
+impl Into {
+    /// Ends a step that adds what was injected to the volume.
+    fn add(&self, mut step: Step) {
+        step.count(Counts { cells: self.volume.cell_count().into(), ..Counts::default() });
+        step.over_items(12 * self.volume.cell_count());
+    }
 
-/// Adds the light of emissive surfaces.
-fn inject_emitters(
-    cx: &mut PassContext,
-    emitters: &Emitters,
-    volume: &Volume,
-    fixed: Handle<Buffer>,
-    injected: Handle<Buffer>,
-) -> Result<(), PassError> {
-    const SHADER: &str = "indirect/light_volumes/diffusion/inject_emitters.wgsl";
-    // As of a light's flux: a lobe's coefficient is at most a third of it.
-    let total = emitters.flux.max_element().clamp(1e-30, 1e36);
-    let scale = (29.0 - total.log2().ceil()).exp2();
-    let uniform = EmissionUniform { scale, padding_a: 0, padding_b: 0, padding_c: 0 };
-    let (volume_uniform, emission) =
-        (cx.gpu.uniform("volume", &volume.uniform()), cx.gpu.uniform("emission", &uniform));
-    let (fixed, injected) = (cx.buffer(fixed).clone(), cx.buffer(injected).clone());
-    let surfels = cx.buffer(emitters.surfels).clone();
-    cx.encoder().clear_buffer(&fixed, 0, None);
-    cx.dispatch(
-        &ComputeKey::new(SHADER, "inject"),
-        &[
-            ("volume", Binding::Buffer(&volume_uniform)),
-            ("emission", Binding::Buffer(&emission)),
-            ("surfels", Binding::Buffer(&surfels)),
-            ("fixed", Binding::Buffer(&fixed)),
-        ],
-        linear_groups(emitters.count),
-    )?;
-    cx.counts().cells += u64::from(volume.cell_count());
-    cx.dispatch(
-        &ComputeKey::new(SHADER, "add_to_volume"),
-        &[
-            ("volume", Binding::Buffer(&volume_uniform)),
-            ("emission", Binding::Buffer(&emission)),
-            ("fixed", Binding::Buffer(&fixed)),
-            ("injected", Binding::Buffer(&injected)),
-        ],
-        linear_groups(12 * volume.cell_count()),
-    )
+    fn inject<'a>(&self, pass: &mut ComputeBuilder<'_, 'a>, rsm: &Rsm<'a>) {
+        let scale = rsm.fixed_point_scale();
+        pass.clear(self.fixed);
+        texels::declare_steps(pass, "inject", (rsm, 0..rsm.views.len()), scale, |_| ());
+        pass.count(Counts { lights: 1, ..Counts::default() });
+        let mut step = pass.step("add_to_volume");
+        step.uniform("rsm", &rsm.layer_uniform(0, scale));
+        self.add(step);
+    }
+
+    /// Adds the light of the texels that are drawn.
+    fn inject_samples<'a>(&self, pass: &mut ComputeBuilder<'_, 'a>, samples: &Draw<'a>) {
+        let shader = |entry| samples.shader("indirect/light_volumes/diffusion/inject_samples.wgsl", entry);
+        pass.clear(self.fixed);
+        samples.declare_steps(pass, &shader("inject"));
+        pass.count(Counts { injections: samples.points().into(), ..Counts::default() });
+        let mut step = pass.step_of(shader("add_to_volume"));
+        samples.bind_sums(&mut step);
+        self.add(step);
+    }
+
+    /// Adds the light of emissive surfaces.
+    fn inject_emitters(&self, pass: &mut ComputeBuilder, emitters: &Emitters) {
+        let shader = |entry| ComputeKey::new("indirect/light_volumes/diffusion/inject_emitters.wgsl", entry);
+        // As of a light's flux: a lobe's coefficient is at most a third of it.
+        let total = emitters.flux.max_element().clamp(1e-30, 1e36);
+        let scale = (29.0 - total.log2().ceil()).exp2();
+        let uniform = EmissionUniform { scale, padding_a: 0, padding_b: 0, padding_c: 0 };
+        pass.clear(self.fixed);
+        let mut step = pass.step_of(shader("inject"));
+        step.uniform("emission", &uniform);
+        step.read("surfels", emitters.surfels);
+        step.over_items(emitters.count);
+        let mut step = pass.step_of(shader("add_to_volume"));
+        step.uniform("emission", &uniform);
+        self.add(step);
+    }
 }

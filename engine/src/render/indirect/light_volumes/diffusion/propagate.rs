@@ -1,8 +1,8 @@
 //! Propagation: all steps of one cascade.
 
 use super::LIGHT_BYTES;
-use crate::gpu::{Binding, ComputeKey, Gpu};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle};
 use crate::render::indirect::light_volumes::volume::Volume;
 use crate::world::{Clpv, Formulas};
 use encase::ShaderType;
@@ -43,13 +43,6 @@ pub(super) fn declare<'a>(
     let desc = BufferDesc::new(LIGHT_BYTES * u64::from(volume.cell_count()), usage);
     let waves = [0, 1].map(|i| graph.buffer(format!("{name}, wave {i}"), desc.clone()));
     let accumulated = graph.retained_buffer(name.as_str(), desc);
-    let mut pass = graph.pass(name.as_str());
-    pass.read(injected);
-    if let Some(blockers) = blockers {
-        pass.read(blockers);
-    }
-    let waves = waves.map(|wave| pass.write(wave));
-    let accumulated = pass.write(accumulated);
     let steps = settings.steps;
     let uniform = PropagationUniform {
         occlusion: u32::from(blockers.is_some()),
@@ -57,41 +50,27 @@ pub(super) fn declare<'a>(
         blocker_scale: if settings.blocker_scale.is_finite() { settings.blocker_scale.max(0.0) } else { 0.0 },
         padding: 0,
     };
-    let formulas = settings.formulas;
-    pass.key(&(volume.key(), steps, uniform.occlusion, uniform.bounce, uniform.blocker_scale.to_bits(), formulas));
-    let volume = *volume;
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let volume_uniform = gpu.uniform("volume", &volume.uniform());
-        let settings = gpu.uniform("propagation", &uniform);
-        let sum = cx.buffer(accumulated).clone();
-        let blockers = blockers.map_or_else(|| no_blockers(gpu), |handle| cx.buffer(handle).clone());
-        let mut source = cx.buffer(injected).clone();
-        let waves = waves.map(|wave| cx.buffer(wave).clone());
-        cx.encoder().copy_buffer_to_buffer(&source, 0, &sum, 0, LIGHT_BYTES * u64::from(volume.cell_count()));
-        for step in 0..steps as usize {
-            let gathered = &waves[step % 2];
-            cx.dispatch(
-                &ComputeKey::new(shader(formulas), "step"),
-                &[
-                    ("volume", Binding::Buffer(&volume_uniform)),
-                    ("propagation", Binding::Buffer(&settings)),
-                    ("source", Binding::Buffer(&source)),
-                    ("gathered", Binding::Buffer(gathered)),
-                    ("accumulated", Binding::Buffer(&sum)),
-                    ("blockers", Binding::Buffer(&blockers)),
-                ],
-                [volume.cells.x.div_ceil(8), volume.cells.y.div_ceil(8), volume.cells.z],
-            )?;
-            source = gathered.clone();
-        }
-        cx.counts().cells += u64::from(steps) * u64::from(volume.cell_count());
-        Ok(())
-    });
+    let mut pass = graph.compute(name, ComputeKey::new(shader(settings.formulas), "step"));
+    pass.uniform("volume", &volume.uniform());
+    pass.uniform("propagation", &uniform);
+    match blockers {
+        Some(blockers) => pass.read("blockers", blockers),
+        // Never read.
+        None => pass.values("blockers", &[0.0_f32; 8]),
+    }
+    let waves = waves.map(|wave| pass.write_in_steps(wave));
+    let accumulated = pass.write("accumulated", accumulated);
+    pass.copy(injected, accumulated);
+    let mut source = injected;
+    for number in 0..steps as usize {
+        let mut step = pass.step("step");
+        step.read("source", source);
+        source = waves[number % 2];
+        step.read("gathered", source);
+        step.over_volume(volume.cells.into());
+    }
+    let cells = u64::from(steps) * u64::from(volume.cell_count());
+    pass.count(Counts { cells, ..Counts::default() });
+    pass.finish();
     accumulated
-}
-
-/// Bound where there are no blockers; never read then.
-fn no_blockers(gpu: &Gpu) -> wgpu::Buffer {
-    gpu.constants("no blockers", &[0.0_f32; 8])
 }

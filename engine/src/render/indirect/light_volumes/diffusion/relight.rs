@@ -1,8 +1,8 @@
 //! Indirect light of the visible surfaces, looked up in the volumes.
 
 use super::ambient_occlusion;
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext, Texture, TextureDesc};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, Graph, Handle, PassBindings, PassContext, Texture, TextureDesc};
 use crate::render::direct::{Region, region_around};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -42,14 +42,6 @@ pub(crate) struct RelightUniform {
     gain: f32,
     offset: f32,
     damping: f32,
-}
-
-impl RelightUniform {
-    /// All that a lookup depends on besides the volumes, for cache keys.
-    pub(super) fn key(&self) -> ([u32; 3], Vec<u32>) {
-        let fades = self.cascades.iter().map(|cascade| cascade.fade_cells.to_bits()).collect();
-        ([self.gain, self.offset, self.damping].map(f32::to_bits), fades)
-    }
 }
 
 /// `Region` of `indirect/light_volumes/diffusion/relight.wgsl`.
@@ -109,63 +101,39 @@ pub(in crate::render::indirect) fn declare<'a>(
     report_tiles(graph, region, frame.view.size);
     let visibility = ambient_occlusion::declare(graph, frame, gbuffer, settings, region);
     let indirect = graph.retained_texture("indirect radiance", desc);
-    let mut pass = graph.pass("relight");
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
-    for input in inputs {
-        pass.read(input);
+    let mut pass = graph.compute("relight", ComputeKey::new(SHADER, "main"));
+    frame.bind_view(&mut pass);
+    pass.uniform("relight", &uniform(settings, volumes));
+    pass.read("base_color", gbuffer.base_color);
+    pass.read("normal", gbuffer.normal);
+    pass.read("depth", gbuffer.depth);
+    bind_cascades(&mut pass, lit);
+    let indirect = pass.write("indirect", indirect);
+    if region.size != UVec2::from(frame.view.size) {
+        pass.step("clear").over_uncounted(frame.view.size);
     }
-    for &volume in lit {
-        pass.read(volume);
+    if region.size != UVec2::ZERO {
+        let mut step = pass.step("main");
+        step.uniform("region", &RelitRegionUniform { origin: region.origin, size: region.size });
+        if let Some(visibility) = visibility {
+            step.flag("AMBIENT_OCCLUSION", true);
+            step.read("visibility", visibility);
+        }
+        step.over(region.size.into());
     }
-    visibility.iter().for_each(|&visibility| pass.read(visibility));
-    let indirect = pass.write(indirect);
-    let uniform = uniform(settings, volumes);
-    let fades: Vec<_> = volumes.iter().map(Volume::fade_key).collect();
-    let keys: Vec<_> = volumes.iter().map(Volume::key).collect();
-    pass.key(&(keys, fades, uniform.key(), frame.view_key()));
-    let is_partial = region.size != UVec2::from(frame.view.size);
-    let shader = ComputeKey {
-        defs: visibility.map(|_| ("AMBIENT_OCCLUSION", ShaderDef::Flag(true))).into_iter().collect(),
-        ..ComputeKey::new(SHADER, "main")
-    };
-    let (frame, lit) = (frame.clone(), lit.to_vec());
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
-        let light = cascade_buffers(cx, &lit);
-        let target = cx.view(indirect);
-        let relight = gpu.uniform("relight", &uniform);
-        if is_partial {
-            let groups = [width.div_ceil(TILE), height.div_ceil(TILE), 1];
-            cx.dispatch(&ComputeKey::new(SHADER, "clear"), &[("indirect", Binding::Texture(&target))], groups)?;
-        }
-        if region.size == UVec2::ZERO {
-            return Ok(());
-        }
-        let visibility = visibility.map(|handle| cx.view(handle));
-        let view = frame.view_uniform(gpu);
-        let relit = gpu.uniform("relit region", &RelitRegionUniform { origin: region.origin, size: region.size });
-        cx.counts().texels += u64::from(region.size.x) * u64::from(region.size.y);
-        let mut bindings = vec![
-            ("view", Binding::Buffer(&view)),
-            ("relight", Binding::Buffer(&relight)),
-            ("region", Binding::Buffer(&relit)),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("depth", Binding::Texture(&depth)),
-            ("light_finest", Binding::Buffer(&light[0])),
-            ("light_second", Binding::Buffer(&light[1])),
-            ("light_third", Binding::Buffer(&light[2])),
-            ("light_coarsest", Binding::Buffer(&light[3])),
-            ("indirect", Binding::Texture(&target)),
-        ];
-        bindings.extend(visibility.iter().map(|visibility| ("visibility", Binding::Texture(visibility))));
-        cx.dispatch(&shader, &bindings, [region.size.x.div_ceil(TILE), region.size.y.div_ceil(TILE), 1])
-    });
+    pass.finish();
     indirect
 }
 
-/// The buffers of four cascades. One that is not there is never read; the finest stands in for it.
+/// Binds four cascades. One that is not there is never read; the finest stands in for it.
+pub(in crate::render::indirect) fn bind_cascades(pass: &mut PassBindings, lit: &[Handle<Buffer>]) {
+    let names = ["light_finest", "light_second", "light_third", "light_coarsest"];
+    for (level, name) in names.into_iter().enumerate() {
+        pass.read(name, lit[if level < lit.len() { level } else { 0 }]);
+    }
+}
+
+/// The buffers of four cascades, as [`bind_cascades`] has them.
 pub(in crate::render::indirect) fn cascade_buffers(cx: &PassContext, lit: &[Handle<Buffer>]) -> [wgpu::Buffer; 4] {
     [0, 1, 2, 3].map(|level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone())
 }

@@ -2,11 +2,10 @@
 
 use super::links::{self, Links};
 use super::{FIRST_BOUNCE, Rays, Turn};
-use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassError};
-use crate::render::frame::{Frame, linear_groups};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, PieceWork};
+use crate::render::frame::Frame;
 use crate::render::indirect::light_volumes::sweep::haze_cells::HazeCells;
-use crate::render::rays::dispatch_rays;
 use encase::ShaderType;
 use wgpu::BufferUsages;
 
@@ -36,51 +35,30 @@ pub(super) fn declare<'a>(
     let count = frame.surfels.count();
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE);
     let reflected = graph.retained_buffer("first bounce at surfels", desc);
-    let mut pass = graph.pass(FIRST_BOUNCE);
-    let lamp_light = lamps.map(|cells| cells.light);
-    [links.links].into_iter().chain(lamp_light).for_each(|handle| pass.read(handle));
-    let reflected = pass.write(reflected);
-    pass.key(&(frame.geometry_key(), frame.surfels.revision(), frame.scene.revisions.lights, rays, turn));
-    pass.key(&(frame.media_key(), HazeCells::key(lamps.as_ref())));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let scene = frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        let lights = scene.light_count;
-        let samples = links::ends(rays.count);
-        let [links, reflected] = [links.links, reflected].map(|handle| cx.buffer(handle).clone());
-        let turns = turn.count(count);
-        cx.counts().paths += u64::from(turns) * u64::from(samples);
-        let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
-        cx.counts().rays += u64::from(turns) * u64::from(samples * casts);
-        let mut key = scene
-            .shader("indirect/light_volumes/radiosity/first_bounce.wgsl", "main")
-            .def("RAYS", ShaderDef::Uint(rays.count));
-        if (1..=FEW_LIGHTS).contains(&lights) {
-            key = key.def("LIGHTS", ShaderDef::Uint(lights));
-        }
-        let haze = lamps.map(|cells| cells.bindings(cx));
-        key = HazeCells::defined(lamps.as_ref(), key);
-        let surfels_a_submit = (cx.work_a_submit(RAYS_A_SUBMIT) / u64::from(samples)).max(64);
-        for first in (0..turns).step_by(surfels_a_submit as usize) {
-            let surfels_now = (turns - first).min(surfels_a_submit as u32);
-            cx.work(u64::from(surfels_now) * u64::from(samples), RAYS_A_SUBMIT)?;
-            let uniform = FirstBounceUniform {
-                root: scene.root(),
-                light_count: scene.light_count,
-                seed: rays.seed ^ 0x1656_67b1,
-                first: first * turn.parts + turn.part,
-                parts: turn.parts,
-            };
-            let uniform = cx.gpu.uniform("first_bounce", &uniform);
-            let mut group = vec![
-                ("first_bounce", Binding::Buffer(&uniform)),
-                ("surfel_links", Binding::Buffer(&links)),
-                ("reflected_light", Binding::Buffer(&reflected)),
-            ];
-            group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-            dispatch_rays(cx, &key, &group, scene, linear_groups(surfels_now))?;
-        }
-        Ok(())
+    let (lights, root) = frame.rays.map_or((0, 0), |rays| (rays.light_count, rays.root()));
+    let mut pass =
+        graph.compute(FIRST_BOUNCE, ComputeKey::new("indirect/light_volumes/radiosity/first_bounce.wgsl", "main"));
+    frame.bind_rays(&mut pass);
+    pass.define("RAYS", ShaderDef::Uint(rays.count));
+    if (1..=FEW_LIGHTS).contains(&lights) {
+        pass.define("LIGHTS", ShaderDef::Uint(lights));
+    }
+    if let Some(lamps) = &lamps {
+        lamps.bind(&mut pass);
+    }
+    pass.read("surfel_links", links.links);
+    let reflected = pass.write("reflected_light", reflected);
+    // Surfels that do not have their turn keep what they had.
+    pass.depends_on(&(rays, turn));
+    let (turns, samples) = (turn.count(count), links::ends(rays.count));
+    let paths = u64::from(turns) * u64::from(samples);
+    let casts = if lights <= FEW_LIGHTS { lights } else { 1 };
+    pass.count(Counts { paths, rays: u64::from(turns) * u64::from(samples * casts), ..Counts::default() });
+    let work = PieceWork { units: samples.into(), on_software: RAYS_A_SUBMIT };
+    let seed = rays.seed ^ 0x1656_67b1;
+    pass.dispatch_pieces(turns, work, "first_bounce", move |surfels| {
+        let first = surfels.first * turn.parts + turn.part;
+        vec![FirstBounceUniform { root, light_count: lights, seed, first, parts: turn.parts }]
     });
     reflected
 }

@@ -2,13 +2,10 @@
 
 use super::links::Links;
 use super::{BounceCount, RADIOSITY, Radiosity, Rays, Turn};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
-use crate::render::frame::{Frame, linear_groups};
-use crate::render::scene_gpu::surfels::GpuSurfels;
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Graph, Handle};
+use crate::render::frame::Frame;
 use wgpu::BufferUsages;
-
-const SHADER: &str = "indirect/light_volumes/radiosity/solve.wgsl";
 
 /// The system to solve: surfels, the links between them, and the light that arrives first.
 #[derive(Clone, Copy)]
@@ -31,12 +28,11 @@ impl Subject {
     }
 }
 
-/// Buffers that the bounces are computed in.
-#[derive(Clone, Copy)]
+/// What the steps have in common.
 struct Work {
+    subject: Subject,
     bounces: [Handle<Buffer>; 2],
-    rest: Handle<Buffer>,
-    result: Radiosity,
+    patch_count: u32,
 }
 
 /// Declares the solution.
@@ -49,61 +45,51 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, subject: Sub
     let rest = graph.buffer("light of patches, the rest".to_owned(), vectors(1));
     let patches = graph.retained_buffer("light of patches", vectors(cloud.patch_count()));
     let surfels = graph.retained_buffer("light of surfels", vectors(cloud.count()));
-    let mut pass = graph.pass(RADIOSITY);
-    let Links { links, shone_on, .. } = subject.links;
-    [subject.surfels, links, shone_on, subject.reflected].into_iter().for_each(|handle| pass.read(handle));
-    let work = Work {
-        bounces: bounces.map(|handle| pass.write(handle)),
-        rest: pass.write(rest),
-        result: Radiosity { patches: pass.write(patches), surfels: pass.write(surfels), change: None },
+    let mut pass = graph.compute(RADIOSITY, ComputeKey::new("indirect/light_volumes/radiosity/solve.wgsl", "start"));
+    pass.tracked("patches", cloud.ranges());
+    pass.read("surfels", subject.surfels);
+    pass.read("surfel_links", subject.links.links);
+    pass.read("shone_on", subject.links.shone_on);
+    pass.read("reflected_light", subject.reflected);
+    let bounces = bounces.map(|handle| pass.write_in_steps(handle));
+    let rest = pass.write("rest", rest);
+    let result = Radiosity {
+        patches: pass.write("patch_light", patches),
+        surfels: pass.write("received", surfels),
+        change: None,
     };
-    pass.key(&(subject.bounces, subject.rays, subject.turn, cloud.revision()));
-    pass.execute(move |cx| {
-        let rest = cx.buffer(work.rest).clone();
-        cx.encoder().clear_buffer(&rest, 0, None);
-        if subject.goes_on() {
-            let [before, now] = [work.bounces[1], work.result.patches].map(|handle| cx.buffer(handle).clone());
-            cx.encoder().copy_buffer_to_buffer(&now, 0, &before, 0, None);
-            return run(cx, cloud, &subject, &work, "go_on", 0);
-        }
-        run(cx, cloud, &subject, &work, "start", 0)?;
-        for bounce in 1..subject.bounces.computed {
-            run(cx, cloud, &subject, &work, "bounce", bounce)?;
-        }
+    pass.depends_on(&(subject.bounces, subject.rays, subject.turn));
+    pass.clear(rest);
+    let work = Work { subject, bounces, patch_count: cloud.patch_count() };
+    if subject.goes_on() {
+        pass.copy(result.patches, bounces[1]);
+        work.step(&mut pass, "go_on", 0);
+    } else {
+        work.step(&mut pass, "start", 0);
+        (1..subject.bounces.computed).for_each(|bounce| work.step(&mut pass, "bounce", bounce));
         let last = subject.bounces.computed - 1;
         if subject.bounces.has_rest && last > 0 {
-            run(cx, cloud, &subject, &work, "find_rest", last)?;
+            work.step(&mut pass, "find_rest", last);
         }
-        run(cx, cloud, &subject, &work, "finish", last)
-    });
-    work.result
+        work.step(&mut pass, "finish", last);
+    }
+    pass.finish();
+    result
 }
 
-/// Runs an entry point; even bounces are written to the first buffer, and odd ones to the second.
-fn run(
-    cx: &mut PassContext,
-    cloud: &GpuSurfels,
-    subject: &Subject,
-    work: &Work,
-    entry: &'static str,
-    bounce: u32,
-) -> Result<(), PassError> {
-    let [mut to, mut from] = work.bounces;
-    if bounce % 2 == 1 {
-        (from, to) = (to, from);
+impl Work {
+    /// Declares an entry point; even bounces are written to the first buffer, and odd ones to the second.
+    fn step(&self, pass: &mut ComputeBuilder, entry: &'static str, bounce: u32) {
+        let now = (bounce % 2) as usize;
+        let mut step = pass.step(entry);
+        if ["bounce", "go_on"].contains(&entry) {
+            step.define("RAYS", ShaderDef::Uint(self.subject.rays.count));
+        }
+        step.read("this_bounce", self.bounces[now]);
+        step.read("last_bounce", self.bounces[1 - now]);
+        match entry {
+            "find_rest" => step.in_groups([1, 1, 1]),
+            _ => step.over_items(self.patch_count),
+        }
     }
-    let handles =
-        [subject.surfels, subject.links.links, subject.links.shone_on, subject.reflected, from, to, work.rest]
-            .map(|handle| cx.buffer(handle).clone());
-    let results = [work.result.patches, work.result.surfels].map(|handle| cx.buffer(handle).clone());
-    let names = ["surfels", "surfel_links", "shone_on", "reflected_light", "last_bounce", "this_bounce", "rest"];
-    let mut key = ComputeKey::new(SHADER, entry);
-    if ["bounce", "go_on"].contains(&entry) {
-        key = key.def("RAYS", ShaderDef::Uint(subject.rays.count));
-    }
-    let mut group = vec![("patches", cloud.patches().ranges())];
-    group.extend(names.into_iter().zip(handles.iter().map(Binding::Buffer)));
-    group.extend(["patch_light", "received"].into_iter().zip(results.iter().map(Binding::Buffer)));
-    let groups = if entry == "find_rest" { [1, 1, 1] } else { linear_groups(cloud.patch_count()) };
-    cx.dispatch(&key, &group, groups)
 }

@@ -2,7 +2,7 @@
 
 use super::Irradiance;
 use super::transport::Step;
-use crate::gpu::{Binding, ComputeKey, Gpu};
+use crate::gpu::{Binding, ComputeKey};
 use crate::graph::{Buffer, Handle, PassContext, PassError};
 use crate::render::frame::linear_groups;
 use encase::ShaderType;
@@ -38,7 +38,7 @@ pub(super) fn add(
     cx.dispatch(
         &ComputeKey::new("indirect/light_volumes/sweep/sum.wgsl", "main"),
         &[
-            ("sum", Binding::Buffer(&sum_uniform(cx.gpu, step))),
+            ("sum", Binding::Buffer(&cx.gpu.uniform("sum", &sum_uniform(step)))),
             ("totals", Binding::Buffer(&totals)),
             ("axes", Binding::Buffer(&axes)),
             ("facing", Binding::Buffer(&facing)),
@@ -50,8 +50,8 @@ pub(super) fn add(
 }
 
 /// `Sum` of `indirect/light_volumes/sweep/sum.wgsl` for a bounce.
-pub(super) fn sum_uniform(gpu: &Gpu, step: Step) -> wgpu::Buffer {
+pub(super) fn sum_uniform(step: Step) -> SumUniform {
     let Step { bounce, bounces, .. } = step;
     let has_tail = u32::from(bounces.has_tail && bounce + 1 == bounces.swept);
-    gpu.uniform("sum", &SumUniform { bounce, has_tail, most: LARGEST_RATIO, padding: 0 })
+    SumUniform { bounce, has_tail, most: LARGEST_RATIO, padding: 0 }
 }

@@ -7,9 +7,8 @@
 
 use super::directions::Directions;
 use super::{Bounce, BounceCount, Level, Light, Work, bounce_name, bounce_sum, emit, irradiance, transport};
-use crate::gpu::{Binding, ComputeKey};
+use crate::gpu::ComputeKey;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
-use crate::render::frame::linear_groups;
 use wgpu::BufferUsages;
 
 /// Declares all passes; the result is the irradiance of which the surfels reflect their share \[W/m²\], of all bounces.
@@ -45,27 +44,16 @@ fn add(
     step: transport::Step,
     count: u32,
 ) -> Handle<Buffer> {
-    let mut pass = graph.pass(format!("add, bounce {}", step.bounce + 1));
-    pass.read(totals);
-    pass.read(received);
-    let all = pass.write(all);
-    pass.key(&(step.bounce, step.bounces));
-    pass.execute(move |cx| {
-        let [totals, received, all] = [totals, received, all].map(|handle| cx.buffer(handle).clone());
-        if step.bounce == 0 {
-            cx.encoder().clear_buffer(&all, 0, None);
-        }
-        let sum = bounce_sum::sum_uniform(cx.gpu, step);
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/sweep/sum.wgsl", "at_surfels"),
-            &[
-                ("sum", Binding::Buffer(&sum)),
-                ("totals", Binding::Buffer(&totals)),
-                ("received", Binding::Buffer(&received)),
-                ("all_received", Binding::Buffer(&all)),
-            ],
-            linear_groups(count),
-        )
-    });
+    let shader = ComputeKey::new("indirect/light_volumes/sweep/sum.wgsl", "at_surfels");
+    let mut pass = graph.compute(format!("add, bounce {}", step.bounce + 1), shader);
+    pass.uniform("sum", &bounce_sum::sum_uniform(step));
+    pass.read("totals", totals);
+    pass.read("received", received);
+    let all = pass.write("all_received", all);
+    if step.bounce == 0 {
+        pass.clear(all);
+    }
+    pass.step("at_surfels").over_items(count);
+    pass.finish();
     all
 }

@@ -8,11 +8,11 @@ use super::interleave::{Interleave, InterleaveUniform};
 use super::mirror;
 use super::rsm_samples::{self, RsmSamples};
 use super::strays::Strays;
-use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Groups, Handle, PassBuilder, PassContext, PassError, Texture};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, ComputeBuilder, Counts, Graph, Handle, PieceWork, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::rays::{RayScene, dispatch_rays, mirror_define};
+use crate::render::rays::{RayScene, mirror_define};
 use crate::world::{Bounces, Clpv, GatherRays, Quality, Transport};
 use encase::ShaderType;
 use glam::Vec3;
@@ -78,7 +78,7 @@ pub(super) fn declare<'a>(
     };
     let rays = Rays {
         frame: frame.clone(),
-        inputs: inputs(gbuffer),
+        gbuffer: *gbuffer,
         light,
         haze,
         nearest,
@@ -100,20 +100,15 @@ pub(super) fn declare<'a>(
         None => gather_upsample::declare(graph, frame, gbuffer, filtered, interleave),
     };
     let Seen { frame, gbuffer } = shown.unwrap_or(seen);
-    let rays = Rays { frame: frame.clone(), inputs: inputs(gbuffer), ..rays };
+    let rays = Rays { frame: frame.clone(), gbuffer: *gbuffer, ..rays };
     rays.declare_strays(graph, strays, indirect)
-}
-
-/// What rays of visible surfaces begin from.
-fn inputs(gbuffer: &GBuffer) -> [Handle<Texture>; 4] {
-    [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth]
 }
 
 /// The rays of the pixels of an image.
 #[derive(Clone)]
 struct Rays<'a> {
     frame: Frame<'a>,
-    inputs: [Handle<Texture>; 4],
+    gbuffer: GBuffer,
     light: Option<Handle<Buffer>>,
     haze: Option<HazeCells>,
     /// Distance \[m\] from the beginning of a ray within which that is not known.
@@ -127,83 +122,66 @@ struct Rays<'a> {
     interleave: Interleave,
 }
 
-/// Of a dispatch: its first row or pixel, entry point and further bindings.
-struct Part<'p> {
-    first: u32,
-    entry: &'static str,
-    group: Vec<(&'static str, Binding<'p>)>,
-    groups: Groups<'p>,
-}
-
 impl<'a> Rays<'a> {
-    /// Declares what a pass that casts them reads and depends on.
-    fn declare_inputs(&self, pass: &mut PassBuilder<'_, 'a>) {
-        let (frame, scene) = (&self.frame, self.frame.scene);
-        self.inputs.into_iter().for_each(|handle| pass.read(handle));
-        self.light.into_iter().chain(self.haze.map(|haze| haze.light)).for_each(|light| pass.read(light));
-        self.lit.iter().for_each(|lit| pass.read(lit.points));
-        pass.key(&(
-            (self.rays, self.paths, self.has_mirrors),
-            self.points,
-            self.lit.is_some(),
-            self.interleave.key(),
-            frame.seed(),
-            frame.view_key(),
-            (self.light.is_some(), self.nearest.to_bits(), frame.surfels.revision()),
-        ));
-        pass.key(&(frame.geometry_key(), scene.revisions.lights, scene.revisions.settings));
-        pass.key(&(frame.media_key(), HazeCells::key(self.haze.as_ref())));
+    /// Begins a pass that casts them.
+    fn begin<'g>(&self, graph: &'g mut Graph<'a>, name: &str, entry: &'static str) -> ComputeBuilder<'g, 'a> {
+        let frame = &self.frame;
+        let mut pass = graph.compute(name, ComputeKey::new("indirect/light_volumes/sweep/gather.wgsl", entry));
+        frame.bind_rays(&mut pass);
+        frame.bind_sky(&mut pass);
+        self.gbuffer.bind(&mut pass);
+        pass.define("RAYS", ShaderDef::Uint(self.rays));
+        if let Some(haze) = &self.haze {
+            haze.bind(&mut pass);
+        }
+        match self.light {
+            Some(light) => {
+                pass.read("patch_light", light);
+                frame.bind_patches(&mut pass);
+            }
+            None => pass.flag("ONE_BOUNCE", true),
+        }
+        if self.has_mirrors {
+            let (name, value) = mirror_define(mirror::are_smooth(frame));
+            pass.define(name, value);
+        }
+        if let Some(further) = self.paths {
+            pass.define("PATHS", ShaderDef::Uint(further));
+        }
+        if let Some(lit) = &self.lit {
+            pass.define("POINTS", ShaderDef::Uint(self.points));
+            pass.read("rsm_samples", lit.points);
+        }
+        pass
     }
 
     /// Declares the gather.
     fn declare_gather(self, graph: &mut Graph<'a>, gathered: Gathered) -> Gathered {
-        let mut pass = graph.pass("gather");
-        self.declare_inputs(&mut pass);
-        let gathered = Gathered { diffuse: pass.write(gathered.diffuse), specular: pass.write(gathered.specular) };
-        pass.execute(move |cx| self.gather(cx, gathered));
-        gathered
+        let mut pass = self.begin(graph, "gather", "main");
+        let diffuse = pass.write("diffuse", gathered.diffuse);
+        let specular = pass.write("specular", gathered.specular);
+        let [width, height] = self.interleave.texels();
+        let pixels = u64::from(width) * u64::from(height);
+        let rays = u64::from(self.rays * casts_a_ray(&self.frame) + self.points_cast());
+        pass.count(Counts { paths: pixels * u64::from(self.rays), rays: pixels * rays, ..Counts::default() });
+        let work = PieceWork { units: u64::from(width) * u64::from(self.rays), on_software: RAYS_A_SUBMIT };
+        pass.dispatch_rows([width, height], work, "gather", move |rows| self.uniform(rows.first));
+        Gathered { diffuse, specular }
     }
 
     /// Declares the rays of the pixels of a queue; the result is the image with their reflected radiance.
     fn declare_strays(self, graph: &mut Graph<'a>, strays: Strays, indirect: Handle<Texture>) -> Handle<Texture> {
-        let mut pass = graph.pass("gather strays");
-        self.declare_inputs(&mut pass);
-        strays.read(&mut pass);
-        let indirect = pass.write(indirect);
-        pass.execute(move |cx| self.cast_strays(cx, strays, indirect));
-        indirect
-    }
-
-    fn gather(&self, cx: &mut PassContext, gathered: Gathered) -> Result<(), PassError> {
-        let [width, height] = self.interleave.texels();
-        let pixels = u64::from(width) * u64::from(height);
-        cx.counts().texels += pixels;
-        cx.counts().paths += pixels * u64::from(self.rays);
-        cx.counts().rays += pixels * u64::from(self.rays * casts_a_ray(&self.frame) + self.points_cast());
-        let [diffuse, specular] = [gathered.diffuse, gathered.specular].map(|handle| cx.view(handle));
-        let rays_a_row = u64::from(width) * u64::from(self.rays);
-        let rows_a_submit = cx.work_a_submit(RAYS_A_SUBMIT) / rays_a_row;
-        // Whole workgroups, eight rows high.
-        let step = (rows_a_submit / 8).clamp(1, 1 << 16) as usize * 8;
-        for first in (0..height).step_by(step) {
-            let rows = (height - first).min(step as u32);
-            cx.work(u64::from(rows) * rays_a_row, RAYS_A_SUBMIT)?;
-            let group = vec![("diffuse", Binding::Texture(&diffuse)), ("specular", Binding::Texture(&specular))];
-            let groups = Groups::Count([width.div_ceil(8), rows.div_ceil(8), 1]);
-            self.dispatch(cx, Part { first, entry: "main", group, groups })?;
-        }
-        Ok(())
-    }
-
-    fn cast_strays(&self, cx: &mut PassContext, strays: Strays, indirect: Handle<Texture>) -> Result<(), PassError> {
-        let (queue, indirect) = (strays.queue(cx), cx.view(indirect));
+        let mut pass = self.begin(graph, "gather strays", "strays");
+        strays.bind(&mut pass);
+        let indirect = pass.write("indirect", indirect);
         for (first, most) in strays.slices() {
-            cx.work(u64::from(most * self.rays), RAYS_A_SUBMIT)?;
-            let mut group = vec![("indirect", Binding::Texture(&indirect))];
-            group.extend(queue.bindings());
-            self.dispatch(cx, Part { first, entry: "strays", group, groups: queue.groups(first, most) })?;
+            let mut step = pass.step("strays");
+            step.uniform("gather", &self.uniform(first));
+            step.work(u64::from(most * self.rays), RAYS_A_SUBMIT);
+            strays.dispatch(step, first, most);
         }
-        Ok(())
+        pass.finish();
+        indirect
     }
 
     /// Shadow rays to points of lit surfaces.
@@ -211,57 +189,15 @@ impl<'a> Rays<'a> {
         if self.lit.is_some() { self.points } else { 0 }
     }
 
-    fn dispatch(&self, cx: &mut PassContext, part: Part<'_>) -> Result<(), PassError> {
-        let gpu = cx.gpu;
-        let rays = self.frame.rays.ok_or_else(|| PassError::message("the scene is not ready for rays".to_owned()))?;
-        let uniform = gpu.uniform("gather", &self.uniform(rays, part.first));
-        let views = self.inputs.map(|handle| cx.view(handle));
-        let light = self.light.map(|handle| cx.buffer(handle).clone());
-        let lit = self.lit.map(|lit| cx.buffer(lit.points).clone());
-        let mut key =
-            rays.shader("indirect/light_volumes/sweep/gather.wgsl", part.entry).def("RAYS", ShaderDef::Uint(self.rays));
-        key = HazeCells::defined(self.haze.as_ref(), key);
-        let haze = self.haze.map(|haze| haze.bindings(cx));
-        let mut group = part.group;
-        group.push(("gather", Binding::Buffer(&uniform)));
-        let names = ["base_color", "normal", "object", "depth"];
-        group.extend(names.into_iter().zip(&views).map(|(name, view)| (name, Binding::Texture(view))));
-        group.extend(haze.iter().flatten().map(|(name, buffer)| (*name, Binding::Buffer(buffer))));
-        match &light {
-            Some(light) => {
-                group.push(("patch_light", Binding::Buffer(light)));
-                group.extend(self.frame.surfels.patches().bindings());
-            }
-            None => key = key.def("ONE_BOUNCE", ShaderDef::Flag(true)),
-        }
-        if self.has_mirrors {
-            let (name, value) = mirror_define(mirror::are_smooth(&self.frame));
-            key = key.def(name, value);
-        }
-        if let Some(further) = self.paths {
-            key = key.def("PATHS", ShaderDef::Uint(further));
-        }
-        if let Some(lit) = &lit {
-            key = key.def("POINTS", ShaderDef::Uint(self.points));
-            group.push(("rsm_samples", Binding::Buffer(lit)));
-        }
-        if self.frame.scene.sky_map.is_some() {
-            group.push(("sky", Binding::Texture(self.frame.gpu_scene.sky())));
-        } else {
-            key = key.def("EVEN_SKY", ShaderDef::Flag(true));
-        }
-        dispatch_rays(cx, &key, &group, rays, part.groups)
-    }
-
-    fn uniform(&self, rays: &RayScene, first: u32) -> GatherUniform {
-        let scene = self.frame.scene;
+    fn uniform(&self, first: u32) -> GatherUniform {
+        let (scene, rays) = (self.frame.scene, self.frame.rays);
         GatherUniform {
             view: self.frame.view_values(),
             sky: scene.sky,
             sky_turn: scene.sky_map.as_ref().map_or(0.0, |map| map.turn),
-            root: rays.root(),
-            light_count: rays.light_count,
-            emitter_count: rays.emitter_count,
+            root: rays.map_or(0, RayScene::root),
+            light_count: rays.map_or(0, |rays| rays.light_count),
+            emitter_count: rays.map_or(0, |rays| rays.emitter_count),
             seed: self.frame.seed(),
             first,
             nearest: self.nearest,

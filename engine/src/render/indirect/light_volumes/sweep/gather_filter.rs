@@ -1,8 +1,8 @@
 //! The cross bilateral filter over what was gathered, and the reflected radiance. See `indirect/light_volumes/sweep/gather_filter.wgsl`.
 
 use super::interleave::{Interleave, InterleaveUniform};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::gpu::ComputeKey;
+use crate::graph::{ComputeBuilder, Graph, Handle, PassBindings, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::RayScene;
@@ -78,10 +78,11 @@ fn vertical<'a>(
     reach: Reach,
 ) -> Handle<Texture> {
     let indirect = graph.retained_texture("indirect radiance", frame.image_desc());
-    let inputs = [("base_color", gbuffer.base_color)].into_iter().chain(along_axis(gbuffer, half));
-    let inputs = inputs.chain(tint(frame, gbuffer)).collect();
-    let [indirect] =
-        pass(graph, frame, ["gather filter, vertical", "vertical"], inputs, [("indirect", indirect)], reach);
+    let mut pass = begin(graph, frame, gbuffer, half, ["gather filter, vertical", "vertical"], reach);
+    bind_tint(&mut pass, frame, gbuffer);
+    pass.read("base_color", gbuffer.base_color);
+    let indirect = pass.write("indirect", indirect);
+    pass.dispatch_over(reach.interleave.texels());
     indirect
 }
 
@@ -126,85 +127,55 @@ fn apart<'a>(
     which: [&'static str; 2],
     reach: Reach,
 ) -> Gathered {
-    let outputs = [("diffuse_out", filtered.diffuse), ("specular_out", filtered.specular)];
-    let inputs = along_axis(gbuffer, gathered).into();
-    let [diffuse, specular] = pass(graph, frame, which, inputs, outputs, reach);
+    let mut pass = begin(graph, frame, gbuffer, gathered, which, reach);
+    let diffuse = pass.write("diffuse_out", filtered.diffuse);
+    let specular = pass.write("specular_out", filtered.specular);
+    pass.dispatch_over(reach.interleave.texels());
     Gathered { diffuse, specular }
 }
 
-/// Inputs of every pass of the filter, by the shader's names.
-fn along_axis(gbuffer: &GBuffer, gathered: Gathered) -> [(&'static str, Handle<Texture>); 4] {
-    let Gathered { diffuse, specular } = gathered;
-    [("normal", gbuffer.normal), ("depth", gbuffer.depth), ("diffuse", diffuse), ("specular", specular)]
-}
-
 /// Whether specular light is told over the tint of its lobe.
-pub(super) fn is_tinted(frame: &Frame) -> bool {
+fn is_tinted(frame: &Frame) -> bool {
     frame.rays.is_some_and(RayScene::has_layers)
 }
 
-/// What specular light has to be multiplied by in the end, where it is told over the tint of its lobe.
-pub(super) fn tint(frame: &Frame, gbuffer: &GBuffer) -> Option<(&'static str, Handle<Texture>)> {
-    is_tinted(frame).then_some(("object", gbuffer.object))
+/// Binds what specular light has to be multiplied by in the end, where it is told over the tint of its lobe.
+pub(super) fn bind_tint(pass: &mut PassBindings, frame: &Frame, gbuffer: &GBuffer) {
+    if is_tinted(frame) {
+        pass.flag("TINTED", true);
+        pass.read("object", gbuffer.object);
+    }
 }
 
-/// The shader that is to find that.
-pub(super) fn tinted(frame: &Frame, key: ComputeKey) -> ComputeKey {
-    if is_tinted(frame) { key.def("TINTED", ShaderDef::Flag(true)) } else { key }
-}
-
-/// Declares a pass by its name and entry point.
-fn pass<'a, const N: usize>(
-    graph: &mut Graph<'a>,
+/// Begins a pass by its name and entry point.
+fn begin<'g, 'a>(
+    graph: &'g mut Graph<'a>,
     frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    gathered: Gathered,
     [name, entry]: [&'static str; 2],
-    inputs: Vec<(&'static str, Handle<Texture>)>,
-    outputs: [(&'static str, Handle<Texture>); N],
-    reach: Reach,
-) -> [Handle<Texture>; N] {
-    let mut pass = graph.pass(name);
-    inputs.iter().for_each(|(_, input)| pass.read(*input));
-    let outputs = outputs.map(|(name, output)| (name, pass.write(output)));
-    let is_unlit = is_unlit(frame);
-    pass.key(&(reach.radius.to_bits(), reach.interleave.key(), frame.view_key(), frame.history.is_changing(), is_unlit));
-    pass.key(&is_tinted(frame));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let views: Vec<_> = inputs.iter().chain(&outputs).map(|(name, handle)| (*name, cx.view(*handle))).collect();
-        let bindings: Vec<_> = views.iter().map(|(name, view)| (*name, Binding::Texture(view))).collect();
-        run(cx, &frame, reach, entry, &bindings)
-    });
-    outputs.map(|(_, output)| output)
-}
-
-/// Whether no surface that rays meet emits light.
-fn is_unlit(frame: &Frame) -> bool {
-    frame.rays.is_none_or(|rays| rays.emitter_count == 0)
-}
-
-fn run(
-    cx: &mut PassContext,
-    frame: &Frame,
     Reach { radius, interleave }: Reach,
-    entry: &'static str,
-    bindings: &[(&str, Binding)],
-) -> Result<(), PassError> {
-    let [width, height] = interleave.texels();
-    let view = frame.view_uniform(cx.gpu);
+) -> ComputeBuilder<'g, 'a> {
+    let shader = ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry);
+    let mut pass = graph.compute(name, shader);
+    pass.flag("UNLIT", is_unlit(frame));
+    frame.bind_view(&mut pass);
     // Not a constant of the pipeline: the radius shrinks while a view comes to rest.
-    let uniform = ReachUniform {
+    let reach = ReachUniform {
         radius: radius.max(1.0),
         weight: interleave.weight(),
         stray: if frame.history.is_changing() { STRAY } else { ANY },
         interleave: interleave.uniform(),
     };
-    let reach = cx.gpu.uniform("reach", &uniform);
-    let mut group = vec![("view", Binding::Buffer(&view)), ("reach", Binding::Buffer(&reach))];
-    group.extend_from_slice(bindings);
-    cx.counts().texels += u64::from(width) * u64::from(height);
-    let mut key = tinted(frame, ComputeKey::new("indirect/light_volumes/sweep/gather_filter.wgsl", entry));
-    if is_unlit(frame) {
-        key = key.def("UNLIT", ShaderDef::Flag(true));
-    }
-    cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
+    pass.uniform("reach", &reach);
+    pass.read("normal", gbuffer.normal);
+    pass.read("depth", gbuffer.depth);
+    pass.read("diffuse", gathered.diffuse);
+    pass.read("specular", gathered.specular);
+    pass
+}
+
+/// Whether no surface that rays meet emits light.
+fn is_unlit(frame: &Frame) -> bool {
+    frame.rays.is_none_or(|rays| rays.emitter_count == 0)
 }

@@ -1,7 +1,7 @@
 //! All light in each cell, for media to scatter. See `indirect/light_volumes/sweep/haze_cells.wgsl`.
 
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Counts, Graph, Handle, PassContext};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, PassBindings, PassContext};
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
 
@@ -22,7 +22,7 @@ impl HazeCells {
     }
 
     /// Binds it to a pass that looks it up.
-    pub fn bind(&self, pass: &mut ComputeBuilder) {
+    pub fn bind(&self, pass: &mut PassBindings) {
         self.defines().for_each(|(name, value)| pass.define(name, value));
         pass.uniform("haze_volume", &self.volume.uniform());
         pass.read("haze_cells", self.light);

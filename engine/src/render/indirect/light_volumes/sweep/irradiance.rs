@@ -1,12 +1,10 @@
 //! Irradiance from the swept volumes: at the surfels, for the next bounce, and at the visible surfaces.
 
 use super::emit::Sources;
-use super::opacity::Obstacles;
 use super::{Irradiance, Level};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, PassBindings, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::frame::linear_groups;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::diffusion::relight::CascadeUniform;
 use crate::render::indirect::light_volumes::volume::Volume;
@@ -25,7 +23,7 @@ fn lookup(levels: &[Level], index: usize, fade_cells: f32) -> LookupUniform {
 
 /// How surfels look a cascade up: it fades along the box as it lies on the cells, so that their light changes only with
 /// what is swept, and not with each step of the camera.
-pub(super) fn lookup_at_surfels(levels: &[Level], index: usize) -> LookupUniform {
+fn lookup_at_surfels(levels: &[Level], index: usize) -> LookupUniform {
     let volume = levels[index].volume;
     let bounds = volume.bounds();
     let snapped = Volume { fade_center: bounds.center(), fade_half: 0.5 * bounds.size(), ..volume };
@@ -33,7 +31,7 @@ pub(super) fn lookup_at_surfels(levels: &[Level], index: usize) -> LookupUniform
 }
 
 /// The shader for one of so many cascades, finest first.
-fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
+pub(super) fn shader(entry: &'static str, index: usize, count: usize) -> ComputeKey {
     let mut key = ComputeKey::new("indirect/light_volumes/sweep/irradiance.wgsl", entry);
     if index == 0 {
         key = key.def("FIRST", ShaderDef::Flag(true));
@@ -61,76 +59,30 @@ pub(super) fn at_surfels<'a>(
     let count = sources.count;
     let received =
         graph.buffer(format!("{name}, irradiance"), BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE));
-    let mut pass = graph.pass(name);
-    pass.read(surfels);
-    white.into_iter().for_each(|white| pass.read(white));
-    let light: Vec<Irradiance> = levels.iter().map(|level| level.bounce).collect();
-    for Irradiance { axes, facing } in &light {
-        pass.read(*axes);
-        pass.read(*facing);
-    }
-    let obstacles: Vec<_> = levels.iter().map(|level| level.obstacles).collect();
-    for Obstacles { opacity, links, .. } in &obstacles {
-        pass.read(*opacity);
-        pass.read(*links);
-    }
-    let received = pass.write(received);
-    let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
-    pass.key(&keys);
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
-    pass.execute(move |cx| {
-        let [surfels, target] = [surfels, received].map(|handle| cx.buffer(handle).clone());
-        for index in 0..lookups.len() {
-            let links = cx.buffer(obstacles[index].links).clone();
-            let opacity = obstacles[index].opacity;
-            let at = Lookup { lookups: &lookups, index, light: light[index], opacity, white };
-            look_up(cx, at, [&surfels, &links, &target], count)?;
+    let mut pass = graph.compute(name, shader("at_surfels", 0, levels.len()));
+    pass.read("surfels", surfels);
+    let received = pass.write("received", received);
+    for (index, level) in levels.iter().enumerate() {
+        let mut step = pass.step_of(shader("at_surfels", index, levels.len()));
+        step.read("links", level.obstacles.links);
+        look_up(&mut step, levels, index, level.bounce);
+        // Once the light of all cascades is there.
+        if let Some(white) = white.filter(|_| index + 1 == levels.len()) {
+            step.flag("CALIBRATED", true);
+            step.read("white", white);
         }
-        Ok(())
-    });
+        step.over_items(count);
+    }
+    pass.finish();
     received
 }
 
-/// A cascade to look light up in.
-pub(super) struct Lookup<'l> {
-    /// Of all cascades.
-    pub lookups: &'l [LookupUniform],
-    /// Which one it is, the finest is 0.
-    pub index: usize,
-    /// Its light.
-    pub light: Irradiance,
-    /// Opacity of its cells.
-    pub opacity: Handle<Buffer>,
-    /// Irradiance of the surfels in light that is even everywhere, where theirs is compared with it.
-    pub white: Option<Handle<Buffer>>,
-}
-
-/// Looks up the light of a cascade at surfels, by their links to it, and adds it to what each receives.
-pub(super) fn look_up(
-    cx: &mut PassContext,
-    Lookup { lookups, index, light, opacity, white }: Lookup<'_>,
-    [surfels, links, received]: [&wgpu::Buffer; 3],
-    count: u32,
-) -> Result<(), PassError> {
-    let lookup = cx.gpu.uniform("lookup", &lookups[index]);
-    let [axes, facing, opacity] = [light.axes, light.facing, opacity].map(|handle| cx.buffer(handle).clone());
-    let mut key = shader("at_surfels", index, lookups.len());
-    let mut bindings = vec![
-        ("lookup", Binding::Buffer(&lookup)),
-        ("axes", Binding::Buffer(&axes)),
-        ("facing", Binding::Buffer(&facing)),
-        ("opacity", Binding::Buffer(&opacity)),
-        ("surfels", Binding::Buffer(surfels)),
-        ("links", Binding::Buffer(links)),
-        ("received", Binding::Buffer(received)),
-    ];
-    // Once the light of all cascades is there.
-    let white = white.filter(|_| index + 1 == lookups.len()).map(|handle| cx.buffer(handle).clone());
-    if let Some(white) = &white {
-        key = key.def("CALIBRATED", ShaderDef::Flag(true));
-        bindings.push(("white", Binding::Buffer(white)));
-    }
-    cx.dispatch(&key, &bindings, linear_groups(count))
+/// Binds a cascade with its light, which surfels look up.
+pub(super) fn look_up(step: &mut PassBindings, levels: &[Level], index: usize, light: Irradiance) {
+    step.uniform("lookup", &lookup_at_surfels(levels, index));
+    step.read("axes", light.axes);
+    step.read("facing", light.facing);
+    step.read("opacity", levels[index].obstacles.opacity);
 }
 
 /// Names of the pass at the visible surfaces and of its image.
@@ -158,52 +110,22 @@ pub(super) fn relight<'a>(
     let between = if levels.len() > 1 { pixels } else { 1 };
     let partial =
         graph.buffer(format!("{}, between cascades", names.pass), BufferDesc::new(16 * between, BufferUsages::STORAGE));
-    let mut pass = graph.pass(names.pass);
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth];
-    for input in inputs {
-        pass.read(input);
+    let mut pass = graph.compute(names.pass, shader("relight", 0, levels.len()));
+    frame.bind_view(&mut pass);
+    pass.read("base_color", gbuffer.base_color);
+    pass.read("normal", gbuffer.normal);
+    pass.read("depth", gbuffer.depth);
+    let (indirect, _) = (pass.write("indirect", indirect), pass.write("partial", partial));
+    pass.count(Counts { texels: pixels, ..Counts::default() });
+    for (index, level) in levels.iter().enumerate() {
+        let mut step = pass.step_of(shader("relight", index, levels.len()));
+        let Irradiance { axes, facing } = level.light();
+        step.uniform("lookup", &lookup(levels, index, fade));
+        step.read("axes", axes);
+        step.read("facing", facing);
+        step.read("opacity", level.obstacles.opacity);
+        step.over_uncounted([width, height]);
     }
-    let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
-    for Irradiance { axes, facing } in &light {
-        pass.read(*axes);
-        pass.read(*facing);
-    }
-    let opacities: Vec<_> = levels.iter().map(|level| level.obstacles.opacity).collect();
-    for opacity in &opacities {
-        pass.read(*opacity);
-    }
-    let (indirect, partial) = (pass.write(indirect), pass.write(partial));
-    let keys: Vec<_> = levels.iter().map(|level| (level.volume.key(), level.volume.fade_key())).collect();
-    pass.key(&(keys, fade.to_bits(), frame.view_key()));
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup(levels, i, fade)).collect();
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let [base_color, normal, depth] = inputs.map(|handle| cx.view(handle));
-        let (target, partial) = (cx.view(indirect), cx.buffer(partial).clone());
-        cx.counts().texels += pixels;
-        for (index, ((lookup, light), opacity)) in lookups.iter().zip(&light).zip(&opacities).enumerate() {
-            let opacity = cx.buffer(*opacity).clone();
-            let lookup = gpu.uniform("lookup", lookup);
-            let [axes, facing] = [light.axes, light.facing].map(|handle| cx.buffer(handle).clone());
-            cx.dispatch(
-                &shader("relight", index, lookups.len()),
-                &[
-                    ("lookup", Binding::Buffer(&lookup)),
-                    ("axes", Binding::Buffer(&axes)),
-                    ("facing", Binding::Buffer(&facing)),
-                    ("opacity", Binding::Buffer(&opacity)),
-                    ("view", Binding::Buffer(&frame.view_uniform(gpu))),
-                    ("base_color", Binding::Texture(&base_color)),
-                    ("normal", Binding::Texture(&normal)),
-                    ("depth", Binding::Texture(&depth)),
-                    ("partial", Binding::Buffer(&partial)),
-                    ("indirect", Binding::Texture(&target)),
-                ],
-                [width.div_ceil(8), height.div_ceil(8), 1],
-            )?;
-        }
-        Ok(())
-    });
+    pass.finish();
     indirect
 }

@@ -1,8 +1,7 @@
 //! Which cells the surfels take their light from and send it to.
 
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError};
-use crate::render::frame::linear_groups;
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
 
@@ -17,35 +16,16 @@ pub(super) fn declare(
 ) -> Handle<Buffer> {
     let name = format!("links, {level}");
     let links = graph.retained_buffer(name.as_str(), BufferDesc::new(4 * u64::from(count), BufferUsages::STORAGE));
-    let mut pass = graph.pass(name.as_str());
-    pass.read(surfels);
-    pass.read(coverage);
-    let links = pass.write(links);
-    pass.key(&volume.key());
-    let volume = *volume;
-    pass.execute(move |cx| {
-        let [surfels, coverage, links] = [surfels, coverage, links].map(|handle| cx.buffer(handle).clone());
-        find(cx, &volume, [&surfels, &coverage, &links], count)
-    });
+    let mut pass = graph.compute(name.as_str(), shader());
+    pass.uniform("volume", &volume.uniform());
+    pass.read("surfels", surfels);
+    pass.read("coverage", coverage);
+    let links = pass.write("links", links);
+    pass.dispatch_items(count);
     links
 }
 
-/// Finds the links of so many surfels.
-pub(super) fn find(
-    cx: &mut PassContext,
-    volume: &Volume,
-    [surfels, coverage, links]: [&wgpu::Buffer; 3],
-    count: u32,
-) -> Result<(), PassError> {
-    let uniform = cx.gpu.uniform("volume", &volume.uniform());
-    cx.dispatch(
-        &ComputeKey::new("indirect/light_volumes/sweep/links.wgsl", "main"),
-        &[
-            ("volume", Binding::Buffer(&uniform)),
-            ("surfels", Binding::Buffer(surfels)),
-            ("coverage", Binding::Buffer(coverage)),
-            ("links", Binding::Buffer(links)),
-        ],
-        linear_groups(count),
-    )
+/// Finds the links of surfels to a cascade.
+pub(super) fn shader() -> ComputeKey {
+    ComputeKey::new("indirect/light_volumes/sweep/links.wgsl", "main")
 }

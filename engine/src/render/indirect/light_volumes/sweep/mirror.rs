@@ -6,7 +6,7 @@
 
 use super::gather;
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, RowWork, Texture};
+use crate::graph::{Graph, Handle, PieceWork, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::GBuffer;
 use crate::render::indirect::Scattered;
@@ -89,7 +89,7 @@ pub(in crate::render) fn declare<'a>(
     gbuffer.bind(&mut pass);
     let mirrored = pass.write("mirrored", mirrored);
     let [width, height] = frame.view.size;
-    let work = RowWork { units: u64::from(width) * u64::from(mirrors.rays), on_software: PATHS_A_SUBMIT };
+    let work = PieceWork { units: u64::from(width) * u64::from(mirrors.rays), on_software: PATHS_A_SUBMIT };
     let uniform = uniform(frame, mirrors.scene);
     pass.dispatch_rows([width, height], work, "mirror", move |rows| MirrorUniform { first_row: rows.first, ..uniform });
     mirrored

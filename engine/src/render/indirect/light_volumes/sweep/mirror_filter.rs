@@ -1,8 +1,8 @@
 //! The filter over mirror reflections and what is seen through rough glass, by how far their surfaces blur them. See
 //! `indirect/light_volumes/sweep/mirror_filter.wgsl`.
 
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::gpu::ComputeKey;
+use crate::graph::{Graph, Handle, PassBindings, Texture};
 use crate::render::direct::Region;
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
@@ -90,10 +90,10 @@ impl Of {
         }
     }
 
-    fn define(self, key: ComputeKey) -> ComputeKey {
+    fn define(self, pass: &mut PassBindings) {
         match self {
-            Self::Mirrors(surfaces) => surfaces.define(key),
-            Self::Glass => key.def("THROUGH_GLASS", ShaderDef::Flag(true)),
+            Self::Mirrors(surfaces) => surfaces.define_for(pass),
+            Self::Glass => pass.flag("THROUGH_GLASS", true),
         }
     }
 }
@@ -156,31 +156,18 @@ impl Filter {
         inputs: &[(&'static str, Handle<Texture>)],
         outputs: Vec<(&'static str, Handle<Texture>)>,
     ) -> Vec<Handle<Texture>> {
-        let of = self.of;
-        let mut pass = graph.pass(of.name(name));
-        let inputs: Vec<_> = self.inputs.iter().chain(inputs).copied().collect();
-        inputs.iter().for_each(|(_, input)| pass.read(*input));
-        let outputs: Vec<_> = outputs.into_iter().map(|(name, output)| (name, pass.write(output))).collect();
         let Region { origin, size } = self.region;
-        pass.key(&(self.width.to_bits(), frame.view_key(), turn, origin.to_array(), size.to_array()));
         // Two turns together are as wide as one of √2 times the width.
         let [width, stray_width] = [self.width, STRAY_WIDTH].map(|width| width * FRAC_1_SQRT_2);
         let uniform = MirrorFilterUniform { view: frame.view_values(), origin, size, width, stray_width, turn };
-        let written = outputs.iter().map(|(_, output)| *output).collect();
-        pass.execute(move |cx| {
-            let views: Vec<_> = inputs.iter().chain(&outputs).map(|(name, handle)| (*name, cx.view(*handle))).collect();
-            let uniform = cx.gpu.uniform("mirror filter", &uniform);
-            let mut group = vec![("mirror_filter", Binding::Buffer(&uniform))];
-            group.extend(views.iter().map(|(name, view)| (*name, Binding::Texture(view))));
-            let key = of.define(ComputeKey::new("indirect/light_volumes/sweep/mirror_filter.wgsl", entry));
-            let key = if turn > 0 { key.def("LAST", ShaderDef::Flag(true)) } else { key };
-            dispatch(cx, &key, &group, size)
-        });
+        let shader = ComputeKey::new("indirect/light_volumes/sweep/mirror_filter.wgsl", entry);
+        let mut pass = graph.compute(self.of.name(name), shader);
+        self.of.define(&mut pass);
+        pass.flag("LAST", turn > 0);
+        pass.uniform("mirror_filter", &uniform);
+        self.inputs.iter().chain(inputs).for_each(|(name, input)| pass.read(name, *input));
+        let written = outputs.into_iter().map(|(name, output)| pass.write(name, output)).collect();
+        pass.dispatch_over(size.into());
         written
     }
-}
-
-fn dispatch(cx: &mut PassContext, key: &ComputeKey, group: &[(&str, Binding)], size: UVec2) -> Result<(), PassError> {
-    cx.counts().texels += u64::from(size.x) * u64::from(size.y);
-    cx.dispatch(key, group, [size.x.div_ceil(8), size.y.div_ceil(8), 1])
 }

@@ -1,12 +1,10 @@
 //! What stops light in the cells of a cascade: opacity tensor and seal.
 
 use super::{coverage, links};
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle};
 use crate::render::frame::Frame;
-use crate::render::frame::linear_groups;
 use crate::render::indirect::light_volumes::volume::Volume;
-use crate::scene::Surfel;
 use wgpu::BufferUsages;
 
 /// Bytes of a cell: 44 numbers.
@@ -38,39 +36,16 @@ pub(super) fn declare<'a>(
     let desc = BufferDesc::new(CELL_BYTES * u64::from(volume.cell_count()), usage);
     let sums = graph.buffer(format!("{name}, fixed point"), desc.clone());
     let opacity = graph.retained_buffer(name.as_str(), desc);
-    let mut pass = graph.pass(name.as_str());
-    pass.read(surfels);
-    pass.read(coverage);
-    let (sums, opacity) = (pass.write(sums), pass.write(opacity));
-    pass.key(&volume.key());
-    let volume = *volume;
-    pass.execute(move |cx| {
-        let handles = [surfels, coverage, sums, opacity];
-        let [source, coverage, fixed, target] = handles.map(|handle| cx.buffer(handle).clone());
-        cx.encoder().clear_buffer(&fixed, 0, None);
-        let uniform = cx.gpu.uniform("volume", &volume.uniform());
-        let count = (source.size() / size_of::<Surfel>() as u64) as u32;
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/sweep/opacity.wgsl", "scatter"),
-            &[
-                ("volume", Binding::Buffer(&uniform)),
-                ("surfels", Binding::Buffer(&source)),
-                ("sums", Binding::Buffer(&fixed)),
-            ],
-            linear_groups(count),
-        )?;
-        cx.counts().injections += u64::from(count);
-        cx.counts().cells += u64::from(volume.cell_count());
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_volumes/sweep/opacity.wgsl", "finish"),
-            &[
-                ("volume", Binding::Buffer(&uniform)),
-                ("sums", Binding::Buffer(&fixed)),
-                ("coverage", Binding::Buffer(&coverage)),
-                ("opacity", Binding::Buffer(&target)),
-            ],
-            linear_groups(volume.cell_count()),
-        )
-    });
+    let count = frame.surfels.count();
+    let mut pass = graph.compute(name, ComputeKey::new("indirect/light_volumes/sweep/opacity.wgsl", "scatter"));
+    pass.uniform("volume", &volume.uniform());
+    pass.read("surfels", surfels);
+    pass.read("coverage", coverage);
+    let (sums, opacity) = (pass.write("sums", sums), pass.write("opacity", opacity));
+    pass.count(Counts { injections: count.into(), cells: volume.cell_count().into(), ..Counts::default() });
+    pass.clear(sums);
+    pass.step("scatter").over_items(count);
+    pass.step("finish").over_items(volume.cell_count());
+    pass.finish();
     Obstacles { opacity, coverage, links }
 }

@@ -1,8 +1,6 @@
 //! Indirect light at points that a game asks for: looked up as for the surfels of a bounce, in the sum over all bounces.
 
-use super::irradiance::{Lookup, look_up, lookup_at_surfels};
-use super::opacity::Obstacles;
-use super::{Irradiance, Level, links};
+use super::{Level, irradiance, links};
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::scene::{ProbePoint, Surfel};
@@ -39,31 +37,21 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, levels: &[Le
     let count = surfels.len() as u32;
     let desc = BufferDesc::new(16 * u64::from(count), BufferUsages::STORAGE | BufferUsages::COPY_SRC);
     let found = graph.retained_buffer(PROBE_LIGHT, desc);
-    let mut pass = graph.pass("probes");
-    let light: Vec<Irradiance> = levels.iter().map(Level::light).collect();
-    let obstacles: Vec<_> = levels.iter().map(|level| level.obstacles).collect();
-    for (Irradiance { axes, facing }, Obstacles { opacity, coverage, .. }) in light.iter().zip(&obstacles) {
-        [axes, facing, opacity, coverage].into_iter().for_each(|buffer| pass.read(*buffer));
+    let no_links = graph.buffer("links of probes", BufferDesc::new(4 * u64::from(count), BufferUsages::STORAGE));
+    let mut pass = graph.compute("probes", links::shader());
+    pass.values("surfels", &surfels);
+    let found = pass.write("received", found);
+    let _ = pass.write("links", no_links);
+    for (index, level) in levels.iter().enumerate() {
+        let mut step = pass.step_of(links::shader());
+        step.uniform("volume", &level.volume.uniform());
+        step.read("coverage", level.obstacles.coverage);
+        step.over_items(count);
+        let mut step = pass.step_of(irradiance::shader("at_surfels", index, levels.len()));
+        irradiance::look_up(&mut step, levels, index, level.light());
+        step.over_items(count);
     }
-    let found = pass.write(found);
-    let keys: Vec<_> = levels.iter().map(|level| level.volume.key()).collect();
-    let places: Vec<u32> = bytemuck::cast_slice::<Surfel, u32>(&surfels).to_vec();
-    pass.key(&(keys, places));
-    let volumes: Vec<_> = levels.iter().map(|level| level.volume).collect();
-    let lookups: Vec<_> = (0..levels.len()).map(|i| lookup_at_surfels(levels, i)).collect();
-    pass.execute(move |cx| {
-        let target = cx.buffer(found).clone();
-        let surfels = cx.gpu.storage("probes", &surfels, BufferUsages::empty());
-        let links = cx.gpu.storage("links of probes", &vec![0_u32; count as usize], BufferUsages::empty());
-        for (index, volume) in volumes.iter().enumerate() {
-            let coverage = cx.buffer(obstacles[index].coverage).clone();
-            links::find(cx, volume, [&surfels, &coverage, &links], count)?;
-            let opacity = obstacles[index].opacity;
-            let at = Lookup { lookups: &lookups, index, light: light[index], opacity, white: None };
-            look_up(cx, at, [&surfels, &links, &target], count)?;
-        }
-        Ok(())
-    });
+    pass.finish();
     found
 }
 

@@ -1,6 +1,5 @@
 //! Surface points that lights reach, which the final gather samples beside its rays. See `indirect/light_volumes/sweep/rsm_samples.wgsl`.
 
-use crate::gpu::Binding;
 use crate::graph::{Buffer, BufferDesc, Graph, Handle};
 use crate::render::frame::Frame;
 use crate::render::indirect::light_volumes::rsm_draw::{Draw, Wanted, Weight};
@@ -49,15 +48,11 @@ pub(super) fn declare<'a>(
     let draw = Draw::declare(graph, ["flux of lit texels", "flux of strips"], maps, wanted);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
     let points = graph.retained_buffer("RSM samples", BufferDesc::new(POINT_BYTES * u64::from(POINTS), usage));
-    let mut pass = graph.pass("RSM samples");
-    draw.read(&mut pass);
-    let points = pass.write(points);
-    pass.key(&draw.key());
-    pass.execute(move |cx| {
-        let points = cx.buffer(points).clone();
-        cx.encoder().clear_buffer(&points, 0, None);
-        let choose = draw.shader("indirect/light_volumes/sweep/rsm_samples.wgsl", "choose");
-        draw.dispatch(cx, &choose, &[("points", Binding::Buffer(&points))])
-    });
+    let shader = draw.shader("indirect/light_volumes/sweep/rsm_samples.wgsl", "choose");
+    let mut pass = graph.compute("RSM samples", shader.clone());
+    let points = pass.write("points", points);
+    pass.clear(points);
+    draw.declare_steps(&mut pass, &shader);
+    pass.finish();
     Some(RsmSamples { points, reach })
 }

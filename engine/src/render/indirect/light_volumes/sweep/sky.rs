@@ -59,13 +59,5 @@ pub(super) fn field_of(level: &Level) -> Field {
 
 /// Nothing inside the grid sends out light.
 fn send_nothing(graph: &mut Graph<'_>, level: &mut Level) {
-    let mut pass = graph.pass("emit, sky");
-    let emission = pass.write(level.emission);
-    pass.key(&());
-    pass.execute(move |cx| {
-        let buffer = cx.buffer(emission).clone();
-        cx.encoder().clear_buffer(&buffer, 0, None);
-        Ok(())
-    });
-    level.emission = emission;
+    level.emission = graph.clear("emit, sky", level.emission);
 }

@@ -1,8 +1,7 @@
 //! Strays: pixels whose surface no gathered pixel beside them shows. The passes that hand gathered light to other pixels put
 //! them into a queue, and `gather` casts rays of their own for them. See `lib/strays.wgsl`.
 
-use crate::gpu::Binding;
-use crate::graph::{Buffer, BufferDesc, Graph, Groups, Handle, PassBuilder, PassContext};
+use crate::graph::{Buffer, BufferDesc, ComputeBuilder, Graph, Handle, PassBindings, Step};
 use crate::render::frame::Frame;
 use wgpu::BufferUsages;
 
@@ -19,12 +18,6 @@ pub(super) struct Strays {
     room: u32,
 }
 
-/// The buffers of the queue in a running pass.
-pub(super) struct Queue {
-    pixels: wgpu::Buffer,
-    counts: wgpu::Buffer,
-}
-
 impl Strays {
     /// An empty queue.
     pub fn declare(graph: &mut Graph, frame: &Frame) -> Self {
@@ -37,45 +30,27 @@ impl Strays {
         Self { pixels, counts: graph.retained_buffer("number of pixels that are left out", desc), room }
     }
 
-    /// The queue after a pass that fills it.
-    pub fn write(self, pass: &mut PassBuilder) -> Self {
-        Self { pixels: pass.write(self.pixels), counts: pass.write(self.counts), ..self }
+    /// The queue after a pass that fills it; it is empty before.
+    pub fn fill(self, pass: &mut ComputeBuilder) -> Self {
+        let (pixels, counts) = (pass.write("stray_pixels", self.pixels), pass.write("stray_counts", self.counts));
+        pass.clear(counts);
+        Self { pixels, counts, ..self }
     }
 
-    /// Lets a pass read it.
-    pub fn read(self, pass: &mut PassBuilder) {
-        pass.read(self.pixels);
-        pass.read(self.counts);
-    }
-
-    /// The queue in a pass that reads it.
-    pub fn queue(self, cx: &PassContext) -> Queue {
-        let [pixels, counts] = [self.pixels, self.counts].map(|handle| cx.buffer(handle).clone());
-        Queue { pixels, counts }
-    }
-
-    /// The empty queue in the pass that fills it.
-    pub fn cleared(self, cx: &mut PassContext) -> Queue {
-        let queue = self.queue(cx);
-        cx.encoder().clear_buffer(&queue.counts, 0, None);
-        queue
+    /// Binds it to a pass that reads it.
+    pub fn bind(self, pass: &mut PassBindings) {
+        pass.read("stray_pixels", self.pixels);
+        pass.read("stray_counts", self.counts);
     }
 
     /// The first pixel of each slice, with how many there are at most.
     pub fn slices(self) -> impl Iterator<Item = (u32, u32)> {
         (0..self.room).step_by(SLICE as usize).map(move |first| (first, SLICE.min(self.room - first)))
     }
-}
 
-impl Queue {
-    /// By the names of `lib/strays.wgsl`.
-    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 2] {
-        [("stray_pixels", Binding::Buffer(&self.pixels)), ("stray_counts", Binding::Buffer(&self.counts))]
-    }
-
-    /// The workgroups of a slice, by its first pixel.
-    pub fn groups(&self, first: u32, most: u32) -> Groups<'_> {
+    /// Dispatches a slice, by its first pixel: the device knows how many workgroups it takes.
+    pub fn dispatch(self, step: Step, first: u32, most: u32) {
         let offset = 4 + 12 * u64::from(first / SLICE);
-        Groups::Buffer { counts: &self.counts, offset, most: [most.div_ceil(64), 1, 1] }
+        step.in_groups_of(self.counts, offset, [most.div_ceil(64), 1, 1]);
     }
 }
