@@ -3,3 +3,4 @@
 mod book;
 mod crates;
 mod figures;
+mod words;
