@@ -1,4 +1,4 @@
-//! README, book and crates against what they say.
+//! README, book, crates and wording against their rules.
 
 mod book;
 mod crates;

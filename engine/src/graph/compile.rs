@@ -32,7 +32,7 @@ pub(super) enum WantedBy {
 pub(super) struct Decision {
     /// The version that the slot of a retained resource holds and that can be used.
     pub available: Vec<Option<usize>>,
-    /// As `available`, before use: a slot whose content is overwritten before its reader is not
+    /// Like `available`, before use: a slot whose content is overwritten before its reader is not
     /// available, and appears only here.
     pub held: Vec<Option<usize>>,
     pub runs: Vec<bool>,

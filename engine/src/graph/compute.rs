@@ -49,7 +49,7 @@ impl<'a> Tracked<'a> {
     }
 }
 
-/// What a shader binds under a name.
+/// A resource or value that a shader binds under a name.
 enum Input<'a> {
     Texture(Handle<Texture>),
     Layers(Handle<Texture>),
@@ -121,7 +121,7 @@ impl<'a> ComputeBuilder<'_, 'a> {
         self.bind(name, Input::Constants(bytes));
     }
 
-    /// As [`ComputeBuilder::values`] of what takes long to put together: the same as long as `revision` is.
+    /// Like [`ComputeBuilder::values`], for values that are expensive to build: equal revisions mean equal values.
     pub fn values_of<T: Pod>(
         &mut self,
         name: &'static str,
@@ -324,7 +324,7 @@ impl Threads {
     }
 }
 
-/// What is bound, alive as long as it takes.
+/// A bound resource, kept alive until the pass is recorded.
 enum Bound {
     View(wgpu::TextureView),
     Buffer(wgpu::Buffer),

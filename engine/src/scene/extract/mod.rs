@@ -96,7 +96,7 @@ enum Part {
     Clpv,
     Vpl,
     Slc,
-    /// Of no entity, but of the scene as a whole.
+    /// Subject of warnings about the sky, which belongs to no entity.
     Sky,
 }
 
