@@ -1,5 +1,6 @@
-//! README, book and crates against what they say.
+//! README, book, crates and wording against their rules.
 
 mod book;
 mod crates;
 mod figures;
+mod words;

@@ -31,7 +31,7 @@ pub enum RayNodes {
 }
 
 impl RayNodes {
-    /// What the environment's `LIGHTWELL_RAY_NODES` asks for, or what suits an adapter.
+    /// The value of the environment variable `LIGHTWELL_RAY_NODES`, or the default of the adapter.
     fn chosen(info: &wgpu::AdapterInfo, limits: &wgpu::Limits) -> Result<Self, GpuError> {
         match std::env::var_os("LIGHTWELL_RAY_NODES").filter(|wanted| !wanted.is_empty()) {
             Some(wanted) => Self::named(&wanted.to_string_lossy()),
@@ -203,7 +203,7 @@ impl Gpu {
     /// Opens a device that can present on the surface.
     ///
     /// # Errors
-    /// As [`Gpu::headless`].
+    /// Those of [`Gpu::headless`].
     pub fn for_window(
         options: &GpuOptions,
         instance: &wgpu::Instance,
@@ -310,7 +310,7 @@ impl Gpu {
         self.kept(label, bytemuck::cast_slice(values).to_vec(), wgpu::BufferUsages::STORAGE)
     }
 
-    /// As [`Gpu::constants`], of structs in the layout of WGSL.
+    /// Like [`Gpu::constants`], for structs in the layout of WGSL.
     pub fn constants_of<T>(&self, label: &str, values: &[T]) -> wgpu::Buffer
     where
         for<'a> &'a [T]: ShaderType + WriteInto,
@@ -380,8 +380,8 @@ fn noop_limits() -> wgpu::Limits {
     }
 }
 
-/// The same without the checks of draws from buffers on the device, which cost more than the draws themselves: all such
-/// buffers hold what this crate has written, of meshes and instances that are there.
+/// Removes the checks of indirect draws from a descriptor: they cost more than the draws themselves, and only this crate
+/// writes the buffers, for meshes and instances that exist.
 pub fn instance_descriptor(descriptor: wgpu::InstanceDescriptor) -> wgpu::InstanceDescriptor {
     let flags = descriptor.flags - wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL;
     wgpu::InstanceDescriptor { flags, ..descriptor }

@@ -1,4 +1,4 @@
-//! What makes a shader dear to compile: its size with every call inlined, and values that are indexed at run time.
+//! Cost of compiling a shader: its size with every call inlined, and values that are indexed at run time.
 
 use super::compose::CompiledShader;
 use std::collections::HashMap;

@@ -22,7 +22,7 @@ impl ComputeKey {
         Self { shader, entry, defs: Vec::new() }
     }
 
-    /// The same with one define more.
+    /// Adds a define.
     pub fn def(mut self, name: &'static str, value: ShaderDef) -> Self {
         self.defs.push((name, value));
         self

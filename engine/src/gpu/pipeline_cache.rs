@@ -75,7 +75,7 @@ fn cached<K: Clone + Eq + std::hash::Hash>(
     name: impl FnOnce() -> String,
     build: impl FnOnce(&Arc<CompiledShader>) -> Result<Pipeline, ShaderError>,
 ) -> Result<Arc<Pipeline>, ShaderError> {
-    // As long as no shader was reloaded, what was found last is still right.
+    // Until a shader is reloaded, the last result is valid.
     let revision = gpu.shaders.revision();
     if let Some(pipeline) = current(cache, key, revision) {
         return Ok(pipeline);

@@ -122,7 +122,7 @@ pub fn read_texture_f32(gpu: &Gpu, texture: &wgpu::Texture) -> Result<ImageF32, 
 /// A layer, or a slice of a volume, of a mip level as floats; integers as their numbers.
 ///
 /// # Errors
-/// As [`read_texture_f32`], and if there is no such level.
+/// Those of [`read_texture_f32`], and if the texture has no such level.
 pub fn read_layer_f32(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32) -> Result<ImageF32, ReadbackError> {
     let bytes = read_texture(gpu, texture, mip, layer)?;
     let rgba = floats_of(texture.format(), &bytes)?;

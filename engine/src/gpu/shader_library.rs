@@ -142,7 +142,7 @@ impl ShaderLibrary {
     /// Size of a struct that the shader declares or imports \[bytes\].
     ///
     /// # Errors
-    /// As [`ShaderLibrary::struct_layout`].
+    /// Those of [`ShaderLibrary::struct_layout`].
     pub fn struct_size(&self, path: &str, name: &str) -> Result<u32, ShaderError> {
         Ok(self.struct_layout(path, name)?.size)
     }
@@ -186,7 +186,7 @@ impl ShaderLibrary {
         self.read().map_or_else(Vec::new, |found| self.state().take_sources(found))
     }
 
-    /// What the files say now; none if they cannot be read.
+    /// Present text of the files; `None` if they cannot be read.
     fn read(&self) -> Option<Sources> {
         let Some(dir) = &self.dir else { return Some(built_in()) };
         let failed = |error: &std::io::Error| log::warn!("cannot read shader folder {}: {error}", dir.display());
@@ -246,7 +246,7 @@ impl State {
                 continue;
             }
             variant.take(compose::compile(&self.sources, path, defs));
-            // Of several sets of defines, one that is broken is what the user must hear of.
+            // If one of several sets of defines is broken, that is reported.
             match &variant.error {
                 Some(error) => events.insert(path.clone(), ShaderEvent::Broken(error.clone())),
                 None => Some(events.entry(path.clone()).or_insert(ShaderEvent::Reloaded(path.clone())).clone()),

@@ -240,10 +240,10 @@ impl<'c> PassContext<'c> {
         self.dispatch_threads(key, bindings, &[], None, |_| Groups::Count(groups))
     }
 
-    /// As [`PassContext::dispatch`], with group 1 bound by `shared`, over workgroups whose number a buffer may hold.
+    /// Like [`PassContext::dispatch`], with group 1 bound by `shared`, over workgroups counted here or in a buffer.
     ///
     /// # Errors
-    /// As [`PassContext::dispatch`].
+    /// Those of [`PassContext::dispatch`].
     pub fn dispatch_with<'g>(
         &mut self,
         key: &ComputeKey,
@@ -290,7 +290,7 @@ pub enum Groups<'b> {
         counts: &'b wgpu::Buffer,
         /// Where they begin \[bytes\].
         offset: u64,
-        /// What they are at most. Devices that cannot read them run so many workgroups.
+        /// Their upper bound, which devices run that cannot read counts from a buffer.
         most: [u32; 3],
     },
 }

@@ -42,22 +42,22 @@ impl TextureDesc {
         Self { size: [width, height, depth], dimension, ..Self::d2(width, height, format, usage) }
     }
 
-    /// The same with another format.
+    /// This description with another format.
     pub fn with_format(self, format: TextureFormat) -> Self {
         Self { format, ..self }
     }
 
-    /// The same with further usages.
+    /// This description with further usages.
     pub fn with_usage(self, usage: TextureUsages) -> Self {
         Self { usage: self.usage | usage, ..self }
     }
 
-    /// The same with a number of mip levels.
+    /// This description with `mips` mip levels.
     pub fn with_mips(self, mips: u32) -> Self {
         Self { mips, ..self }
     }
 
-    /// The same at half the width and height, rounded up.
+    /// This description at half the width and height, rounded up.
     pub fn half_size(self) -> Self {
         let [width, height, depth] = self.size;
         Self { size: [width.div_ceil(2), height.div_ceil(2), depth], ..self }

@@ -70,7 +70,7 @@ impl Plan<'_> {
                 return Err(GraphError::Stopped);
             }
             if let Err(error) = self.run_step(step, &targets, cache, recorder) {
-                // What was recorded by the passes before it is in the cache: it must be submitted.
+                // The cache counts on the work that earlier passes recorded: it must be submitted.
                 recorder.submit_last();
                 return Err(error);
             }

@@ -42,7 +42,7 @@ impl<K> Handle<K> {
         Self { graph, at, kind: PhantomData }
     }
 
-    /// The same version, said to be of the other kind: for code that is the same for both.
+    /// Casts the handle to another kind of resource, for code that serves all kinds.
     pub(super) fn cast<L>(self) -> Handle<L> {
         Handle::new(self.graph, self.at)
     }

@@ -60,7 +60,7 @@ pub fn flip(image: &Image, reference: &Image) -> FlipMap {
 /// and rounded to 8 bits.
 ///
 /// # Panics
-/// As [`flip`].
+/// Those of [`flip`].
 #[cfg(feature = "flip")]
 pub fn flip_displayed(image: &Image, reference: &Image) -> FlipMap {
     flip_with(image, reference, Image::to_srgb8)

@@ -159,7 +159,7 @@ pub fn compare(image: &Image, reference: &Image) -> Result<Comparison, MeasureEr
 /// The squared error of `image` against the truth that `first` and `second` are independent, unbiased estimates of.
 ///
 /// # Errors
-/// As [`compare`].
+/// Those of [`compare`].
 pub fn two_halves(image: &Image, first: &Image, second: &Image) -> Result<TwoHalves, MeasureError> {
     check_pair(image, first)?;
     check_pair(image, second)?;

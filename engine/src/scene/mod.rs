@@ -147,14 +147,14 @@ pub struct SunDisc {
     pub radiance: Vec3,
 }
 
-/// Names of the entities that hold the settings of methods; empty where there are none.
+/// Names of the entities that hold the settings of methods; empty without such an entity.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SettingsNames {
-    /// Of the light propagation volumes.
+    /// Name of the entity with the light propagation volumes.
     pub clpv: String,
-    /// Of instant radiosity.
+    /// Name of the entity with instant radiosity.
     pub vpl: String,
-    /// Of stochastic light culling.
+    /// Name of the entity with stochastic light culling.
     pub slc: String,
 }
 

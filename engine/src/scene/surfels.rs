@@ -40,14 +40,14 @@ pub struct SurfelCloud {
     pub surfels: Vec<Surfel>,
     /// World from object space, one for each group of primitives that stand at the same place.
     pub places: Vec<Affine3A>,
-    /// The same surfels by patches.
+    /// The surfels, grouped into patches.
     pub patches: Patches,
     /// Index in [`Self::places`] by that of the primitive in the scene; `u32::MAX` for those without surfels.
     pub place_of_primitive: Vec<u32>,
     /// Changes with every change of `surfels`, `patches` and `place_of_primitive`.
     pub revision: u64,
-    /// As `revision`, but not where all that changed is the pose of objects: [`Self::bending`] and
-    /// [`Patches::bending`] tell what else is there then.
+    /// Like `revision`, but unchanged where only objects were posed: [`Self::bending`] and [`Patches::bending`] count
+    /// other changes then.
     pub rebuilt: u64,
     /// Changes where surfels and patches are others than before. The same numbers stand for the same ones of the same
     /// objects until then, wherever they are.
@@ -55,7 +55,7 @@ pub struct SurfelCloud {
     /// Sum of area·reflectance over the sum of areas: the mean share of light that a surface returns. Objects that bend
     /// count as they are at rest.
     pub mean_albedo: Vec3,
-    /// Flux that all surfaces emit \[W\], likewise.
+    /// Flux that all surfaces emit \[W\]; objects that bend count at rest.
     pub emitted: Vec3,
     area: f64,
     /// Whether any surface emits light.

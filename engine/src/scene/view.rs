@@ -27,7 +27,7 @@ pub struct SceneCamera {
     pub far: Option<f32>,
     /// The camera that is used when none is named (the first such by SceneId, else the first).
     pub primary: bool,
-    /// What it makes of the light that it sees; all values in range.
+    /// Lens and display response, with all values in range.
     pub lens: Lens,
     /// The colour table of the lens.
     pub grading: Option<Arc<CubeTable>>,
@@ -128,7 +128,7 @@ impl SceneView {
     /// The plane from which distances along the view's axis are measured \[m\]: its scalar product with (p, 1).
     pub fn axis(&self) -> Vec4 {
         match self.camera.projection {
-            // What the projection divides by.
+            // The divisor of the projection.
             ViewProjection::Perspective { .. } => self.clip_from_world().row(3),
             ViewProjection::Orthographic { .. } => {
                 let forward = self.camera.forward();

@@ -1,4 +1,4 @@
-//! What runs, what is reused, what is culled, and the reasons.
+//! Passes that run, are reused or are culled, and the reasons.
 
 use super::simulation::{Cache, World, frame, frame_with, states, why};
 use super::{desc, pass};
@@ -76,7 +76,7 @@ fn a_pass_without_key_runs_every_frame_and_so_does_what_follows() {
     let report = frame(scene(0, keys), &mut cache);
     assert_eq!(why(&report, "cast"), "it states no key, so it runs every frame");
     assert_eq!(why(&report, "light"), "`shadow` changes every frame");
-    // What it left is not taken for anything later.
+    // Later frames do not reuse its content.
     assert_eq!(states(&frame(scene(0, KEYS), &mut cache)), "rrrxs");
 }
 

@@ -34,7 +34,7 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
-/// What is said of a lens whose value in that field is out of its range.
+/// Warning for a lens whose value in that field is out of range.
 fn out_of_range(field: &str) -> &'static str {
     match field {
         "exposure" => "is a camera without `exposure`: its `f_number`, `shutter` or `iso` is out of its range",

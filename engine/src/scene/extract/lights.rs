@@ -24,11 +24,11 @@ type Params = (
     RemovedComponents<'static, 'static, GlobalTransform>,
 );
 
-/// What is remembered of the world's lights.
+/// Extracted lights of the world, with the state that detects changes.
 pub(super) struct Lights {
     state: SystemState<Params>,
     elements: Elements<SceneLight>,
-    /// Of the air that the lights were seen through.
+    /// Revision of the air that attenuated the lights.
     air: u64,
 }
 

@@ -31,7 +31,7 @@ impl Anchor {
 fn least(camera: &Camera) -> f32 {
     match camera.projection {
         Projection::Perspective => camera.near,
-        // As fine as a perspective of usual near plane shows things at its usual distance.
+        // Corresponds to the step of a perspective with the default near plane at its usual distance.
         Projection::Orthographic { height } => 0.05 * height,
     }
 }

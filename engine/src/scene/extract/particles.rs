@@ -32,7 +32,7 @@ pub(super) struct Sources {
     shown: Shown,
 }
 
-/// What is shown of them.
+/// Primitives of the particles of all sources.
 #[derive(Default)]
 struct Shown {
     elements: Elements<Primitive>,

@@ -23,12 +23,12 @@ const MAX_RADIANCE: f32 = 1e30;
 type Row = (Entity, &'static Identity, Option<&'static Name>, &'static Orientation, &'static Light);
 type Suns = Query<'static, 'static, Row, With<GlobalTransform>>;
 
-/// What is remembered of the world's sky.
+/// Extracted sky of the world, with the inputs of its map.
 pub(super) struct Sky {
     state: SystemState<(Suns,)>,
     /// The sky's radiance as the world has it.
     radiance: Option<[u32; 3]>,
-    /// What the scene's map was made of: the environment, the loaded image, and the sun.
+    /// Inputs of the scene's map: the environment, the loaded image, and the sun.
     environment: Option<Environment>,
     image: Option<Arc<SkyMap>>,
     lit_by: Option<LitBy>,
@@ -52,7 +52,7 @@ struct Sun {
     half_angle: f32,
 }
 
-/// What a physical sky depends on beside its air.
+/// Inputs of a physical sky besides its air.
 #[derive(Clone, Copy, PartialEq)]
 struct LitBy {
     step: i32,
@@ -60,7 +60,7 @@ struct LitBy {
     irradiance: Vec3,
 }
 
-/// What air does to the light of the sun.
+/// Attenuation of sunlight by the air.
 #[derive(Clone, Copy)]
 pub(super) struct Air<'a> {
     physical: Option<(Entity, &'a AtmosphereTables)>,

@@ -111,7 +111,7 @@ impl Exposed {
         let (mut pieces, mut known) = (Vec::new(), Vec::with_capacity(groups.len()));
         for (index, (group, all)) in groups.iter().zip(&all).enumerate() {
             let spread = Spread::new(group, &keys[index]);
-            // What bends may stand where something else does.
+            // Deformed objects may share a place with others.
             let of_group = if is_still(group) { before.remove(&place(group)) } else { None };
             let of_group = of_group.filter(|known| known.is_of(&spread, all));
             if is_still(group) && !(of_group.is_some() && changed.is_empty()) {

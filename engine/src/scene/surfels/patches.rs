@@ -187,7 +187,7 @@ fn address(subject: &Subject) -> usize {
     Arc::as_ptr(subject.surfels) as usize
 }
 
-/// What answers in the scene, by what does so in its object and the first patch and node of that.
+/// Converts an entry of a cell from an object's numbering to the scene's, given the object's first patch and node.
 fn moved(face: u32, [patch, node]: [u32; 2]) -> u32 {
     match face {
         NO_PATCH => NO_PATCH,
@@ -241,7 +241,7 @@ fn hashes(group: u32, cell: [i32; 3]) -> [u32; 2] {
     [start, tag]
 }
 
-/// As `hash` of `lib/sampling.wgsl`.
+/// Equals `hash` of `lib/sampling.wgsl`.
 fn hash(value: u32) -> u32 {
     let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);

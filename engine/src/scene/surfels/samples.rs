@@ -15,7 +15,7 @@ const LEAST_OF_BALLS: usize = 512;
 #[derive(Debug)]
 pub(super) struct Samples {
     pub surfels: Arc<Vec<Surfel>>,
-    /// Of each surfel; none unless the object bends.
+    /// Origin of each surfel; empty unless the object is deformed by skins or morph targets.
     origins: Vec<Origin>,
 }
 

@@ -167,7 +167,7 @@ mod tests {
         assert!(!update(&mut cloud, &scene));
         put(&mut scene, 4, Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), Quat::IDENTITY, Vec3::Y));
         assert!(update(&mut cloud, &scene));
-        // The same of one that is longer than it is wide, at the second turn.
+        // With a scale for each axis: the change of scale rebuilds, the turn after it does not.
         let long = |angle: f32| {
             Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 1.0, 0.5), Quat::from_rotation_y(angle), Vec3::Y)
         };

@@ -1,13 +1,19 @@
 //! The world that random edits change.
 
-use glam::{Quat, Vec3, Vec3Swizzles, Vec4};
-use lightwell::assets::{
-    AlphaMode, Anisotropy, AssetId, Attenuation, Clearcoat, Iridescence, Material, Mesh, Shape, Sheen,
-};
+use super::fields::{self, Field, with_field};
+use super::looks::{self, LOOKS};
+use super::surfaces::{self, PLAIN, SKY_IMAGES, STATES, TEXTURES};
+use bevy_ecs::component::{Component, Mutable};
+use bevy_ecs::entity::Entity;
+use glam::{Affine3A, Quat, Vec3};
+use lightwell::assets::{CubeTable, Deform, Influences, Material, Mesh, MorphTarget, Shape};
+use lightwell::render::debug::DebugView;
 use lightwell::render::{GiMethod, Layer, ReferenceSettings, RenderSettings};
 use lightwell::scene::{Extractor, Scene, SceneView};
 use lightwell::world::*;
 use proptest::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
 const THINGS: usize = 3;
@@ -15,18 +21,7 @@ const LIGHTS: usize = 3;
 const MISTS: usize = 2;
 /// Places that fog may have.
 const PLACES: usize = 3;
-const KINDS: [LightKind; 8] = [
-    LightKind::Point,
-    LightKind::Directional,
-    LightKind::Spot { inner: 20.0, outer: 50.0 },
-    LightKind::Sun { angle: 5.0 },
-    LightKind::Sphere { radius: 0.2 },
-    LightKind::Disc { radius: 0.3 },
-    LightKind::Rectangle { width: 0.5, height: 0.3 },
-    LightKind::Tube { length: 0.6, radius: 0.05 },
-];
-
-/// What a fog may be, no fog at all included.
+/// States of fog, without any effect among them.
 const FOGS: [Fog; 7] = {
     let shape = FogShape::Everywhere;
     let fog = Fog { shape, extinction: 0.3, albedo: Vec3::ONE, anisotropy: 0.0, falloff: 0.0 };
@@ -42,7 +37,7 @@ const FOGS: [Fog; 7] = {
     ]
 };
 
-/// What particles may be, none at all included.
+/// States of particles, without any among them.
 const SPARKS: [Particles; 4] = {
     let sparks = Particles {
         rate: 20.0,
@@ -77,18 +72,16 @@ pub enum Edit {
     ThingHides(usize),
     Shape(usize),
     Surface(usize, usize),
+    /// A texture of a thing, in one of its states.
+    Texture(usize, usize, usize),
     LightComesOrGoes(usize),
     LightMoves(usize, usize),
-    LightKind(usize, usize),
-    LightStrength(usize, usize),
-    LightFeedsIndirect(usize),
-    LightCastsShadow(usize),
-    LightColor(usize),
-    LightRange(usize),
-    LightMaps(usize),
+    FigureComesOrGoes,
+    /// Pose of the skin, and weight of the morph target.
+    Pose(usize, usize),
+    FigureChanges,
     Sky(usize),
     Camera(usize),
-    Lens(usize),
     VolumeMoves(usize),
     FogComesOrGoes(usize),
     FogMoves(usize, usize),
@@ -97,7 +90,14 @@ pub enum Edit {
     Time(usize),
     Size(usize),
     Method(usize),
-    Setting(usize),
+    /// A field by its path gets a value; the number chooses the light or fog.
+    Set(usize, &'static str, &'static str),
+    /// A field of the method in use, by number, gets one of its values.
+    Tune(usize, usize),
+    /// A setting of the frame.
+    Look(usize),
+    /// A debug view, on or off.
+    Overlay(usize),
     Shown(usize),
     Nothing,
 }
@@ -112,31 +112,43 @@ pub fn edit() -> impl Strategy<Value = Edit> {
         1 => thing.clone().prop_map(ThingCastsShadow),
         1 => thing.clone().prop_map(ThingHides),
         1 => thing.clone().prop_map(Shape),
-        1 => (thing, 0..SURFACES).prop_map(|(thing, surface)| Surface(thing, surface)),
+        1 => (thing.clone(), 0..PLAIN).prop_map(|(thing, surface)| Surface(thing, surface)),
+        2 => (thing, 0..TEXTURES.len(), 0..STATES).prop_map(|(thing, texture, state)| Texture(thing, texture, state)),
         3 => light.clone().prop_map(LightComesOrGoes),
-        1 => (light.clone(), 0..3usize).prop_map(|(light, at)| LightMoves(light, at)),
-        1 => (light.clone(), 0..KINDS.len()).prop_map(|(light, kind)| LightKind(light, kind)),
-        1 => (light.clone(), 0..3usize).prop_map(|(light, strength)| LightStrength(light, strength)),
-        2 => light.clone().prop_map(LightFeedsIndirect),
-        1 => light.clone().prop_map(LightCastsShadow),
-        1 => light.clone().prop_map(LightColor),
-        1 => light.clone().prop_map(LightRange),
-        1 => light.prop_map(LightMaps),
+        1 => (light, 0..3usize).prop_map(|(light, at)| LightMoves(light, at)),
+        2 => set(0..LIGHTS, &fields::LIGHT),
+        1 => Just(FigureComesOrGoes),
+        2 => (0..3usize, 0..2usize).prop_map(|(joint, weight)| Pose(joint, weight)),
+        1 => Just(FigureChanges),
         2 => (0..SKIES).prop_map(Sky),
         1 => (0..3usize).prop_map(Camera),
-        1 => (0..3usize).prop_map(Lens),
+        1 => set(0..1, &fields::CAMERA),
+        2 => set(0..1, &fields::LENS),
+        1 => set(0..1, &fields::SCENE),
         1 => (0..2usize).prop_map(VolumeMoves),
         2 => fog.clone().prop_map(FogComesOrGoes),
         1 => (fog.clone(), 0..PLACES).prop_map(|(fog, at)| FogMoves(fog, at)),
-        2 => (fog, 0..FOGS.len()).prop_map(|(fog, kind)| Fog(fog, kind)),
-        2 => (0..SPARKS.len()).prop_map(Sparks),
+        1 => (fog, 0..FOGS.len()).prop_map(|(fog, kind)| Fog(fog, kind)),
+        1 => set(0..MISTS, &fields::FOG),
+        1 => (0..SPARKS.len()).prop_map(Sparks),
+        1 => set(0..1, &fields::PARTICLES),
         1 => (0..3usize).prop_map(Time),
         1 => (0..2usize).prop_map(Size),
         3 => (0..METHODS.len()).prop_map(Method),
-        3 => (0..SETTINGS).prop_map(Setting),
+        6 => (0..64usize, 0..8usize).prop_map(|(field, value)| Tune(field, value)),
+        4 => (0..LOOKS.len()).prop_map(Look),
+        1 => (0..DebugView::ALL.len()).prop_map(Overlay),
         1 => (0..3usize).prop_map(Shown),
         1 => Just(Nothing),
     ]
+}
+
+/// An edit that gives a field of a table one of its values.
+fn set(index: std::ops::Range<usize>, table: &'static [Field]) -> impl Strategy<Value = Edit> {
+    (index, 0..table.len(), 0..8usize).prop_map(move |(index, field, value)| {
+        let (path, values) = table[field];
+        Edit::Set(index, path, values[value % values.len()])
+    })
 }
 
 /// The methods of indirect light, each with the settings that make it another set of passes.
@@ -168,19 +180,20 @@ pub const METHODS: [fn(&mut Studio); 13] = [
     },
     |studio| {
         studio.settings.gi = GiMethod::REFERENCE;
-        studio.settings.reference = ReferenceSettings { samples: 1, samples_a_frame: 1, ..Default::default() };
     },
 ];
 
-const SETTINGS: usize = 26;
+const SKIES: usize = 7 + SKY_IMAGES;
 
-const SURFACES: usize = 11;
-const SKIES: usize = 7;
-
-/// A solid body of glass.
-fn glass_body(color: Vec3, roughness: f32) -> Material {
-    let volume = Some(Attenuation { color, distance: 0.5 });
-    Material { transmission: 1.0, roughness, volume, ..Material::new("body") }
+/// A box of which a joint poses the upper half, and a morph target widens it.
+fn bending() -> Arc<Mesh> {
+    let mut mesh = Shape::Box { size: [0.4, 1.0, 0.4] }.mesh().expect("a box");
+    let mut skin = Influences::default();
+    mesh.vertices.iter().for_each(|v| skin.push([(u16::from(v.position[1] > 0.0), 1.0)].into_iter()));
+    let positions = mesh.vertices.iter().map(|v| [0.0, 0.0, 0.5 * v.position[2]]).collect();
+    let targets = vec![MorphTarget { positions, ..Default::default() }];
+    mesh.deform = Some(Arc::new(Deform { skin: Some(skin), targets, flat: false }));
+    Arc::new(mesh)
 }
 
 /// The world that is edited, and how it is drawn.
@@ -188,14 +201,18 @@ pub struct Studio {
     world: GameWorld,
     extractor: Extractor,
     pub scene: Scene,
-    things: [Option<bevy_ecs::entity::Entity>; THINGS],
-    lights: [Option<bevy_ecs::entity::Entity>; LIGHTS],
-    mists: [Option<bevy_ecs::entity::Entity>; MISTS],
-    volume: bevy_ecs::entity::Entity,
-    fire: bevy_ecs::entity::Entity,
-    eye: bevy_ecs::entity::Entity,
+    things: [Option<Entity>; THINGS],
+    lights: [Option<Entity>; LIGHTS],
+    mists: [Option<Entity>; MISTS],
+    volume: Entity,
+    fire: Entity,
+    eye: Entity,
+    /// A mesh with a skin and a morph target: its model and the joint that poses it.
+    figure: Option<[Entity; 2]>,
     shapes: [Arc<Mesh>; 2],
-    surfaces: [Arc<Material>; SURFACES],
+    bending: Arc<Mesh>,
+    surfaces: [Arc<Material>; PLAIN],
+    textured: Vec<[Arc<Material>; STATES]>,
     size: [u32; 2],
     pub settings: RenderSettings,
 }
@@ -207,35 +224,6 @@ impl Studio {
         let eye = world.spawn("eye", None);
         let volume = world.spawn("volume", None);
         let fire = world.spawn("fire", None);
-        let surfaces = [
-            Material::diffuse("white", Vec3::splat(0.7)),
-            Material::diffuse("red", Vec3::new(0.7, 0.1, 0.1)),
-            Material { roughness: 0.2, metallic: 0.8, ..Material::new("metal") },
-            Material { emissive: Vec3::new(1.0, 2.0, 0.5), ..Material::new("lamp") },
-            Material {
-                alpha_mode: AlphaMode::Blend,
-                base_color: Vec4::new(0.4, 0.7, 0.9, 0.5),
-                ..Material::new("veil")
-            },
-            Material { transmission: 0.9, double_sided: true, roughness: 0.3, ..Material::new("pane") },
-            glass_body(Vec3::new(0.9, 0.4, 0.2), 0.0),
-            glass_body(Vec3::new(0.2, 0.4, 0.9), 0.0),
-            Material {
-                clearcoat: Clearcoat { factor: 0.8, roughness: 0.2, ..Default::default() },
-                ..Material::new("paint")
-            },
-            Material {
-                sheen: Sheen { color: Vec3::new(0.9, 0.5, 0.5), roughness: 0.5 },
-                iridescence: Iridescence { factor: 0.5, ..Default::default() },
-                ..Material::new("silk")
-            },
-            Material {
-                anisotropy: Anisotropy { strength: 0.7, rotation: 0.4 },
-                metallic: 1.0,
-                roughness: 0.4,
-                ..Material::new("brushed")
-            },
-        ];
         let mut studio = Self {
             world,
             extractor: Extractor::new(),
@@ -246,11 +234,17 @@ impl Studio {
             volume,
             fire,
             eye,
+            figure: None,
             shapes: [Shape::Box { size: [0.5; 3] }, Shape::Sphere { radius: 0.3, segments: 12, rings: 6 }]
                 .map(|shape| Arc::new(shape.mesh().expect("a valid shape"))),
-            surfaces: surfaces.map(|surface| Arc::new(Material { id: AssetId::fresh(), ..surface })),
+            bending: bending(),
+            surfaces: surfaces::plain(),
+            textured: surfaces::textured(),
             size: [24, 16],
-            settings: RenderSettings::default(),
+            settings: RenderSettings {
+                reference: ReferenceSettings { samples: 1, samples_a_frame: 1, ..Default::default() },
+                ..Default::default()
+            },
         };
         for (name, size, at) in [
             ("floor", [4.0, 0.2, 4.0], Vec3::new(0.0, -0.1, 0.0)),
@@ -263,7 +257,7 @@ impl Studio {
         studio.insert(volume, Transform::from_translation(Vec3::Y));
         studio.insert(fire, Transform::from_translation(Vec3::new(0.7, 0.3, 0.5)));
         studio.insert(volume, Self::sweep(2));
-        studio.insert(eye, lightwell::world::Camera { fov: 70.0, primary: true, ..Default::default() });
+        studio.insert(eye, Camera { fov: 70.0, primary: true, ..Default::default() });
         studio.apply(Edit::Camera(0));
         studio.apply(Edit::ThingComesOrGoes(0));
         studio.apply(Edit::LightComesOrGoes(0));
@@ -290,11 +284,11 @@ impl Studio {
         StochasticLightCulling { rsm_size: 16, ..Default::default() }
     }
 
-    fn insert(&mut self, entity: bevy_ecs::entity::Entity, component: impl bevy_ecs::bundle::Bundle) {
+    fn insert(&mut self, entity: Entity, component: impl bevy_ecs::bundle::Bundle) {
         self.world.ecs.entity_mut(entity).insert(component);
     }
 
-    fn spawn(&mut self, name: &str, mesh: Arc<Mesh>, at: Vec3) -> bevy_ecs::entity::Entity {
+    fn spawn(&mut self, name: &str, mesh: Arc<Mesh>, at: Vec3) -> Entity {
         let entity = self.world.spawn(name, None);
         let material = Arc::clone(&self.surfaces[0]);
         self.insert(entity, MeshRenderer { mesh, material, casts_shadow: true, visible: true });
@@ -325,98 +319,101 @@ impl Studio {
         self.insert(self.volume, slc);
     }
 
-    fn thing<C: bevy_ecs::component::Component<Mutability = bevy_ecs::component::Mutable>>(
-        &mut self,
-        index: usize,
-        change: impl FnOnce(&mut C),
-    ) {
+    fn thing<C: Component<Mutability = Mutable>>(&mut self, index: usize, change: impl FnOnce(&mut C)) {
         let Some(entity) = self.things[index] else { return };
         if let Some(mut component) = self.world.ecs.get_mut::<C>(entity) {
             change(&mut component);
         }
     }
 
-    fn light(&mut self, index: usize, change: impl FnOnce(&mut Light)) {
-        let Some(entity) = self.lights[index] else { return };
-        if let Some(mut light) = self.world.ecs.get_mut::<Light>(entity) {
-            change(&mut light);
+    /// Gives a field of a component a value; nothing if the entity has no such component.
+    fn edit<C>(&mut self, entity: Option<Entity>, field: &str, value: &str)
+    where
+        C: Component<Mutability = Mutable> + Serialize + DeserializeOwned,
+    {
+        let component = entity.and_then(|entity| self.world.ecs.get_mut::<C>(entity));
+        if let Some(mut component) = component {
+            *component = with_field(&*component, field, value);
         }
     }
 
-    /// A setting of the method that is on.
-    fn set(&mut self, which: usize) {
-        match (self.settings.gi, which) {
-            (GiMethod::CLPV, 0) => self.clpv(|clpv| clpv.bounces = Bounces::Count(1)),
-            (GiMethod::CLPV, 1) => self.clpv(|clpv| clpv.bounces = Bounces::Converged),
-            (GiMethod::CLPV, 2) => self.clpv(|clpv| clpv.cascades = 3 - clpv.cascades.clamp(1, 2)),
-            (GiMethod::CLPV, 3) => self.clpv(|clpv| clpv.gather_filter = 6 - clpv.gather_filter.min(6)),
-            (GiMethod::CLPV, 4) => self.clpv(|clpv| clpv.occlusion = !clpv.occlusion),
-            (GiMethod::CLPV, 5) => self.clpv(|clpv| clpv.camera_blockers = !clpv.camera_blockers),
-            (GiMethod::CLPV, 6) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Camera { ahead: 0.5 }),
-            (GiMethod::CLPV, 7) => self.clpv(|clpv| clpv.placement = ClpvPlacement::Fixed),
-            (GiMethod::VPL, 0) => self.vpl(|vpl| vpl.view_driven = !vpl.view_driven),
-            (GiMethod::VPL, 1) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::None),
-            (GiMethod::VPL, 2) => self.vpl(|vpl| vpl.visibility = VirtualVisibility::ShadowRays),
-            (GiMethod::VPL, 3) => self.vpl(|vpl| vpl.near_rays = 1 - vpl.near_rays.min(1)),
-            (GiMethod::VPL, 4) => self.vpl(|vpl| vpl.accumulation = Accumulation::ByTheLetter),
-            (GiMethod::VPL, 5) => self.vpl(|vpl| vpl.accumulation = Accumulation::Batched),
-            (GiMethod::VPL, 6) => self.vpl(|vpl| vpl.candidates = 9 - vpl.candidates.clamp(1, 8)),
-            (GiMethod::VPL, 7) => self.vpl(|vpl| {
-                *vpl = InstantRadiosity { particles: 16, shading: VirtualShading::AsPublished, ..Default::default() };
-            }),
-            (GiMethod::SLC, 0) => self.slc(|slc| slc.culling = LightCulling::Tiled),
-            (GiMethod::SLC, 1) => self.slc(|slc| slc.culling = LightCulling::None),
-            (GiMethod::SLC, 2) => self.slc(|slc| slc.filter_radius = 8 - slc.filter_radius.min(8)),
-            (GiMethod::SLC, 3) => self.slc(|slc| slc.delta = Delta::Relative(1e-2)),
-            (GiMethod::SLC, 4) => self.slc(|slc| slc.seed += 1),
-            (_, 8) => self.settings.each_light_alone = !self.settings.each_light_alone,
-            (_, 9) => self.settings.exposure = 1.0 - self.settings.exposure,
-            (_, 10) => self.settings.mlaa = !self.settings.mlaa,
-            (_, 11) => {
+    fn set(&mut self, index: usize, path: &str, value: &str) {
+        let (component, field) = path.split_once('.').expect("a component and a field");
+        match component {
+            "clpv" => self.edit::<Clpv>(Some(self.volume), field, value),
+            "vpl" => self.edit::<InstantRadiosity>(Some(self.volume), field, value),
+            "slc" => self.edit::<StochasticLightCulling>(Some(self.volume), field, value),
+            "light" => self.edit::<Light>(self.lights[index], field, value),
+            "fog" => self.edit::<lightwell::world::Fog>(self.mists[index], field, value),
+            "camera" => self.edit::<Camera>(Some(self.eye), field, value),
+            "particles" => self.edit::<Particles>(Some(self.fire), field, value),
+            "lens" => self.set_lens(field, value),
+            "scene" => {
                 let mut settings = self.world.ecs.resource_mut::<SceneSettings>();
-                settings.sky_light = !settings.sky_light;
+                *settings = with_field(&*settings, field, value);
             }
-            (GiMethod::CLPV, 20) => self.clpv(|clpv| clpv.gradient_damping = 2.0 - clpv.gradient_damping),
-            (GiMethod::CLPV, 21) => self.clpv(|clpv| clpv.outside_fade = 2.0 - clpv.outside_fade),
-            (GiMethod::CLPV, 22) => self.clpv(|clpv| {
-                clpv.formulas = match clpv.formulas {
-                    Formulas::Corrected => Formulas::Printed,
-                    Formulas::Printed => Formulas::Corrected,
-                };
-            }),
-            (GiMethod::CLPV, 23) => self.clpv(|clpv| {
-                clpv.gloss_march = match clpv.gloss_march {
-                    GlossMarch::Off => GlossMarch::InverseDistance,
-                    GlossMarch::InverseDistance => GlossMarch::InverseSquare,
-                    GlossMarch::InverseSquare => GlossMarch::Off,
-                };
-            }),
-            (GiMethod::CLPV, 24) => self.clpv(|clpv| clpv.ambient_occlusion = 0.5 - clpv.ambient_occlusion),
-            (GiMethod::CLPV, 25) => self.clpv(|clpv| clpv.rsm_samples = 200 - clpv.rsm_samples),
-            (_, 12..) => self.effect(which - 12),
-            _ => {}
+            _ => panic!("no component is called `{component}`"),
         }
     }
 
-    /// Something that the lens of the camera does, on or off.
-    fn effect(&mut self, which: usize) {
-        let eye = self.eye;
-        let Some(mut camera) = self.world.ecs.get_mut::<lightwell::world::Camera>(eye) else { return };
-        let lens = &mut camera.lens;
-        let blur = |focus| DepthOfField { focus, f_number: 0.2, ..DepthOfField::default() };
-        match which {
-            0 => lens.depth_of_field = if lens.depth_of_field.is_some() { None } else { Some(blur(1.5)) },
-            1 => lens.depth_of_field = Some(blur(3.0)),
-            2 => lens.bloom = if lens.bloom.is_some() { None } else { Some(Bloom::default()) },
-            3 => lens.tone_map = if lens.tone_map == ToneMap::AgX { ToneMap::Reinhard } else { ToneMap::AgX },
-            4 => {
-                let exposure = Exposure::Photographic { f_number: 2.0, shutter: 0.02, iso: 400.0 };
-                lens.exposure = if lens.exposure == exposure { Exposure::Automatic } else { exposure };
+    fn set_lens(&mut self, field: &str, value: &str) {
+        let Some(mut camera) = self.world.ecs.get_mut::<Camera>(self.eye) else { return };
+        camera.lens = with_field(&camera.lens, field, value);
+        let Some(file) = camera.lens.grading.clone().filter(|_| field == "grading") else { return };
+        let entries = (0..8_u32).map(|at| match file.as_str() {
+            "dark" => [at & 1, at >> 1 & 1, at >> 2 & 1].map(|value| 0.5 * value as f32),
+            _ => [at >> 2 & 1, at >> 1 & 1, at & 1].map(|value| value as f32),
+        });
+        let lines: String = entries.map(|[r, g, b]| format!("{r} {g} {b}\n")).collect();
+        let table = CubeTable::parse(&format!("LUT_3D_SIZE 2\n{lines}")).expect("a colour table");
+        self.insert(self.eye, GradingTable { file, table: Arc::new(table) });
+    }
+
+    /// The field and value of [`Edit::Tune`]; `None` if the method has no settings.
+    fn tuned(&self, field: usize, value: usize) -> Option<(&'static str, &'static str)> {
+        let table: &[Field] = match self.settings.gi {
+            GiMethod::CLPV => &fields::CLPV,
+            GiMethod::VPL => &fields::VPL,
+            GiMethod::SLC => &fields::SLC,
+            _ => return None,
+        };
+        let (path, values) = table[field % table.len()];
+        Some((path, values[value % values.len()]))
+    }
+
+    /// The edit in words, as it acts now.
+    pub fn describe(&self, edit: Edit) -> String {
+        match edit {
+            Edit::Tune(field, value) => format!("Tune({field}, {value}) = {:?}", self.tuned(field, value)),
+            Edit::Look(look) => format!("Look({look}) = {}", LOOKS[look].0),
+            Edit::Overlay(view) => format!("Overlay({view}) = {}", DebugView::ALL[view]),
+            Edit::Texture(thing, texture, state) => {
+                format!("Texture({thing}, {texture}, {state}) = {}", TEXTURES[texture].0)
             }
-            5 => lens.vignette = 0.5 - lens.vignette,
-            6 => lens.sharpening = 0.5 - lens.sharpening,
-            _ => lens.grain = 0.1 - lens.grain,
+            _ => format!("{edit:?}"),
         }
+    }
+
+    fn figure_comes_or_goes(&mut self) {
+        if let Some([model, _]) = self.figure.take() {
+            self.world.ecs.despawn(model);
+            return;
+        }
+        let model = self.world.spawn("figure", None);
+        let [low, joint] = ["low", "joint"].map(|name| self.world.spawn(name, Some(model)));
+        let inverse_bind = Arc::new(vec![Affine3A::IDENTITY; 2]);
+        let posed = Posed::new(self.bending.clone(), Some(model)).with_skin(model, vec![low, joint], inverse_bind);
+        let (mesh, material) = (self.bending.clone(), self.surfaces[1].clone());
+        self.insert(low, (posed, MeshRenderer { mesh, material, casts_shadow: true, visible: true }));
+        self.insert(model, (MorphWeights(vec![0.0]), Transform::from_translation(Vec3::new(0.1, 0.5, 0.1))));
+        self.figure = Some([model, joint]);
+    }
+
+    fn pose(&mut self, joint: usize, weight: usize) {
+        let Some([model, entity]) = self.figure else { return };
+        let lean = Vec3::new([0.0, 0.3, 0.6][joint], 0.0, 0.0);
+        self.insert(entity, Transform::from_translation(lean));
+        self.insert(model, MorphWeights(vec![[0.0, 0.7][weight]]));
     }
 
     pub fn apply(&mut self, edit: Edit) {
@@ -475,44 +472,34 @@ impl Studio {
                 transform.rotation = Quat::from_rotation_arc(Vec3::NEG_Z, (-at).normalize());
                 self.insert(entity, transform);
             }
-            Edit::LightKind(index, kind) => self.light(index, |light| light.kind = KINDS[kind]),
-            Edit::LightStrength(index, strength) => {
-                self.light(index, |light| light.intensity = [0.0, 1.0, 6.0][strength]);
+            Edit::Texture(index, texture, state) => {
+                let surface = Arc::clone(&self.textured[texture][state]);
+                self.thing(index, |renderer: &mut MeshRenderer| renderer.material = surface);
             }
-            Edit::LightFeedsIndirect(index) => self.light(index, |light| light.indirect = !light.indirect),
-            Edit::LightCastsShadow(index) => self.light(index, |light| light.casts_shadow = !light.casts_shadow),
-            Edit::LightColor(index) => self.light(index, |light| light.color = light.color.zxy() * 0.9 + 0.05),
-            Edit::LightRange(index) => self.light(index, |light| {
-                light.range = if light.range.is_some() { None } else { Some(1.5) };
-            }),
-            Edit::LightMaps(index) => self.light(index, |light| {
-                (light.shadow_size, light.rsm_size) = if light.rsm_size == 16 { (32, 8) } else { (64, 16) };
-            }),
+            Edit::FigureComesOrGoes => self.figure_comes_or_goes(),
+            Edit::Pose(joint, weight) => self.pose(joint, weight),
+            Edit::FigureChanges => {
+                if let Some([model, _]) = self.figure {
+                    self.insert(model, Transform::from_translation(Vec3::new(-0.4, 0.6, 0.5)));
+                }
+            }
             Edit::Sky(sky) => {
+                let image = sky.checked_sub(SKIES - SKY_IMAGES).map(surfaces::sky_image);
+                if let Some((_, loaded)) = &image {
+                    self.world.ecs.insert_resource(loaded.clone());
+                }
                 let mut settings = self.world.ecs.resource_mut::<SceneSettings>();
                 settings.sky = if sky == 1 { Vec3::splat(0.2) } else { Vec3::ZERO };
                 // Two of them have nearly the same mean.
                 let (blue, grey) = (Vec3::new(0.1, 0.2, 0.5), Vec3::splat(0.4));
-                settings.environment = [
-                    None,
-                    None,
-                    Some(Environment::Gradient { zenith: blue, horizon: grey, ground: Vec3::ZERO }),
-                    Some(Environment::Gradient { zenith: Vec3::ZERO, horizon: grey, ground: blue }),
-                    Some(Environment::Gradient { zenith: grey, horizon: blue, ground: grey }),
-                    Some(Environment::Physical { haze: 1.0, ground: grey, altitude: 0.0, sun: None }),
-                    Some(Environment::Physical { haze: 20.0, ground: blue, altitude: 500.0, sun: None }),
-                ][sky]
-                    .clone();
-            }
-            Edit::Lens(lens) => {
-                let (fov, near, projection) = [
-                    (70.0, 0.1, Projection::Perspective),
-                    (40.0, 0.2, Projection::Perspective),
-                    (70.0, 0.1, Projection::Orthographic { height: 2.0 }),
-                ][lens];
-                if let Some(mut camera) = self.world.ecs.get_mut::<lightwell::world::Camera>(self.eye) {
-                    (camera.fov, camera.near, camera.projection) = (fov, near, projection);
-                }
+                settings.environment = match sky {
+                    2 => Some(Environment::Gradient { zenith: blue, horizon: grey, ground: Vec3::ZERO }),
+                    3 => Some(Environment::Gradient { zenith: Vec3::ZERO, horizon: grey, ground: blue }),
+                    4 => Some(Environment::Gradient { zenith: grey, horizon: blue, ground: grey }),
+                    5 => Some(Environment::Physical { haze: 1.0, ground: grey, altitude: 0.0, sun: None }),
+                    6 => Some(Environment::Physical { haze: 20.0, ground: blue, altitude: 500.0, sun: None }),
+                    _ => image.map(|(environment, _)| environment),
+                };
             }
             Edit::VolumeMoves(place) => {
                 let at = [Vec3::Y, Vec3::new(0.3, 1.1, -0.2)][place];
@@ -551,7 +538,14 @@ impl Studio {
             Edit::Time(time) => self.world.set_seconds([0.0, 0.35, 1.2][time]),
             Edit::Size(size) => self.size = [[24, 16], [16, 24]][size],
             Edit::Method(method) => METHODS[method](self),
-            Edit::Setting(which) => self.set(which),
+            Edit::Set(index, path, value) => self.set(index, path, value),
+            Edit::Tune(field, value) => {
+                if let Some((path, value)) = self.tuned(field, value) {
+                    self.set(0, path, value);
+                }
+            }
+            Edit::Look(look) => LOOKS[look].1(&mut self.settings),
+            Edit::Overlay(view) => looks::view(&mut self.settings, view),
             Edit::Shown(layer) => self.settings.only = [Layer::Total, Layer::Indirect, Layer::Direct][layer],
             Edit::Nothing => {}
         }

@@ -103,7 +103,7 @@ fn a_narrow_gap_is_closed_and_a_wide_one_is_open() {
     assert_eq!(share(0.01), 0.0);
 }
 
-/// What is kept from state to state is what a cloud of its own would have.
+/// Openness that is kept from state to state equals that of a cloud built from nothing.
 #[test]
 fn changes_leave_what_is_made_anew() {
     let floor = box_at(1, [4.0, 1.0, 4.0], Vec3::new(0.0, -0.5, 0.0), stone());
@@ -167,7 +167,7 @@ fn neither_turns_nor_the_order_of_objects_change_what_is_left() {
         [of(0), of(1), of(2)]
     };
     let straight = left(0.0, [1, 2, 3]);
-    // Of the 31 m² of the wall two lie on the floor and one behind the block; of the six of the block two are covered.
+    // The floor covers two of the wall's 31 m² and the block one; two of the block's six are covered.
     assert!(within(straight[1], 28.0) && within(straight[2], 4.0), "{straight:?}");
     for (degrees, ids) in [(0.0, [3, 2, 1]), (0.0, [2, 3, 1]), (17.0, [1, 2, 3]), (45.0, [3, 1, 2])] {
         let other = left(degrees, ids);

@@ -14,7 +14,7 @@ pub(super) const BEFORE: f32 = 0.25;
 /// Cells from the origin beyond which all are one, as `PATCH_REACH` of `lib/patches.wgsl`.
 const REACH: f32 = 1e9;
 
-/// What answers in a cell for each of the six ways that a surface may face: a patch, [`NO_PATCH`], or a node that chooses
+/// Entries of a cell for the six directions that a surface may face: a patch, [`NO_PATCH`], or a node that chooses
 /// between patches by the side of a plane, see [`super::split`].
 pub(in crate::scene::surfels) type Faces = [u32; 6];
 

@@ -117,7 +117,7 @@ struct Groups<'a> {
     occluders: &'a Occluders<'a>,
     /// Surfels, and the groups that they belong to.
     members: Vec<(u32, usize)>,
-    /// Of what stands between groups.
+    /// Planes that separate groups.
     planes: Vec<Vec4>,
 }
 
@@ -181,7 +181,7 @@ impl<'a> Tree<'a> {
         Side::Node(index)
     }
 
-    /// What lies in cracks parts nothing: it goes with the part that it lies in.
+    /// Surfels in cracks separate nothing: each belongs to the part around it.
     fn part(&self, members: &[(u32, usize)], hidden: Vec<u32>) -> Part {
         let open = members.iter().map(|(surfel, _)| *surfel).filter(|s| self.own.contains(s));
         let own: Vec<u32> = open.chain(hidden).collect();

@@ -147,7 +147,7 @@ fn patches_end_at_walls() {
     }
 }
 
-/// What stands about an object is looked at again where it changes, and only there.
+/// Occluders of an object are recomputed where they change, and only there.
 #[test]
 fn walls_that_come_and_go_leave_the_patches_that_are_made_anew() {
     let floor = primitive(1, Shape::Box { size: [4.0, 0.2, 4.0] }, Affine3A::from_translation(Vec3::Y * -0.1));
