@@ -1,7 +1,7 @@
 //! Puts shaders together from files that import one another.
 
+use super::shader_defs::Defs;
 use super::shader_error::ShaderError;
-use super::shader_library::Defs;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue, get_preprocessor_data,
 };

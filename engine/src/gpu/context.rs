@@ -287,11 +287,6 @@ impl Gpu {
         }
     }
 
-    /// Timers for up to 512 stretches of a frame.
-    pub fn timestamps(&self) -> super::TimestampQueries {
-        super::TimestampQueries::new(self, 512)
-    }
-
     /// A uniform buffer with the value in WGSL's layout: the same one as long as frames ask for the same value. It is not
     /// to be written to.
     pub fn uniform<T: ShaderType + WriteInto>(&self, label: &str, value: &T) -> wgpu::Buffer {

@@ -2,31 +2,13 @@
 
 use super::compose::CompiledShader;
 use super::inlined::{InlinedSize, indexed_values};
-use super::pipeline::{ComputeKey, Pipeline, RasterKey, Raw};
+use super::pipeline::{ComputeKey, Entry, Pipeline, PipelineCache, RasterKey, Raw};
 use super::reflect::{self, BindingInfo, EntryPoint};
-use super::shader_library::Defs;
+use super::shader_defs::Defs;
 use super::{Gpu, ShaderError};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Pipelines in use. A pipeline whose shader changed on disk is rebuilt; while that fails, the last good one
-/// stays, and [`super::ShaderLibrary::errors`] says why.
-#[derive(Default)]
-pub struct PipelineCache {
-    compute: Mutex<HashMap<ComputeKey, Entry>>,
-    raster: Mutex<HashMap<RasterKey, Entry>>,
-}
-
-struct Entry {
-    /// The last attempt.
-    compiled: Arc<CompiledShader>,
-    last_good: Option<Arc<Pipeline>>,
-    /// Why the device refused what was tried last.
-    error: Option<ShaderError>,
-    /// That of all shaders when it was last looked at.
-    revision: u64,
-}
 
 impl PipelineCache {
     /// The pipeline, made if need be.

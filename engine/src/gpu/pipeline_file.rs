@@ -1,8 +1,7 @@
 //! The driver's pipeline cache on disk: shaders are not compiled again at the next start.
 
-use super::Gpu;
 use crate::core::replace_file;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -12,8 +11,8 @@ const MAGIC: &[u8; 8] = b"lwpipe01";
 /// The driver's cache of pipelines with the file that it is kept in.
 pub(super) struct PipelineFile {
     pub cache: wgpu::PipelineCache,
-    path: PathBuf,
-    has_grown: AtomicBool,
+    pub(super) path: PathBuf,
+    pub(super) has_grown: AtomicBool,
 }
 
 impl PipelineFile {
@@ -39,35 +38,13 @@ impl Drop for PipelineFile {
     }
 }
 
-impl Gpu {
-    /// Keeps what the driver makes of shaders in a file of that folder, and takes up what is there; to be called before
-    /// the first pipeline is made. The file is written when the device is let go. One that is broken, of another device
-    /// or of another driver is passed over. Drivers that cannot do it keep nothing.
-    pub fn keep_pipelines(&self, folder: &Path) {
-        let name = wgpu::util::pipeline_cache_key(&self.info);
-        let (Some(name), true) = (name, self.features.contains(wgpu::Features::PIPELINE_CACHE)) else { return };
-        let path = folder.join(name);
-        let data = std::fs::read(&path).ok();
-        let data = data.as_deref().and_then(unwrapped);
-        let descriptor = wgpu::PipelineCacheDescriptor { label: Some("pipelines"), data, fallback: true };
-        // SAFETY: the data came from `PipelineCache::get_data`, as its checksum says; wgpu compares device and driver, and
-        // `fallback` has it begin with an empty cache where they differ.
-        #[allow(unsafe_code)]
-        let made = self.checked(|| unsafe { self.device.create_pipeline_cache(&descriptor) });
-        match made {
-            Ok(cache) => drop(self.pipeline_file.set(PipelineFile { cache, path, has_grown: AtomicBool::new(false) })),
-            Err(error) => log::warn!("cannot keep pipelines: {error}"),
-        }
-    }
-}
-
 /// The file's content.
 fn wrapped(data: &[u8]) -> Vec<u8> {
     [MAGIC.as_slice(), &xxh3_64(data).to_le_bytes(), data].concat()
 }
 
 /// The data of a file; none if it is not whole, or no such file.
-fn unwrapped(file: &[u8]) -> Option<&[u8]> {
+pub(super) fn unwrapped(file: &[u8]) -> Option<&[u8]> {
     let (hash, data) = file.strip_prefix(MAGIC)?.split_first_chunk::<8>()?;
     (u64::from_le_bytes(*hash) == xxh3_64(data)).then_some(data)
 }

@@ -2,36 +2,12 @@
 
 use super::compose::{self, CompiledShader, Sources};
 use super::reflect::{self, EntryPoint, StructLayout};
+use super::shader_defs::Defs;
 use super::shader_error::ShaderError;
 use super::watch::{self, Watcher};
-use naga_oil::compose::ShaderDefValue;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// A value for `#ifdef`, `#if` and `#{NAME}` in WGSL.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ShaderDef {
-    /// Defined or not.
-    Flag(bool),
-    /// A signed number.
-    Int(i32),
-    /// An unsigned number.
-    Uint(u32),
-}
-
-impl From<ShaderDef> for ShaderDefValue {
-    fn from(def: ShaderDef) -> Self {
-        match def {
-            ShaderDef::Flag(value) => Self::Bool(value),
-            ShaderDef::Int(value) => Self::Int(value),
-            ShaderDef::Uint(value) => Self::UInt(value),
-        }
-    }
-}
-
-/// Defines of one compilation.
-pub(super) type Defs = Vec<(&'static str, ShaderDef)>;
 
 /// The result of [`ShaderLibrary::poll`].
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -126,3 +126,10 @@ impl TimestampQueries {
         self.take(gpu, true).unwrap_or_default()
     }
 }
+
+impl Gpu {
+    /// Timers for up to 512 stretches of a frame.
+    pub fn timestamps(&self) -> TimestampQueries {
+        TimestampQueries::new(self, 512)
+    }
+}

@@ -5,16 +5,20 @@
 //! bend have the surfels of their mesh at rest, which stay on their triangles: they are the same in every pose.
 
 mod bending;
+mod cloud;
 #[cfg(test)]
 mod fixture;
+mod follow;
 mod group;
 mod openness;
 mod patches;
+mod posing;
 mod samples;
 mod still;
 mod surfel;
 mod update;
 
+pub use cloud::SurfelCloud;
 pub use patches::{NO_PATCH, Patches, cells_from_world};
 pub(crate) use samples::{texel, wall_extent};
 pub use surfel::{MAX_SURFELS, Surfel};
@@ -22,50 +26,14 @@ pub use surfel::{MAX_SURFELS, Surfel};
 use super::Scene;
 use crate::assets::parallel;
 use bending::Bending;
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use group::{Group, GroupKey, groups};
-use openness::Exposed;
 use patches::Arranged;
 use samples::Samples;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 use surfel::Fineness;
-use update::Updated;
-
-/// The surfels of a scene.
-#[derive(Debug, Default)]
-pub struct SurfelCloud {
-    /// All surfels, in the order of the scene's primitives.
-    pub surfels: Vec<Surfel>,
-    /// World from object space, one for each group of primitives that stand at the same place.
-    pub places: Vec<Affine3A>,
-    /// The surfels, grouped into patches.
-    pub patches: Patches,
-    /// Index in [`Self::places`] by that of the primitive in the scene; `u32::MAX` for those without surfels.
-    pub place_of_primitive: Vec<u32>,
-    /// Changes with every change of `surfels`, `patches` and `place_of_primitive`.
-    pub revision: u64,
-    /// Like `revision`, but unchanged where only objects were posed: [`Self::bending`] and [`Patches::bending`] count
-    /// other changes then.
-    pub rebuilt: u64,
-    /// Changes where surfels and patches are others than before. The same numbers stand for the same ones of the same
-    /// objects until then, wherever they are.
-    pub layout: u64,
-    /// Sum of area·reflectance over the sum of areas: the mean share of light that a surface returns. Objects that bend
-    /// count as they are at rest.
-    pub mean_albedo: Vec3,
-    /// Flux that all surfaces emit \[W\]; objects that bend count at rest.
-    pub emitted: Vec3,
-    area: f64,
-    /// Whether any surface emits light.
-    pub is_emissive: bool,
-    built: HashMap<GroupKey, Arc<Samples>>,
-    state: Option<(u64, u64, u64, u32)>,
-    exposed: Exposed,
-    bent: Vec<Bending>,
-    followed: Updated,
-}
 
 impl SurfelCloud {
     /// Updates the surfels from the scene: as many as cells of a size \[m\] need, eight a face, fewer if

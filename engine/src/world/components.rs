@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-pub use super::animation::Animation;
 use super::lens::Lens;
 use crate::core::{DEFAULT_NEAR, ORTHOGRAPHIC_HEIGHTS};
 pub use crate::core::{GlobalTransform, LightKind, Orientation, Transform};

@@ -1,19 +1,13 @@
 //! The world that a game plays in.
 
-use super::fields::{self, FieldTypes};
-use super::identity::{Identities, Identity, RootOrder, identify};
-use super::{
-    Animation, Camera, Clock, Clpv, Fog, Light, MeshRenderer, Name, Particles, SceneSettings, StochasticLightCulling,
-    Transform, WorldError, animate, deform, descendants, hierarchy, propagate,
-};
+use super::identity::{Identities, Identity};
+use super::{Clock, Name, SceneSettings, Transform, WorldError};
 use crate::core::SceneId;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::ScheduleLabel;
-use bevy_ecs::system::ScheduleSystem;
 
 /// Entities to despawn at the end of the frame. Systems push to it; [`GameWorld::despawn_later`] does the same.
 #[derive(Resource, Debug, Default)]
-pub struct DespawnQueue(Vec<Entity>);
+pub struct DespawnQueue(pub(super) Vec<Entity>);
 
 impl DespawnQueue {
     /// Despawns the entity and all below it at the end of the frame. Twice is once.
@@ -26,77 +20,16 @@ impl DespawnQueue {
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct UpdateCount(pub u64);
 
-#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-struct Behaviours;
-
-#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-struct Frame;
-
 /// Entities, their components, the clock and the systems that advance them from one frame to the next.
 pub struct GameWorld {
     /// Entities, components and resources. Removal events expire with every second [`GameWorld::update`]; do not call
     /// `clear_trackers`, update does.
     pub ecs: World,
-    behaviours: Schedule,
-    frame: Schedule,
-}
-
-impl Default for GameWorld {
-    fn default() -> Self {
-        Self::new()
-    }
+    pub(super) behaviours: Schedule,
+    pub(super) frame: Schedule,
 }
 
 impl GameWorld {
-    /// An empty world at time zero with default settings.
-    pub fn new() -> Self {
-        let mut ecs = World::new();
-        // Registered now, so that worlds can be queried by shared reference.
-        ecs.register_component::<Identity>();
-        ecs.register_component::<RootOrder>();
-        ecs.register_component::<Name>();
-        ecs.register_component::<Transform>();
-        ecs.register_component::<ChildOf>();
-        ecs.register_component::<Children>();
-        ecs.register_component::<MeshRenderer>();
-        ecs.register_component::<Light>();
-        ecs.register_component::<Camera>();
-        ecs.register_component::<Clpv>();
-        ecs.register_component::<StochasticLightCulling>();
-        ecs.register_component::<Fog>();
-        ecs.register_component::<Particles>();
-        ecs.register_component::<Animation>();
-        ecs.init_resource::<Identities>();
-        ecs.init_resource::<DespawnQueue>();
-        ecs.init_resource::<UpdateCount>();
-        ecs.init_resource::<SceneSettings>();
-        ecs.init_resource::<FieldTypes>();
-        ecs.init_resource::<fields::Wanted>();
-        ecs.insert_resource(Clock::at_tick(0, SceneSettings::default().frame_rate));
-        ecs.add_observer(hierarchy::refuse_cycles);
-        let mut frame = Schedule::new(Frame);
-        frame.add_systems(
-            (
-                identify,
-                descendants::bind,
-                animate::put_to_rest,
-                animate::animate,
-                fields::drive,
-                propagate::propagate,
-                deform::deform,
-                despawn_queued,
-            )
-                .chain(),
-        );
-        Self { ecs, behaviours: Schedule::new(Behaviours), frame }
-    }
-
-    /// Adds systems of the game. They run at the start of every update, before animation.
-    pub fn add_systems<M>(&mut self, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) -> &mut Self {
-        self.behaviours.add_systems(systems);
-        self
-    }
-
     /// Spawns an entity with a name, an identity and a default [`Transform`]; components go in through
     /// [`GameWorld::ecs`]. The name should be new among the siblings: [`GameWorld::unique_name`] makes one. A parent
     /// that does not exist is taken for none.
@@ -177,19 +110,5 @@ impl GameWorld {
         let settings = self.ecs.resource::<SceneSettings>();
         let duration = settings.duration.filter(|d| d.is_finite() && *d > 0.0)?;
         Some(((f64::from(duration) * f64::from(settings.frame_rate)).round() as u64).max(1))
-    }
-
-    /// One frame: behaviours, animation at the clock's time, transform propagation, deferred despawn.
-    pub fn update(&mut self) {
-        self.ecs.clear_trackers();
-        self.ecs.resource_mut::<UpdateCount>().0 += 1;
-        self.behaviours.run(&mut self.ecs);
-        self.frame.run(&mut self.ecs);
-    }
-}
-
-fn despawn_queued(world: &mut World) {
-    for entity in std::mem::take(&mut world.resource_mut::<DespawnQueue>().0) {
-        super::hierarchy::despawn(world, entity);
     }
 }

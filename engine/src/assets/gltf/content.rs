@@ -24,7 +24,7 @@ pub struct GltfCamera {
 }
 
 /// A light of a file (`KHR_lights_punctual`) with the numbers of the file, shining along −Z where it has a direction.
-/// [`LightConversion`] says what they stand for.
+/// [`LightConversion`](super::LightConversion) says what they stand for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfLight {
     /// Name; empty if the file has none.

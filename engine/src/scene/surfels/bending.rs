@@ -4,14 +4,12 @@
 //! so that links that end there, and what earlier frames know of a patch, hold in the next pose. Where surfels are now tells in
 //! which cells their patch is looked for.
 
-use super::SurfelCloud;
 use super::group::{Group, GroupKey, bends, place_bits, shape};
 use super::patches::{Arranged, Cell, Faces, cells_of, grid_normal};
 use super::samples::Samples;
 use super::surfel::{Fineness, Surfel, has_surfels};
-use crate::assets::parallel;
 use crate::scene::{Primitive, Scene};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -35,8 +33,8 @@ pub(super) struct Bending {
 
 /// A pose of an object.
 pub(super) struct Pose {
-    surfels: Vec<Surfel>,
-    cells: Vec<([i32; 3], Faces)>,
+    pub surfels: Vec<Surfel>,
+    pub cells: Vec<([i32; 3], Faces)>,
 }
 
 impl Bending {
@@ -70,7 +68,7 @@ impl Bending {
     }
 
     /// The object as the scene has it now; none if it is no longer the same one.
-    fn object<'a>(&self, scene: &'a Scene, fineness: Fineness) -> Option<Group<'a>> {
+    pub fn object<'a>(&self, scene: &'a Scene, fineness: Fineness) -> Option<Group<'a>> {
         let members: Vec<&Primitive> = self.members.iter().map(|&index| &scene.primitives[index]).collect();
         let place = members.first()?.world_from_object;
         let is_one =
@@ -81,7 +79,7 @@ impl Bending {
 
     /// Its surfels, patch after patch, and the cells of size \[m\] in which the patches are found. Where several are in one cell
     /// the one with the most surfels there answers.
-    fn posed(&self, group: &Group, size: f32) -> Pose {
+    pub fn posed(&self, group: &Group, size: f32) -> Pose {
         let posed = self.samples.posed(group);
         let surfels = self
             .arranged
@@ -98,54 +96,8 @@ impl Bending {
         Pose { surfels, cells }
     }
 
-    fn has_changed(&self, scene: &Scene, since: u64) -> bool {
+    pub fn has_changed(&self, scene: &Scene, since: u64) -> bool {
         self.members.iter().any(|&index| scene.primitives[index].geometry_revision > since)
-    }
-}
-
-impl SurfelCloud {
-    /// Poses all objects that bend.
-    pub(super) fn pose_all(&mut self, groups: &[Group], size: f32, surfels: &mut [Surfel]) {
-        let poses = parallel::map(&self.bent, |bent| bent.posed(&groups[bent.group], size));
-        for (bent, pose) in self.bent.iter_mut().zip(poses) {
-            surfels[bent.surfels.clone()].copy_from_slice(&pose.surfels);
-            bent.cells = pose.cells;
-        }
-    }
-
-    /// Poses the objects again that have bent since a revision of the geometry. False if an object is another one.
-    pub(super) fn follow_poses(&mut self, scene: &Scene, fineness: Fineness, since: u64) -> bool {
-        let mut changed: Vec<(usize, Group)> = Vec::new();
-        for (index, bent) in self.bent.iter().enumerate().filter(|(_, bent)| bent.has_changed(scene, since)) {
-            let Some(group) = bent.object(scene, fineness) else { return false };
-            changed.push((index, group));
-        }
-        if changed.is_empty() {
-            return true;
-        }
-        let size = self.patches.size;
-        let poses = parallel::map(&changed, |(index, group)| self.bent[*index].posed(group, size));
-        for ((index, group), pose) in changed.iter().zip(poses) {
-            let bent = &mut self.bent[*index];
-            self.surfels[bent.surfels.clone()].copy_from_slice(&pose.surfels);
-            self.places[bent.group] = group.place;
-            bent.cells = pose.cells;
-        }
-        self.revision += 1;
-        self.stand_apart() && self.patches.bend(&self.bent)
-    }
-
-    /// Whether no two of the objects that bend stand at the same place, where they would be one.
-    fn stand_apart(&self) -> bool {
-        let place = |bent: &Bending| -> Affine3A { self.places[bent.group] };
-        let mut places: Vec<_> = self.bent.iter().map(|bent| place_bits(&place(bent))).collect();
-        places.sort_unstable();
-        places.windows(2).all(|pair| pair[0] != pair[1])
-    }
-
-    /// The surfels of objects that bend, object after object.
-    pub fn bending(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        self.bent.iter().map(|bent| bent.surfels.clone())
     }
 }
 
@@ -154,7 +106,8 @@ mod tests {
     use super::super::fixture;
     use crate::assets::{Deform, Mesh, MorphTarget, Pose, Shape, Vertex, pose_all};
     use crate::scene::{Primitive, Revisions, Scene, SurfelCloud, cells_from_world};
-    use glam::{Affine3A, Vec3};
+    use glam::Affine3A;
+    use glam::Vec3;
     use std::sync::Arc;
 
     const CELL: f32 = 0.2;
@@ -173,7 +126,7 @@ mod tests {
         Arc::new(mesh)
     }
 
-    fn posed(mesh: &Arc<Mesh>, weight: f32) -> Arc<Mesh> {
+    pub fn posed(mesh: &Arc<Mesh>, weight: f32) -> Arc<Mesh> {
         pose_all(&[(mesh.clone(), Pose { weights: vec![weight], palette: Vec::new() })]).remove(0)
     }
 

@@ -12,6 +12,7 @@ mod arranged;
 mod cells;
 mod occluders;
 mod split;
+mod subject;
 #[cfg(test)]
 mod tests;
 
@@ -19,13 +20,14 @@ pub(super) use arranged::Arranged;
 pub(super) use cells::{Cell, Faces, cells_of, grid_normal};
 pub use cells::{NO_PATCH, cells_from_world};
 pub(super) use occluders::Occluders;
+pub(super) use subject::Subject;
 
-use super::Surfel;
 use super::bending::Bending;
 use arranged::Node;
-use glam::{Mat3A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use subject::NODE;
 
 /// Surfels that an even surface has in a patch.
 const SURFELS_A_PATCH: f32 = 4.0;
@@ -35,9 +37,6 @@ const PROBES: u32 = 32;
 
 /// Cells in which a patch of an object that bends may be found, about: its own and those beside it, which it shares.
 const CELLS_OF_A_PATCH: usize = 8;
-
-/// Bit of what stands for a patch: the rest is the index of a node, as `PATCH_NODE` of `lib/patches.wgsl`.
-const NODE: u32 = 1 << 31;
 
 /// The patches of a scene. Those of a patch's surfels follow each other in the cloud.
 #[derive(Debug, Default)]
@@ -69,18 +68,6 @@ pub struct PatchTable {
     pub places: u32,
     /// Where nodes begin.
     pub nodes: u32,
-}
-
-/// An object whose surfels are to be arranged.
-pub(super) struct Subject<'a> {
-    /// Its surfels; those of a static one are its own.
-    pub surfels: &'a Arc<Vec<Surfel>>,
-    /// Factor from lengths in object space to those in the world, see [`super::group::shape`].
-    pub shape: Mat3A,
-    /// Its surroundings; none if it moves: it will be elsewhere.
-    pub occluders: Option<Occluders<'a>>,
-    /// Whether what stands around it has changed.
-    pub is_changed: bool,
 }
 
 /// Edge of a patch \[m\], for so many surfels a square metre.

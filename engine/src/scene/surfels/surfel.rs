@@ -44,7 +44,7 @@ pub struct Surfel {
     pub thickness: f32,
     /// Diffuse reflectance.
     pub albedo: [f32; 3],
-    /// Index in [`SurfelCloud::places`], see [`Surfel::group`]; the highest bit is set on the inner side of a closed
+    /// Index in [`SurfelCloud::places`](super::SurfelCloud::places), see [`Surfel::group`]; the highest bit is set on the inner side of a closed
     /// surface, and the eight after it tell how closed its surroundings are, see [`Surfel::openness`].
     pub place: u32,
     /// Emitted radiance [W/(m² sr)].
@@ -54,7 +54,7 @@ pub struct Surfel {
 }
 
 impl Surfel {
-    /// Index in [`SurfelCloud::places`].
+    /// Index in [`SurfelCloud::places`](super::SurfelCloud::places).
     pub fn group(&self) -> usize {
         (self.place & ((1 << CLOSED_SHIFT) - 1)) as usize
     }

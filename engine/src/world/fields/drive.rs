@@ -2,8 +2,12 @@
 
 use super::super::SceneSettings;
 use super::super::rest_pose::RestPose;
-use super::rest_values::{HeldFields, RestSettings, own_text};
-use super::{FieldSample, FieldTypes, Held, SCENE, ron_options, split, text, written};
+use super::held::{Held, HeldFields, own_text};
+use super::path::{SCENE, ron_options, split};
+use super::rest_values::RestSettings;
+use super::text;
+use super::types::FieldTypes;
+use super::value::{FieldSample, written};
 use bevy_ecs::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 

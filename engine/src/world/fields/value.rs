@@ -1,6 +1,7 @@
 //! Values of tracks in the form of the field that they are for.
 
-use super::{ron_options, text};
+use super::path::ron_options;
+use super::text;
 
 /// The value of a track for a field at a time.
 #[derive(Clone, Debug, PartialEq)]

@@ -102,8 +102,13 @@ fn read_rooted(module: &[String], text: &str, found: &mut Vec<(String, Module)>)
 
 /// Positions at which a path begins with `start`.
 fn starts<'t>(code: &'t str, start: &'t str) -> impl Iterator<Item = usize> + 't {
-    let begins = |at: &usize| !code[..*at].chars().next_back().is_some_and(|c| is_of_name(c) || c == ':' || c == '$');
-    code.match_indices(start).map(|(at, _)| at).filter(move |at| begins(at))
+    let begins = |at: &usize| {
+        let before = &code[..*at];
+        let is_inside = before.chars().next_back().is_some_and(|c| is_of_name(c) || c == ':' || c == '$');
+        // The module that a visibility names is no import.
+        !is_inside && !before.ends_with("pub(in ")
+    };
+    code.match_indices(start).map(|(at, _)| at).filter(begins)
 }
 
 impl Source {
@@ -216,11 +221,10 @@ impl Sources {
         named.chain(in_whole).find_map(|path| self.definer_that_knows(&path, followed))
     }
 
+    /// [`Self::definer`] of a path that begins with a module of the crate.
     fn definer_that_knows(&self, path: &[String], followed: &mut BTreeSet<Module>) -> Option<Module> {
-        self.0
-            .keys()
-            .any(|module| !module.is_empty() && path.starts_with(module))
-            .then(|| self.definer(path, followed))?
+        let is_known = path.first().is_some_and(|room| self.0.contains_key(std::slice::from_ref(room)));
+        if is_known { self.definer(path, followed) } else { None }
     }
 
     /// The imports between files, each once.

@@ -3,7 +3,7 @@
 use super::cells::{Cell, Faces, grid_normal, with_neighbors};
 use super::occluders::{Occluders, Point};
 use super::split::{Part, Side, Sorted, Split};
-use super::{NODE, Subject};
+use super::subject::{NODE, Subject};
 use crate::assets::parallel;
 use crate::scene::Surfel;
 use glam::{Mat3A, Vec3, Vec4};
