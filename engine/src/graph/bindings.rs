@@ -1,4 +1,4 @@
-//! What passes bind by name: each input once, from which its part of the content key follows.
+//! Bindings of passes by name: each input is named once, and its part of the content key follows from that.
 
 use super::builder::PassBuilder;
 use super::context::PassContext;
@@ -48,7 +48,7 @@ impl<'a> Tracked<'a> {
     }
 }
 
-/// What a shader binds under a name.
+/// An input that a shader binds under a name.
 enum Input<'a> {
     Texture(Handle<Texture>),
     Layers(Handle<Texture>),
@@ -58,6 +58,7 @@ enum Input<'a> {
     Outside(Outside<'a>),
     Sampler(wgpu::SamplerDescriptor<'static>),
     StandIn(fn(&Gpu) -> wgpu::TextureView),
+    Part(Handle<Texture>, Box<wgpu::TextureViewDescriptor<'static>>),
 }
 
 /// Inputs by the names that shaders have for them.
@@ -94,8 +95,8 @@ impl<'g, 'a> PassBindings<'g, 'a> {
         }
     }
 
-    /// Reads a version of a texture or buffer. What the pass writes itself may be bound once more, to another step or under
-    /// another name.
+    /// Reads a version of a texture or buffer. A version that the pass writes itself may be bound once more, to another step
+    /// or under another name.
     pub fn read<K: Kind>(&mut self, name: &'static str, handle: Handle<K>) {
         self.read_unless_written(handle);
         self.bind_resource(name, handle, input(handle));
@@ -107,11 +108,36 @@ impl<'g, 'a> PassBindings<'g, 'a> {
         self.bind_resource(name, handle, Input::Layers(handle));
     }
 
+    /// Reads a version that draws bind by themselves.
+    pub fn read_in_draws<K: Kind>(&mut self, handle: Handle<K>) {
+        self.pass.read(handle);
+    }
+
+    /// Reads a version of a texture, a part of it.
+    pub fn read_part(
+        &mut self,
+        name: &'static str,
+        handle: Handle<Texture>,
+        part: wgpu::TextureViewDescriptor<'static>,
+    ) {
+        self.read_unless_written(handle);
+        self.pass.key(&format!("{part:?}"));
+        self.bind_resource(name, handle, Input::Part(handle, Box::new(part)));
+    }
+
     /// Writes a texture or buffer and returns its next version, as [`PassBuilder::write`].
     #[must_use = "later passes read the version that this returns; assign to `_` if there is none"]
     pub fn write<K: Kind>(&mut self, name: &'static str, handle: Handle<K>) -> Handle<K> {
         let written = self.pass.write(handle);
         self.bind_resource(name, written, input(written));
+        written
+    }
+
+    /// As [`PassBindings::write`], of all layers of a texture, whose view is an array also where there is one layer.
+    #[must_use = "later passes read the version that this returns; assign to `_` if there is none"]
+    pub fn write_layers(&mut self, name: &'static str, handle: Handle<Texture>) -> Handle<Texture> {
+        let written = self.pass.write(handle);
+        self.bind_resource(name, written, Input::Layers(written));
         written
     }
 
@@ -125,6 +151,18 @@ impl<'g, 'a> PassBindings<'g, 'a> {
     /// Binds a uniform with that value.
     pub fn uniform<T: ShaderType + WriteInto>(&mut self, name: &'static str, value: &T) {
         self.bind_values(name, BufferUsages::UNIFORM, uniform_bytes(name, value));
+    }
+
+    /// As [`PassBindings::uniform`], of a value that is known when the pass runs: the same as long as `revision` is, or what
+    /// the pass reads.
+    pub fn uniform_of<T: ShaderType + WriteInto>(
+        &mut self,
+        name: &'static str,
+        revision: &impl Hash,
+        value: impl FnOnce() -> T + 'a,
+    ) {
+        self.pass.key(&(name, hash(revision)));
+        self.bind(name, Input::Later(BufferUsages::UNIFORM, Box::new(move || uniform_bytes(name, &value()))));
     }
 
     /// Binds a storage buffer that holds those values, for the shader to read.
@@ -169,7 +207,7 @@ impl<'g, 'a> PassBindings<'g, 'a> {
         self.bind(name, Input::StandIn(view));
     }
 
-    /// Binds the shader's group 1, that of all steps.
+    /// Binds the shader's group 1, that of all steps. Raster passes have none.
     pub fn share(&mut self, group: impl SharedGroup + 'a) {
         self.pass.key(&group.key());
         self.shared = Some(Box::new(group));
@@ -213,7 +251,7 @@ fn input<'a, K: Kind>(handle: Handle<K>) -> Input<'a> {
     if K::IS_TEXTURE { Input::Texture(handle.cast()) } else { Input::Buffer(handle.cast()) }
 }
 
-/// What is bound, alive as long as it takes.
+/// A resource that is bound, alive as long as it takes.
 pub(super) enum Bound {
     View(wgpu::TextureView),
     Buffer(wgpu::Buffer),
@@ -239,7 +277,7 @@ pub(super) fn bound(cx: &PassContext, inputs: Inputs) -> Vec<(&'static str, Boun
     inputs.into_iter().map(|(name, BoundLater(input))| (name, input.bound(cx, name))).collect()
 }
 
-/// What is bound, for a bind group.
+/// The entries of a bind group.
 pub(super) fn bindings<'b>(bound: &'b [(&'static str, Bound)]) -> Vec<(&'static str, Binding<'b>)> {
     bound.iter().map(|(name, bound)| (*name, bound.binding())).collect()
 }
@@ -261,6 +299,7 @@ impl Input<'_> {
             Self::Outside(Outside::Texture(view)) => Bound::View(view.clone()),
             Self::Sampler(descriptor) => Bound::Sampler(gpu.sampler(&descriptor)),
             Self::StandIn(view) => Bound::View(view(gpu)),
+            Self::Part(handle, part) => Bound::View(cx.texture(handle).create_view(&part)),
         }
     }
 }

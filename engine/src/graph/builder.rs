@@ -191,6 +191,15 @@ impl<'a> Graph<'a> {
         }
     }
 
+    /// Size of a buffer \[bytes\]; 0 for a handle of another graph.
+    pub fn buffer_bytes(&self, handle: Handle<Buffer>) -> u64 {
+        match self.resources.get(handle.at.resource).filter(|_| handle.graph == self.id).map(|resource| &resource.desc)
+        {
+            Some(ResourceDesc::Buffer(desc)) => desc.size,
+            _ => 0,
+        }
+    }
+
     /// The last version so far of what bears this name; none if there is no such resource with content. For tools,
     /// which look at what other passes made.
     pub fn latest<K: Kind>(&self, name: &str) -> Option<Handle<K>> {
@@ -254,7 +263,13 @@ impl<'a> PassBuilder<'_, 'a> {
         PassId { graph: self.graph.id, index: self.index }
     }
 
-    /// Reads a version.
+    /// Its name.
+    pub(super) fn name(&self) -> &str {
+        &self.graph.passes[self.index].name
+    }
+
+    /// Reads a version, which must have been written. The pass runs after the one that wrote it, and again where that content
+    /// changes. A version that is read twice counts once.
     pub fn read<K: Kind>(&mut self, handle: Handle<K>) {
         if self.is_foreign(handle) {
             return;

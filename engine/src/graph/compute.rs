@@ -11,7 +11,7 @@ use encase::ShaderType;
 use encase::internal::WriteInto;
 use std::ops::{Deref, DerefMut};
 
-/// A compute pass that is being declared. What it binds, by [`PassBindings`], goes into its content key.
+/// A compute pass that is being declared. Its [`PassBindings`] go into its content key.
 ///
 /// A pass of one dispatch ends with one of `dispatch_…`. Others declare a [`step`](ComputeBuilder::step) for each dispatch,
 /// in their order, and end with [`finish`](ComputeBuilder::finish).
@@ -22,7 +22,7 @@ pub struct ComputeBuilder<'g, 'a> {
     counts: Counts,
 }
 
-/// What a pass does, in its order.
+/// A part of a pass; they follow each other in order.
 enum Operation<'a> {
     Clear(Handle<Buffer>),
     Copy([Handle<Buffer>; 2]),
@@ -98,7 +98,7 @@ impl<'g, 'a> ComputeBuilder<'g, 'a> {
         self.counts += counts;
     }
 
-    /// Begins a dispatch of the pass's shader, at that entry point. What was bound to the pass before is bound to it where
+    /// Begins a dispatch of the pass's shader, at that entry point. All that was bound to the pass before is bound to it where
     /// the entry point uses it, and what is bound and defined from here on is this step's alone.
     pub fn step(&mut self, entry: &'static str) -> Step<'_, 'g, 'a> {
         let shader = ComputeKey { entry, ..self.shader.clone() };
@@ -304,7 +304,7 @@ impl<'a> Step<'_, '_, 'a> {
     }
 }
 
-/// What the dispatches of a pass have in common.
+/// The bindings that the dispatches of a pass have in common.
 struct Run<'r, 'a> {
     common: Vec<(&'static str, Binding<'r>)>,
     shared: Option<&'r (dyn SharedGroup + 'a)>,

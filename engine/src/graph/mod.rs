@@ -15,8 +15,8 @@
 //!
 //! Two rules keep cached and uncached frames equal bit by bit:
 //!
-//! - A pass states in its key everything that its output depends on besides what it reads. Passes of one dispatch do so by
-//!   what they bind ([`Graph::compute`]); an audit checks the others while frames are drawn
+//! - A pass states in its key everything that its output depends on besides what it reads. Compute and raster passes do so
+//!   by what they bind ([`Graph::compute`], [`Graph::raster`]); an audit checks the others while frames are drawn
 //!   ([`TargetCache::set_audit`]).
 //! - The content of a target before its first write of the frame is undefined (it may be left over
 //!   from another target or frame): the first writer writes all of it or clears it.
@@ -39,6 +39,7 @@ mod handle;
 mod key;
 mod order;
 mod plan;
+mod raster;
 mod reason;
 mod report;
 #[cfg(test)]
@@ -58,5 +59,6 @@ pub use frame_pacing::FramePacing;
 pub use handle::{Buffer, Handle, Kind, PassId, Texture};
 pub(crate) use key::hash;
 pub use plan::Plan;
+pub use raster::{Contents, DrawBindings, Draws, RasterBuilder, RasterStep};
 pub use report::{Counts, FrameReport, PassReport, PassState, ResourceReport};
 pub use timer::Timing;

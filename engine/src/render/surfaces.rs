@@ -1,6 +1,6 @@
 //! Which surfaces of the pixels a G-buffer holds.
 
-use crate::gpu::{ComputeKey, ShaderDef};
+use crate::gpu::ShaderDef;
 use crate::graph::PassBindings;
 
 /// Which surfaces of the pixels a G-buffer holds.
@@ -13,15 +13,7 @@ pub enum Surfaces {
 }
 
 impl Surfaces {
-    /// The definitions with which shaders read such a G-buffer.
-    pub(in crate::render) fn define(self, key: ComputeKey) -> ComputeKey {
-        match self {
-            Self::Nearest => key,
-            Self::SecondLobes => key.def("STRETCHED", ShaderDef::Flag(true)),
-        }
-    }
-
-    /// The same for a pass.
+    /// Lets a pass know that it reads such a G-buffer.
     pub(in crate::render) fn define_for(self, pass: &mut PassBindings) {
         if self == Self::SecondLobes {
             pass.define("STRETCHED", ShaderDef::Flag(true));

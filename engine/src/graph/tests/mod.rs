@@ -9,6 +9,7 @@ mod frame_pacing;
 mod memory;
 mod property;
 mod simulation;
+mod steps;
 
 use wgpu::{TextureFormat, TextureUsages};
 

@@ -1,9 +1,9 @@
 //! The cells of a light volume: light and blockers by direction as spheres, and voxels in the colour of their surfaces.
 
-use super::overlay::{self, DEPTH, Draw};
+use super::overlay::{self, DEPTH};
 use super::{DebugView, skip};
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, Texture, TextureDesc};
+use crate::gpu::ComputeKey;
+use crate::graph::{Buffer, BufferDesc, Contents, Counts, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::{Volume, VolumeUniform};
@@ -70,35 +70,17 @@ pub(super) fn declare<'a>(
     let name = format!("debug {view}");
     let own = TextureDesc::d2(width, height, DEPTH, TextureUsages::RENDER_ATTACHMENT);
     let own = graph.texture(format!("{name}, depth"), own);
-    let mut pass = graph.pass(name);
-    let depth = gbuffer.depth;
-    pass.read(depth);
-    pass.read(buffer);
-    let (display, own) = (pass.write(display), pass.write(own));
-    pass.key(&(frame.view_key(), volume.key(), content as u32, uniform.scale.to_bits()));
     let instances = if content.is_on_corners() { volume.corner_count() } else { volume.cell_count() };
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let (view, uniform) = (frame.view_uniform(cx.gpu), cx.gpu.uniform("cells", &uniform));
-        let (depth, target, own) = (cx.view(depth), cx.view(display), cx.view(own));
-        let data = cx.buffer(buffer).clone();
-        let bindings = [
-            ("view", Binding::Buffer(&view)),
-            ("cells", Binding::Buffer(&uniform)),
-            ("data", Binding::Buffer(&data)),
-            ("depth", Binding::Texture(&depth)),
-        ];
-        let draw = Draw {
-            shader: "debug/cells.wgsl",
-            defs: Vec::new(),
-            bindings: &bindings,
-            target: &target,
-            depth: Some(&own),
-            vertices: if content.is_voxels() { 36 } else { 6 },
-            instances,
-        };
-        overlay::draw(cx, &draw)
-    });
+    let mut pass = graph.raster(name);
+    let display = pass.color(display, Contents::Kept);
+    let _ = pass.depth(own, Contents::Cleared);
+    frame.bind_view(&mut pass);
+    pass.uniform("cells", &uniform);
+    pass.read("data", buffer);
+    pass.read("depth", gbuffer.depth);
+    let vertices = if content.is_voxels() { 36 } else { 6 };
+    pass.step().draw(overlay::pipeline("debug/cells.wgsl", true), [vertices, instances]);
+    pass.finish();
     display
 }
 

@@ -1,9 +1,8 @@
 //! Which cascade lights a pixel: a tint with the lines of its cells.
 
 use super::cascade_color;
-use super::overlay::{self, Draw};
-use crate::gpu::Binding;
-use crate::graph::{Graph, Handle, Texture};
+use super::overlay;
+use crate::graph::{Contents, Graph, Handle, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::{MAX_CASCADES, Volume, VolumeUniform};
@@ -29,42 +28,21 @@ pub(super) fn declare<'a>(
     volumes: &[Volume],
     display: Handle<Texture>,
 ) -> Handle<Texture> {
-    let mut pass = graph.pass("debug coverage");
-    let depth = gbuffer.depth;
-    pass.read(depth);
-    let display = pass.write(display);
-    pass.key(&(frame.view_key(), volumes.iter().map(Volume::key).collect::<Vec<_>>()));
-    let (frame, volumes) = (frame.clone(), volumes.to_vec());
-    pass.execute(move |cx| {
-        let Some(last) = volumes.last() else { return Ok(()) };
-        let uniform = CoverageUniform {
-            volumes: std::array::from_fn(|level| volumes.get(level).unwrap_or(last).uniform()),
-            colors: std::array::from_fn(|level| cascade_color(level).extend(1.0)),
-            count: volumes.len() as u32,
-            pad_a: 0,
-            pad_b: 0,
-            pad_c: 0,
-        };
-        let (view, uniform) = (frame.view_uniform(cx.gpu), cx.gpu.uniform("coverage", &uniform));
-        let (depth, target) = (cx.view(depth), cx.view(display));
-        let bindings = [
-            ("view", Binding::Buffer(&view)),
-            ("coverage", Binding::Buffer(&uniform)),
-            ("depth", Binding::Texture(&depth)),
-        ];
-        let shader = "debug/coverage.wgsl";
-        overlay::draw(
-            cx,
-            &Draw {
-                shader,
-                defs: Vec::new(),
-                bindings: &bindings,
-                target: &target,
-                depth: None,
-                vertices: 3,
-                instances: 1,
-            },
-        )
-    });
+    let Some(last) = volumes.last() else { return display };
+    let uniform = CoverageUniform {
+        volumes: std::array::from_fn(|level| volumes.get(level).unwrap_or(last).uniform()),
+        colors: std::array::from_fn(|level| cascade_color(level).extend(1.0)),
+        count: volumes.len() as u32,
+        pad_a: 0,
+        pad_b: 0,
+        pad_c: 0,
+    };
+    let mut pass = graph.raster("debug coverage");
+    let display = pass.color(display, Contents::Kept);
+    frame.bind_view(&mut pass);
+    pass.uniform("coverage", &uniform);
+    pass.read("depth", gbuffer.depth);
+    pass.step().draw(overlay::pipeline("debug/coverage.wgsl", false), [3, 1]);
+    pass.finish();
     display
 }

@@ -1,10 +1,9 @@
 //! Batches of lines over the image, dim where a surface lies before them: those of debug views, and those of a game.
 
-use super::overlay::{self, Draw};
+use super::overlay;
 use super::shapes;
 use super::{DebugView, Line, cascade_color};
-use crate::gpu::Binding;
-use crate::graph::{Graph, Handle, Texture};
+use crate::graph::{Contents, Graph, Handle, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::{Volume, sweep};
@@ -32,33 +31,13 @@ pub(super) fn declare<'a>(
         graph.skip("debug lines", "the scene has nothing of what is to be shown");
         return display;
     }
-    let mut pass = graph.pass("debug lines");
-    let depth = gbuffer.depth;
-    pass.read(depth);
-    let display = pass.write(display);
-    pass.key(&(frame.view_key(), bytemuck::cast_slice::<Line, u8>(&lines)));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let (view, batch) = (frame.view_uniform(gpu), gpu.storage("lines", &lines, wgpu::BufferUsages::empty()));
-        let (depth, target) = (cx.view(depth), cx.view(display));
-        let bindings =
-            [("view", Binding::Buffer(&view)), ("lines", Binding::Buffer(&batch)), ("depth", Binding::Texture(&depth))];
-        let instances = lines.len() as u32;
-        let shader = "debug/lines.wgsl";
-        overlay::draw(
-            cx,
-            &Draw {
-                shader,
-                defs: Vec::new(),
-                bindings: &bindings,
-                target: &target,
-                depth: None,
-                vertices: 6,
-                instances,
-            },
-        )
-    });
+    let mut pass = graph.raster("debug lines");
+    let display = pass.color(display, Contents::Kept);
+    frame.bind_view(&mut pass);
+    pass.values("lines", &lines);
+    pass.read("depth", gbuffer.depth);
+    pass.step().draw(overlay::pipeline("debug/lines.wgsl", false), [6, lines.len() as u32]);
+    pass.finish();
     display
 }
 

@@ -1,8 +1,8 @@
 //! The silhouette of what is selected, from the identities in the G-buffer.
 
-use super::overlay::{self, Draw};
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{Graph, Handle, Texture, TextureDesc};
+use super::overlay;
+use crate::gpu::ComputeKey;
+use crate::graph::{Contents, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::transparency::blend::OBJECTS;
@@ -32,23 +32,10 @@ pub(super) fn declare<'a>(
     let mask = pass.write("mask_out", mask);
     pass.dispatch_over([width, height]);
 
-    let mut pass = graph.pass("outline");
-    pass.read(mask);
-    let display = pass.write(display);
-    pass.key(&());
-    pass.execute(move |cx| {
-        let (mask, target) = (cx.view(mask), cx.view(display));
-        let bindings = [("mask", Binding::Texture(&mask))];
-        let draw = Draw {
-            shader: "debug/outline.wgsl",
-            defs: Vec::new(),
-            bindings: &bindings,
-            target: &target,
-            depth: None,
-            vertices: 3,
-            instances: 1,
-        };
-        overlay::draw(cx, &draw)
-    });
+    let mut pass = graph.raster("outline");
+    let display = pass.color(display, Contents::Kept);
+    pass.read("mask", mask);
+    pass.step().draw(overlay::pipeline("debug/outline.wgsl", false), [3, 1]);
+    pass.finish();
     display
 }

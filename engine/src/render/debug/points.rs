@@ -1,11 +1,10 @@
 //! Virtual lights as discs of their colour, with their normals.
 
-use super::overlay::{self, DEPTH, Draw};
-use crate::gpu::Binding;
-use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
+use super::overlay::{self, DEPTH};
+use crate::graph::{Buffer, Contents, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::indirect::IndirectMethod;
+use crate::render::indirect::{IndirectMethod, PointLayout};
 use encase::ShaderType;
 use wgpu::TextureUsages;
 
@@ -38,45 +37,22 @@ pub(super) fn declare<'a>(
         "debug virtual-lights, depth",
         TextureDesc::d2(width, height, DEPTH, TextureUsages::RENDER_ATTACHMENT),
     );
-    let mut pass = graph.pass("debug virtual-lights");
-    let depth = gbuffer.depth;
-    pass.read(depth);
-    pass.read(lights);
-    let (display, own) = (pass.write(display), pass.write(own));
-    pass.key(&frame.view_key());
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let buffer = cx.buffer(lights).clone();
-        // How many there are is known by now. What lies behind the last light of a buffer is older.
-        let layout = method.point_layout().unwrap_or(layout);
-        let in_buffer = (buffer.size() / (16 * u64::from(layout.stride))) as u32;
-        let count = layout.count.unwrap_or(in_buffer).min(in_buffer);
-        let uniform = PointsUniform {
-            stride: layout.stride,
-            normal: layout.normal,
-            light: layout.light,
-            is_culled: u32::from(layout.has_gaps),
-            radius: 0.006 * frame.bounds.size().length(),
-            count,
-        };
-        let (view, uniform) = (frame.view_uniform(cx.gpu), cx.gpu.uniform("points", &uniform));
-        let (depth, target, own) = (cx.view(depth), cx.view(display), cx.view(own));
-        let bindings = [
-            ("view", Binding::Buffer(&view)),
-            ("points", Binding::Buffer(&uniform)),
-            ("lights", Binding::Buffer(&buffer)),
-            ("depth", Binding::Texture(&depth)),
-        ];
-        let draw = Draw {
-            shader: "debug/points.wgsl",
-            defs: Vec::new(),
-            bindings: &bindings,
-            target: &target,
-            depth: Some(&own),
-            vertices: 6,
-            instances: count,
-        };
-        overlay::draw(cx, &draw)
+    let in_buffer = (graph.buffer_bytes(lights) / (16 * u64::from(layout.stride))) as u32;
+    // How many there are is known when the pass runs. What lies behind the last light of a buffer is older.
+    let layout = move || method.point_layout().unwrap_or(layout);
+    let count = move || layout().count.unwrap_or(in_buffer).min(in_buffer);
+    let radius = 0.006 * frame.bounds.size().length();
+    let mut pass = graph.raster("debug virtual-lights");
+    let display = pass.color(display, Contents::Kept);
+    let _ = pass.depth(own, Contents::Cleared);
+    frame.bind_view(&mut pass);
+    pass.read("lights", lights);
+    pass.read("depth", gbuffer.depth);
+    pass.uniform_of("points", &radius.to_bits(), move || {
+        let PointLayout { stride, normal, light, has_gaps, .. } = layout();
+        PointsUniform { stride, normal, light, is_culled: u32::from(has_gaps), radius, count: count() }
     });
+    pass.step().draw_later(overlay::pipeline("debug/points.wgsl", true), &(), move || [6, count()]);
+    pass.finish();
     display
 }

@@ -1,8 +1,8 @@
 //! Images that passes made, laid side by side over the image (thesis, section 6.8, `OverlayRenderTarget`).
 
-use super::overlay::{self, Draw};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use super::overlay;
+use crate::gpu::{ComputeKey, ShaderDef};
+use crate::graph::{BufferDesc, Contents, Graph, Handle, PassBindings, Texture, TextureDesc};
 use crate::render::debug_settings::ShownTarget;
 use crate::render::frame::Frame;
 use encase::ShaderType;
@@ -78,12 +78,19 @@ impl Found {
         names.map(|name| (name, ShaderDef::Flag(true))).collect()
     }
 
+    /// Binds it to a step that shows it.
+    fn bind(&self, step: &mut PassBindings, uniform: &TileUniform) {
+        self.defs().into_iter().for_each(|(name, value)| step.define(name, value));
+        step.uniform("tile", uniform);
+        step.read_part("source", self.handle, self.part());
+    }
+
     /// The mip level, and the layer of an array.
-    fn view(&self, texture: &wgpu::Texture) -> wgpu::TextureView {
+    fn part(&self) -> wgpu::TextureViewDescriptor<'static> {
         let is_volume = self.is_volume();
         let dimension = if is_volume { wgpu::TextureViewDimension::D3 } else { wgpu::TextureViewDimension::D2 };
         let aspect = if self.desc.format.has_depth_aspect() { TextureAspect::DepthOnly } else { TextureAspect::All };
-        texture.create_view(&wgpu::TextureViewDescriptor {
+        wgpu::TextureViewDescriptor {
             label: Some("shown target"),
             dimension: Some(dimension),
             aspect,
@@ -92,7 +99,7 @@ impl Found {
             base_array_layer: if is_volume { 0 } else { self.slice() },
             array_layer_count: Some(1),
             ..Default::default()
-        })
+        }
     }
 
     fn uniform(&self, index: usize, tile: Tile, view: [u32; 2]) -> TileUniform {
@@ -120,20 +127,29 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, display: Han
     }
     let ranges = BufferDesc::new(8 * found.len() as u64, BufferUsages::STORAGE);
     let ranges = graph.buffer("debug targets, ranges", ranges);
-    let mut pass = graph.pass("debug targets");
-    found.iter().for_each(|target| pass.read(target.handle));
-    let (ranges, display) = (pass.write(ranges), pass.write(display));
     let view = frame.view.size;
-    pass.key(&(view, found.iter().map(|target| target.shown.key()).collect::<Vec<_>>()));
-    pass.execute(move |cx| {
-        let ranges = cx.buffer(ranges).clone();
-        let image = cx.view(display);
-        let sizes: Vec<[u32; 2]> = found.iter().map(|target| [target.texels()[0], target.texels()[1]]).collect();
-        for (index, (target, tile)) in found.iter().zip(layout(&sizes, view)).enumerate() {
-            show(cx, target, &target.uniform(index, tile, view), &ranges, &image)?;
-        }
-        Ok(())
-    });
+    let sizes: Vec<[u32; 2]> = found.iter().map(|target| [target.texels()[0], target.texels()[1]]).collect();
+    let tiles: Vec<_> =
+        found.iter().zip(layout(&sizes, view)).zip(0..).map(|((f, tile), i)| (f, f.uniform(i, tile, view))).collect();
+    // Finds the least and the largest value, unless they are given.
+    let mut pass = graph.compute("debug targets, ranges", ComputeKey::new(SHADER, "measure"));
+    let ranges = pass.write_in_steps(ranges);
+    for (target, uniform) in tiles.iter().filter(|(target, _)| target.shown.range.is_none()) {
+        let mut step = pass.step("measure");
+        target.bind(&mut step, uniform);
+        step.read("measured", ranges);
+        step.in_groups([1, 1, 1]);
+    }
+    pass.finish();
+    let mut pass = graph.raster("debug targets");
+    let display = pass.color(display, Contents::Kept);
+    pass.read("ranges", ranges);
+    for (target, uniform) in &tiles {
+        let mut step = pass.step();
+        target.bind(&mut step, uniform);
+        step.draw(overlay::pipeline(SHADER, false), [6, 1]);
+    }
+    pass.finish();
     display
 }
 
@@ -153,26 +169,6 @@ fn find(graph: &mut Graph, shown: &ShownTarget) -> Option<Found> {
         return None;
     }
     Some(Found { handle, desc, shown: shown.clone() })
-}
-
-/// Finds the least and the largest value, unless they are given, and draws the tile.
-fn show(
-    cx: &mut PassContext,
-    target: &Found,
-    uniform: &TileUniform,
-    ranges: &wgpu::Buffer,
-    image: &wgpu::TextureView,
-) -> Result<(), PassError> {
-    let source = target.view(cx.texture(target.handle));
-    let tile = cx.gpu.uniform("tile", uniform);
-    let [tile, source] = [("tile", Binding::Buffer(&tile)), ("source", Binding::Texture(&source))];
-    if target.shown.range.is_none() {
-        let measure = ComputeKey { shader: SHADER, entry: "measure", defs: target.defs() };
-        cx.dispatch(&measure, &[tile, source, ("measured", Binding::Buffer(ranges))], [1, 1, 1])?;
-    }
-    let bindings = &[tile, source, ("ranges", Binding::Buffer(ranges))];
-    let defs = target.defs();
-    overlay::draw(cx, &Draw { shader: SHADER, defs, bindings, target: image, depth: None, vertices: 6, instances: 1 })
 }
 
 /// Place of a target in the image \[pixels\].

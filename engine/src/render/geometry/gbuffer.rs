@@ -1,11 +1,12 @@
 //! The geometry buffer: what each pixel sees (encoding: `shaders/lib/gbuffer.wgsl`).
 
-use super::static_layers;
+use super::static_layers::{self, LayerView};
 use crate::gpu::RasterKey;
-use crate::graph::{Graph, Handle, PassBindings, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Graph, Handle, PassBindings, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::scene_gpu::{DrawFilter, MaterialClass};
 use crate::render::surfaces::Surfaces;
+use std::rc::Rc;
 use wgpu::TextureFormat;
 
 pub(super) const USAGE: wgpu::TextureUsages =
@@ -60,46 +61,15 @@ pub(in crate::render) fn declare_as<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>
     let [base_color, normal, emissive, object] = COLOR_TARGETS;
     let targets = [base_color, normal, emissive, object, ("gbuffer depth", DEPTH_FORMAT)]
         .map(|(name, format)| (format!("{prefix}{name}"), TextureDesc::d2(width, height, format, USAGE)));
-    let frustum = frame.frustum();
-    let (drawn, key) = (frame.clone(), frame.view_key());
-    let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 5], motion| draw(cx, &drawn, targets, motion);
-    let [base_color, normal, emissive, object, depth] = static_layers::declare(
-        graph,
-        frame,
-        &format!("{prefix}gbuffer"),
-        targets,
-        &[DrawFilter::opaque(&frustum)],
-        &key,
-        draw,
-    );
+    let (frustum, uniform) = (frame.frustum(), frame.view_values());
+    let view = LayerView { layer: None, frustum, uniform, pipeline: Rc::new(pipeline) };
+    let name = format!("{prefix}gbuffer");
+    let [base_color, normal, emissive, object, depth] =
+        static_layers::declare(graph, frame, &name, targets, DrawFilter::opaque, &[view]);
     GBuffer { base_color, normal, emissive, object, depth, surfaces: Surfaces::Nearest }
 }
 
-fn draw(cx: &mut PassContext, frame: &Frame, targets: &[Handle<Texture>; 5], motion: Motion) -> Result<(), PassError> {
-    let view = frame.view_uniform(cx.gpu);
-    let [color @ .., depth] = targets.map(|handle| cx.view(handle));
-    let attachments = color.each_ref().map(|view| {
-        Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: static_layers::ops(motion, wgpu::Color::TRANSPARENT),
-        })
-    });
-    let mut pass = cx
-        .render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("gbuffer"),
-            color_attachments: &attachments,
-            depth_stencil_attachment: Some(depth_attachment(&depth, motion)),
-            ..Default::default()
-        })
-        .forget_lifetime();
-    let frustum = frame.frustum();
-    let filter = DrawFilter::opaque(&frustum).of(motion);
-    frame.gpu_scene.draw(cx, &mut pass, &view, &filter, raster_key)
-}
-
-fn raster_key(class: MaterialClass) -> RasterKey {
+fn pipeline(class: MaterialClass) -> RasterKey {
     RasterKey {
         shader: "geometry/gbuffer.wgsl",
         vertex: "vertex",
@@ -121,12 +91,4 @@ pub(in crate::render) fn depth_state() -> wgpu::DepthStencilState {
         stencil: Default::default(),
         bias: Default::default(),
     }
-}
-
-/// Cleared to 0, which is infinitely far, unless dynamic objects are drawn over what is there.
-pub(in crate::render) fn depth_attachment(
-    view: &wgpu::TextureView,
-    motion: Motion,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(static_layers::ops(motion, 0.0)), stencil_ops: None }
 }

@@ -2,12 +2,13 @@
 //! them: a G-buffer of their own, for the same passes that light the nearest surfaces. See `geometry/second_lobe.wgsl`. It is
 //! drawn where such a lobe is in view, and all that reads it is left out elsewhere.
 
-use super::gbuffer::{COLOR_TARGETS, DEPTH_FORMAT, GBuffer, USAGE, depth_attachment, depth_state};
-use crate::gpu::{Binding, RasterKey};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use super::gbuffer::{COLOR_TARGETS, DEPTH_FORMAT, GBuffer, USAGE, depth_state};
+use crate::gpu::RasterKey;
+use crate::graph::{Contents, Graph, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::scene_gpu::{DrawFilter, FilterOf, MaterialClass, Motion, SceneDraws};
 use crate::render::surfaces::Surfaces;
+use std::rc::Rc;
 
 /// The colour targets that such lobes have: they emit nothing.
 const TARGETS: [usize; 3] = [0, 1, 3];
@@ -31,43 +32,19 @@ pub(in crate::render) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, g
     };
     let targets = TARGETS.map(|index| COLOR_TARGETS[index]).map(|(name, format)| texture(graph, name, format));
     let depth = texture(graph, "gbuffer depth", DEPTH_FORMAT);
-    let mut pass = graph.pass(NAME);
-    pass.read(gbuffer.object);
-    let [base_color, normal, object] = targets.map(|target| pass.write(target));
-    let depth = pass.write(depth);
-    let moving = frame.gpu_scene.moving(&[DrawFilter::with_second_lobe(&frustum)]);
-    pass.key(&(frame.gpu_scene.still_key(), moving, frame.view_key()));
-    let (frame, seen) = (frame.clone(), gbuffer.object);
-    pass.execute(move |cx| draw(cx, &frame, seen, &[base_color, normal, object, depth]));
+    let mut pass = graph.raster(NAME);
+    let [base_color, normal, object] = targets.map(|target| pass.color(target, Contents::Cleared));
+    let depth = pass.depth(depth, Contents::Cleared);
+    frame.bind_view(&mut pass);
+    pass.read("seen", gbuffer.object);
+    let filter: FilterOf = DrawFilter::with_second_lobe;
+    let scene = frame.gpu_scene;
+    pass.step().draws(SceneDraws { scene, frustum, filter, motion: Motion::Any, pipeline: Rc::new(pipeline) });
+    pass.finish();
     Some(GBuffer { base_color, normal, emissive: gbuffer.emissive, object, depth, surfaces: Surfaces::SecondLobes })
 }
 
-fn draw(
-    cx: &mut PassContext,
-    frame: &Frame,
-    seen: Handle<Texture>,
-    targets: &[Handle<Texture>; 4],
-) -> Result<(), PassError> {
-    let (view, seen) = (frame.view_uniform(cx.gpu), cx.view(seen));
-    let [color @ .., depth] = targets.map(|handle| cx.view(handle));
-    let attachments = color.each_ref().map(|view| {
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-        Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-    });
-    let mut pass = cx
-        .render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(NAME),
-            color_attachments: &attachments,
-            depth_stencil_attachment: Some(depth_attachment(&depth, Motion::Any)),
-            ..Default::default()
-        })
-        .forget_lifetime();
-    let frustum = frame.frustum();
-    let group = [("view", Binding::Buffer(&view)), ("seen", Binding::Texture(&seen))];
-    frame.gpu_scene.draw_with(cx, &mut pass, &group, &DrawFilter::with_second_lobe(&frustum), raster_key)
-}
-
-fn raster_key(class: MaterialClass) -> RasterKey {
+fn pipeline(class: MaterialClass) -> RasterKey {
     RasterKey {
         shader: "geometry/second_lobe.wgsl",
         vertex: "vertex",

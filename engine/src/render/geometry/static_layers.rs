@@ -5,66 +5,80 @@
 //! time, while anything moves in the view. The depth test lets the first of equals stay, and dynamic objects are drawn last
 //! whether they are drawn apart or not: both ways give the same bits.
 
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::graph::{Contents, Graph, Handle, RasterBuilder, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::scene_gpu::{DrawFilter, Motion};
+use crate::render::scene_gpu::{DrawFilter, FilterOf, Motion, PipelineOf, SceneDraws};
 use crate::render::views::hash;
-use std::hash::Hash;
+use crate::scene::Frustum;
+use encase::ShaderType;
+use encase::internal::WriteInto;
+use std::rc::Rc;
 
-/// Targets that hold what passes one of the `filters`, as seen by the views with that `key`. `draw` draws into the
-/// targets that it is given: all into cleared ones, or dynamic objects over what they hold, see [`ops`].
-pub(in crate::render) fn declare<'a, const N: usize>(
+/// A view of the scene, and the layer of the targets that it is drawn into.
+pub(in crate::render) struct LayerView<'a, U> {
+    /// The layer; `None` where the targets have no layers.
+    pub layer: Option<u32>,
+    /// What it sees.
+    pub frustum: Frustum,
+    /// What shaders bind as `view`.
+    pub uniform: U,
+    /// The pipelines that draw it.
+    pub pipeline: PipelineOf<'a>,
+}
+
+/// Targets that hold what the views see of what passes the filter: colours, and last of all depth.
+pub(in crate::render) fn declare<'a, U: ShaderType + WriteInto, const N: usize>(
     graph: &mut Graph<'a>,
     frame: &Frame<'a>,
     name: &str,
     targets: [(String, TextureDesc); N],
-    filters: &[DrawFilter],
-    key: &impl Hash,
-    draw: impl Fn(&mut PassContext, &[Handle<Texture>; N], Motion) -> Result<(), PassError> + Clone + 'a,
+    filter: FilterOf,
+    views: &[LayerView<'a, U>],
 ) -> [Handle<Texture>; N] {
     let scene = frame.gpu_scene;
-    let moving = scene.moving(filters);
-    let view = hash(&(hash(key), &targets.each_ref().map(|(_, desc)| desc)));
-    let apart = frame.views.are_apart(name, view, &moving)
+    let filters: Vec<DrawFilter> = views.iter().map(|view| filter(&view.frustum)).collect();
+    let moving = scene.moving(&filters);
+    let uniforms: Vec<_> = views.iter().map(|view| crate::gpu::uniform_bytes("view", &view.uniform)).collect();
+    let key = hash(&(uniforms, &targets.each_ref().map(|(_, desc)| desc)));
+    let are_apart = frame.views.are_apart(name, key, &moving)
         && filters.iter().any(|filter| scene.any_visible(&filter.of(Motion::Still)));
-    let still = apart.then(|| {
+    let draw = |mut pass: RasterBuilder<'_, 'a>, motion| {
+        for LayerView { layer, frustum, uniform, pipeline } in views {
+            let mut step = pass.step();
+            layer.iter().for_each(|layer| step.layer(*layer));
+            step.uniform("view", uniform);
+            step.draws(SceneDraws { scene, frustum: *frustum, filter, motion, pipeline: Rc::clone(pipeline) });
+        }
+        pass.finish();
+    };
+    let still = are_apart.then(|| {
         let kept =
             targets.each_ref().map(|(name, desc)| graph.retained_texture(format!("{name}, still"), desc.clone()));
-        let mut pass = graph.pass(format!("{name}, still"));
-        let kept = kept.map(|handle| pass.write(handle));
-        pass.key(&(scene.still_key(), view));
-        let draw = draw.clone();
-        pass.execute(move |cx| draw(cx, &kept, Motion::Still));
+        let mut pass = graph.raster(format!("{name}, still"));
+        let kept = draw_into(&mut pass, kept, Contents::Cleared);
+        draw(pass, Motion::Still);
         kept
     });
     let textures = targets.map(|(name, desc)| graph.retained_texture(name, desc));
-    let mut pass = graph.pass(name);
-    still.iter().flatten().for_each(|handle| pass.read(*handle));
-    let textures = textures.map(|handle| pass.write(handle));
-    pass.key(&(scene.still_key(), moving, view));
-    pass.execute(move |cx| match still {
-        Some(still) => {
-            still.into_iter().zip(textures).for_each(|(from, to)| copy(cx, from, to));
-            draw(cx, &textures, Motion::Moving)
-        }
-        None => draw(cx, &textures, Motion::Any),
-    });
+    let mut pass = graph.raster(name);
+    let (contents, motion) = match still {
+        Some(_) => (Contents::Kept, Motion::Moving),
+        None => (Contents::Cleared, Motion::Any),
+    };
+    let textures = draw_into(&mut pass, textures, contents);
+    still.into_iter().flatten().zip(textures).for_each(|(from, to)| pass.copy(from, to));
+    draw(pass, motion);
     textures
 }
 
-fn copy(cx: &mut PassContext, from: Handle<Texture>, to: Handle<Texture>) {
-    let [from, to] = [from, to].map(|handle| cx.texture(handle).clone());
-    cx.encoder().copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
-    cx.counts().bytes += TextureDesc::of(&from).bytes();
-}
-
-/// Whether nothing is to be drawn into a view: its target holds all already.
-pub(in crate::render) fn is_done(frame: &Frame, filter: &DrawFilter) -> bool {
-    filter.motion == Motion::Moving && !frame.gpu_scene.any_visible(filter)
-}
-
-/// Load operation of a target: dynamic objects are drawn over its contents, static ones into a cleared one.
-pub(in crate::render) fn ops<V>(motion: Motion, clear: V) -> wgpu::Operations<V> {
-    let load = if motion == Motion::Moving { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(clear) };
-    wgpu::Operations { load, store: wgpu::StoreOp::Store }
+fn draw_into<const N: usize>(
+    pass: &mut RasterBuilder,
+    targets: [Handle<Texture>; N],
+    contents: Contents,
+) -> [Handle<Texture>; N] {
+    let mut last = N;
+    targets.map(|target| {
+        last -= 1;
+        if last == 0 { pass.depth(target, contents) } else { pass.color(target, contents) }
+    })
 }

@@ -1,6 +1,5 @@
 //! The grid before the camera.
 
-use crate::gpu::Gpu;
 use crate::graph::PassBindings;
 use crate::render::frame::Frame;
 use crate::scene::{MediumShape, SceneMedium};
@@ -60,10 +59,6 @@ impl Grid {
         }
     }
 
-    pub fn uniform(&self, gpu: &Gpu) -> wgpu::Buffer {
-        gpu.uniform("haze", &self.uniform)
-    }
-
     pub fn bind(&self, pass: &mut PassBindings) {
         pass.uniform("haze", &self.uniform);
     }
@@ -79,14 +74,6 @@ impl Grid {
     /// Bytes of a buffer of a vector for each cell, and what lies behind the last of each column.
     pub fn bytes(&self) -> u64 {
         16 * u64::from(self.columns()) * u64::from(SLICES + 2)
-    }
-
-    /// Changes with it.
-    pub fn key(&self) -> [u32; 8] {
-        let u = &self.uniform;
-        let [x, y] = u.shift.to_array();
-        let [begin, length, power, x, y, z] = [u.begin, u.length, u.power, x, y, u.depth_shift].map(f32::to_bits);
-        [u.columns.x, u.columns.y, begin, length, power, x, y, z]
     }
 }
 

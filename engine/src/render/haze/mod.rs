@@ -14,8 +14,8 @@ use super::direct::lamps::Lamps;
 use super::frame::Frame;
 use super::geometry::GBuffer;
 use super::indirect::light_volumes::Field;
-use crate::gpu::{Binding, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassBindings, PassContext};
+use crate::gpu::ShaderDef;
+use crate::graph::{Buffer, Graph, Handle, PassBindings};
 use grid::Grid;
 
 /// Whether the frame shows media.
@@ -58,16 +58,6 @@ pub(in crate::render) fn declare<'a>(
 }
 
 impl Haze {
-    /// The buffer that passes read which look it up.
-    pub fn buffer(&self) -> Handle<Buffer> {
-        self.in_scattered
-    }
-
-    /// Changes with where the grid lies.
-    pub fn key(&self) -> [u32; 8] {
-        self.grid.key()
-    }
-
     /// Binds it to a pass that looks it up.
     pub fn bind(&self, pass: &mut PassBindings, frame: &Frame) {
         pass.define("HAZE", ShaderDef::Flag(true));
@@ -75,22 +65,4 @@ impl Haze {
         pass.read("in_scattered", self.in_scattered);
         frame.gpu_scene.bind_media(pass);
     }
-
-    /// The definitions of shaders that look it up.
-    pub fn defines(frame: &Frame) -> Vec<(&'static str, ShaderDef)> {
-        frame.gpu_scene.media_define().into_iter().chain([("HAZE", ShaderDef::Flag(true))]).collect()
-    }
-
-    /// The buffers of shaders that look it up, by their names.
-    pub fn bindings(&self, cx: &PassContext, frame: &Frame) -> Vec<(&'static str, wgpu::Buffer)> {
-        let mut bindings =
-            vec![("haze", self.grid.uniform(cx.gpu)), ("in_scattered", cx.buffer(self.in_scattered).clone())];
-        bindings.extend(frame.gpu_scene.media_binding(cx.gpu));
-        bindings
-    }
-}
-
-/// Bindings of buffers that are held elsewhere.
-fn as_bindings<'b>(buffers: &'b [(&'static str, wgpu::Buffer)]) -> Vec<(&'static str, Binding<'b>)> {
-    buffers.iter().map(|(name, buffer)| (*name, Binding::Buffer(buffer))).collect()
 }

@@ -6,8 +6,8 @@
 //! [`History`](crate::render::history::History) for what counts how much.
 
 use super::IndirectLight;
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, Texture};
+use crate::gpu::ComputeKey;
+use crate::graph::{Graph, Handle, Texture, Tracked};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::rays::mirror_define;
@@ -41,12 +41,6 @@ pub(in crate::render) fn declare<'a>(
         return indirect;
     };
     let averaged = graph.retained_texture("averaged indirect radiance", frame.image_desc());
-    let mut pass = graph.pass("average");
-    let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object];
-    inputs.into_iter().chain([gbuffer.depth, indirect]).for_each(|handle| pass.read(handle));
-    light.change.into_iter().for_each(|handle| pass.read(handle));
-    let averaged = pass.write(averaged);
-    pass.key(&(step.row, step.number, frame.view_key(), light.change.is_some(), light.mirrored.is_some()));
     let [width, height] = frame.view.size;
     let is_followed = light.change.is_some() && frame.history.follows_patches();
     let most = if is_followed { step.most_followed } else { step.most };
@@ -62,43 +56,27 @@ pub(in crate::render) fn declare<'a>(
     };
     let now = (step.number % 2) as usize;
     let (written, before) = (&targets[now], &targets[1 - now]);
-    let has_mirrors = light.mirrored.is_some();
-    let (depth, change, frame) = (gbuffer.depth, light.change, frame.clone());
-    pass.execute(move |cx| {
-        let [base_color, normal, object] = inputs.map(|handle| cx.view(handle));
-        let [depth, indirect, averaged] = [depth, indirect, averaged].map(|handle| cx.view(handle));
-        let change = change.map(|handle| cx.buffer(handle).clone());
-        let uniform = cx.gpu.uniform("average", &uniform);
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let mut key = ComputeKey::new("indirect/accumulate.wgsl", "main");
-        let mut group = vec![
-            ("average", Binding::Buffer(&uniform)),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("object", Binding::Texture(&object)),
-            ("depth", Binding::Texture(&depth)),
-            ("indirect", Binding::Texture(&indirect)),
-            ("light_before", Binding::Texture(&before.light)),
-            ("surface_before", Binding::Texture(&before.surface)),
-            ("light_now", Binding::Texture(&written.light)),
-            ("surface_now", Binding::Texture(&written.surface)),
-            ("averaged", Binding::Texture(&averaged)),
-        ];
-        if let Some(moved) = frame.history.motions().buffer() {
-            key = key.def("MOVED", ShaderDef::Flag(true));
-            group.push(("moved", Binding::Buffer(moved)));
-        }
-        if has_mirrors {
-            let (name, value) = mirror_define(false);
-            key = key.def(name, value);
-        }
-        if let Some(change) = &change {
-            key = key.def("PATCHES", ShaderDef::Flag(true));
-            group.push(("patch_change", Binding::Buffer(change)));
-            group.push(("primitive_ids", frame.surfels.primitive_ids()));
-            group.extend(frame.surfels.patches().bindings());
-        }
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
-    });
+    let of_frame = |view| Tracked::texture(view, &step.key());
+    let mut pass = graph.compute("average", ComputeKey::new("indirect/accumulate.wgsl", "main"));
+    pass.uniform("average", &uniform);
+    gbuffer.bind(&mut pass);
+    pass.read("indirect", indirect);
+    pass.tracked("light_before", of_frame(&before.light));
+    pass.tracked("surface_before", of_frame(&before.surface));
+    pass.tracked("light_now", of_frame(&written.light));
+    pass.tracked("surface_now", of_frame(&written.surface));
+    let averaged = pass.write("averaged", averaged);
+    frame.bind_motions(&mut pass);
+    if light.mirrored.is_some() {
+        let (name, value) = mirror_define(false);
+        pass.define(name, value);
+    }
+    if let Some(change) = light.change {
+        pass.flag("PATCHES", true);
+        pass.read("patch_change", change);
+        pass.tracked("primitive_ids", frame.surfels.primitive_ids(&frame.geometry_key()));
+        frame.bind_patches(&mut pass);
+    }
+    pass.dispatch_over([width, height]);
     averaged
 }

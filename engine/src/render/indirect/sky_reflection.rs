@@ -69,6 +69,7 @@ fn levels<'a>(graph: &mut Graph<'a>, map: &'a SkyMap) -> Handle<Texture> {
     let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
     let levels =
         graph.retained_texture("sky levels", TextureDesc::d2(width, rows, wgpu::TextureFormat::Rgba32Float, usage));
+    // By hand: the host finds the texels and uploads them.
     let mut pass = graph.pass("sky levels");
     let levels = pass.write(levels);
     pass.key(&map.id);

@@ -81,10 +81,10 @@ pub struct DrawFilter<'a> {
     pub motion: Motion,
 }
 
-impl<'a> DrawFilter<'a> {
+impl DrawFilter<'_> {
     /// Instances that a camera may see.
-    pub fn seen(frustum: &'a Frustum) -> Self {
-        Self {
+    pub fn seen(frustum: &Frustum) -> DrawFilter<'_> {
+        DrawFilter {
             frustum,
             casters_only: false,
             opaque_only: false,
@@ -96,29 +96,29 @@ impl<'a> DrawFilter<'a> {
     }
 
     /// Of that, what hides what lies behind.
-    pub fn opaque(frustum: &'a Frustum) -> Self {
-        Self { opaque_only: true, ..Self::seen(frustum) }
+    pub fn opaque(frustum: &Frustum) -> DrawFilter<'_> {
+        DrawFilter { opaque_only: true, ..Self::seen(frustum) }
     }
 
     /// Of that, what is of glass.
-    pub fn glass(frustum: &'a Frustum) -> Self {
-        Self { glass_only: true, ..Self::seen(frustum) }
+    pub fn glass(frustum: &Frustum) -> DrawFilter<'_> {
+        DrawFilter { glass_only: true, ..Self::seen(frustum) }
     }
 
     /// Of that, what has a second lobe.
-    pub fn with_second_lobe(frustum: &'a Frustum) -> Self {
-        Self { second_lobe_only: true, ..Self::seen(frustum) }
+    pub fn with_second_lobe(frustum: &Frustum) -> DrawFilter<'_> {
+        DrawFilter { second_lobe_only: true, ..Self::seen(frustum) }
     }
 
     /// Instances that cast shadows.
-    pub fn casters(frustum: &'a Frustum) -> Self {
-        Self { casters_only: true, ..Self::seen(frustum) }
+    pub fn casters(frustum: &Frustum) -> DrawFilter<'_> {
+        DrawFilter { casters_only: true, ..Self::seen(frustum) }
     }
 
     /// Of that, the walls in cells of so many metres.
-    pub fn walls(frustum: &'a Frustum, cell: f32) -> Self {
+    pub fn walls(frustum: &Frustum, cell: f32) -> DrawFilter<'_> {
         // A little less: surfels know the extent of their object but for a rounding.
-        Self { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
+        DrawFilter { least_wall: 0.9999 * cell, ..Self::casters(frustum) }
     }
 
     /// The same of those alone that move, or that do not.

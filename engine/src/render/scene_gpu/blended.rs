@@ -53,7 +53,7 @@ impl GpuScene {
         &self,
         cx: &mut PassContext,
         pass: &mut wgpu::RenderPass<'_>,
-        view: &wgpu::Buffer,
+        group: &[(&str, Binding<'_>)],
         filter: &DrawFilter,
         (eye, forward): (Vec3, Vec3),
         key: impl Fn(MaterialClass, Side) -> RasterKey,
@@ -67,8 +67,7 @@ impl GpuScene {
             let sides: &[Side] = if batch.class.double_sided { &[Side::Back, Side::Front] } else { &[Side::Front] };
             for &side in sides {
                 if current.as_ref().is_none_or(|(class, s, ..)| (*class, *s) != (batch.class, side)) {
-                    let pipeline =
-                        self.set_pipeline(gpu, pass, &[("view", Binding::Buffer(view))], &key(batch.class, side))?;
+                    let pipeline = self.set_pipeline(gpu, pass, group, &key(batch.class, side))?;
                     let groups = prepare(&pipeline, pass)?;
                     current = Some((batch.class, side, pipeline, groups));
                     bound.material = None;

@@ -1,6 +1,5 @@
 //! Lights in the layout of `lib/lights.wgsl`.
 
-use crate::gpu::Gpu;
 use crate::scene::{LightShape, SceneLight};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
@@ -66,10 +65,5 @@ impl LightUniform {
             cone_offset: 0.0,
             size: Vec2::ZERO,
         }
-    }
-
-    /// A buffer with the light's values.
-    pub(crate) fn buffer(gpu: &Gpu, light: &SceneLight) -> wgpu::Buffer {
-        gpu.uniform(&light.name, &Self::new(light))
     }
 }

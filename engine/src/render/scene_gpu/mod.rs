@@ -14,6 +14,7 @@ pub(super) mod light_uniform;
 mod material;
 pub(in crate::render) mod media;
 mod mesh;
+mod scene_draws;
 pub(in crate::render) mod sky;
 mod submit;
 pub(in crate::render) mod surfels;
@@ -23,9 +24,10 @@ mod texture;
 pub use batch::{DrawFilter, Motion};
 pub use blended::Side;
 pub use class::{MaterialClass, vertex_layout};
+pub(in crate::render) use scene_draws::{FilterOf, PipelineOf, SceneDraws};
 
 use crate::assets::AssetId;
-use crate::gpu::{Binding, ComputeKey, Gpu, Pipeline, RasterKey, ShaderDef};
+use crate::gpu::{Binding, Gpu, Pipeline, RasterKey};
 use crate::graph::{PassBindings, PassContext, PassError};
 use crate::scene::{Aabb, Primitive, is_mirrored};
 use batch::{Batch, Member};
@@ -118,27 +120,12 @@ impl GpuScene {
         self.passing(filter).any(|block| self.any_passes(block, filter))
     }
 
-    /// Draws all that passes the filter. `key` gives the pipeline of a class; the shader finds the view's uniform
-    /// under the name `view` and, where it declares them, `instances` and the material's bindings.
+    /// Draws all that passes the filter. `key` gives the pipeline of a class, and `group` what it binds as group 0 beside the
+    /// `instances`; of the material it binds what the shader declares.
     ///
     /// # Errors
     /// A shader that does not compile, or that declares a binding that is not there.
-    pub fn draw(
-        &self,
-        cx: &mut PassContext,
-        pass: &mut wgpu::RenderPass<'_>,
-        view: &wgpu::Buffer,
-        filter: &DrawFilter,
-        key: impl Fn(MaterialClass) -> RasterKey,
-    ) -> Result<(), PassError> {
-        self.draw_with(cx, pass, &[("view", Binding::Buffer(view))], filter, key)
-    }
-
-    /// As [`GpuScene::draw`], with all that group 0 holds beside the instances.
-    ///
-    /// # Errors
-    /// As there.
-    pub(in crate::render) fn draw_with(
+    pub(in crate::render) fn draw(
         &self,
         cx: &mut PassContext,
         pass: &mut wgpu::RenderPass<'_>,
@@ -238,29 +225,11 @@ impl GpuScene {
         self.sky.view()
     }
 
-    /// A shader that knows the participating media, if there are any.
-    pub(in crate::render) fn with_media(&self, key: ComputeKey) -> ComputeKey {
-        match self.media_define() {
-            Some((name, count)) => key.def(name, count),
-            None => key,
-        }
-    }
-
     /// Binds the media to a pass, if there are any.
     pub(in crate::render) fn bind_media(&self, pass: &mut PassBindings) {
         if let Some(media) = &self.media {
             media.bind(pass);
         }
-    }
-
-    /// The definition of such a shader.
-    pub(in crate::render) fn media_define(&self) -> Option<(&'static str, ShaderDef)> {
-        self.media.as_ref().map(GpuMedia::define)
-    }
-
-    /// What such a shader binds.
-    pub(in crate::render) fn media_binding(&self, gpu: &Gpu) -> Option<(&'static str, wgpu::Buffer)> {
-        self.media.as_ref().map(|media| ("media", media.buffer(gpu)))
     }
 
     /// Whether any surface is of glass.

@@ -1,6 +1,6 @@
 //! The scene's surfels on the device.
 
-use crate::gpu::{Binding, Changing, Gpu};
+use crate::gpu::{Changing, Gpu};
 use crate::graph::{PassBindings, Tracked, hash};
 use crate::scene::{Scene, Surfel, SurfelCloud, cells_from_world};
 use bytemuck::{Pod, Zeroable};
@@ -95,15 +95,6 @@ impl GpuPatches {
         pass.tracked("patch_table", Tracked::buffer(&self.table, revision));
         pass.tracked("patch_grids", Tracked::buffer(self.grids.buffer(), revision));
     }
-
-    /// The bindings of shaders that look patches up.
-    pub fn bindings(&self) -> [(&'static str, Binding<'_>); 3] {
-        [
-            ("patch_table", Binding::Buffer(&self.table)),
-            ("place_of_primitive", Binding::Buffer(&self.place_of_primitive)),
-            ("patch_grids", Binding::Buffer(self.grids.buffer())),
-        ]
-    }
 }
 
 /// Surfels in object space and the places of their objects, as buffers.
@@ -193,11 +184,6 @@ impl GpuSurfels {
         }
     }
 
-    /// Low 32 bits of the identities of the scene's primitives, in their order, which is that of these numbers.
-    pub(in crate::render) fn primitive_ids(&self) -> Binding<'_> {
-        Binding::Buffer(&self.primitive_ids)
-    }
-
     /// Number of surfels in the buffer: at least one.
     pub fn count(&self) -> u32 {
         self.cloud.surfels.len().max(1) as u32
@@ -261,6 +247,11 @@ impl GpuSurfels {
     /// First surfel and number of surfels of each patch.
     pub(in crate::render) fn ranges(&self) -> Tracked<'_> {
         Tracked::buffer(&self.patches.ranges, &self.revision())
+    }
+
+    /// Identities of the scene's primitives, in their order.
+    pub(in crate::render) fn primitive_ids(&self, geometry: &impl Hash) -> Tracked<'_> {
+        Tracked::buffer(&self.primitive_ids, &(hash(geometry), self.revision()))
     }
 
     /// Binds them to the pass that places them, of a scene's geometry.

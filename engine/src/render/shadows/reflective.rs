@@ -1,17 +1,17 @@
 //! Reflective shadow maps: what each light sees, as the sources of indirect light (Dachsbacher and Stamminger 2005).
 
 use super::light_view::{LightView, light_views};
-use super::shadow_map::view_bits;
 use super::through_glass;
-use crate::gpu::{Gpu, RasterKey};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::gpu::RasterKey;
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use crate::render::geometry::static_layers;
-use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_state};
+use crate::render::geometry::static_layers::{self, LayerView};
+use crate::render::scene_gpu::{DrawFilter, MaterialClass};
 use crate::scene::{Aabb, Frustum, MAX_RSM_SIZE, SceneLight};
 use encase::ShaderType;
 use glam::{Mat4, Vec3};
+use std::rc::Rc;
 use wgpu::TextureFormat;
 
 /// `RsmView` of `shadows/reflective.wgsl`.
@@ -159,67 +159,26 @@ pub fn declare_sized<'a>(
         target("specular", TextureFormat::R32Uint),
         target("depth", DEPTH_FORMAT),
     ];
-    let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
-    let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
     // Not the light itself: a map does not change with a flickering light.
-    let key = view_bits(&views);
-    let (drawn, faces) = (frame.clone(), views.clone());
-    let draw = move |cx: &mut PassContext, targets: &[Handle<Texture>; 4], motion| {
-        let mut layers = faces.iter().zip(0..);
-        layers.try_for_each(|(view, layer)| draw_layer(cx, &drawn, view, targets, layer, motion))
+    let face = |(view, layer): (&LightView, u32)| {
+        let mirrors = view.is_mirrored();
+        // Faces of a cube are mirror images: there the front of a triangle winds the other way.
+        let seen_as = move |class: MaterialClass| MaterialClass { mirrored: class.mirrored != mirrors, ..class };
+        LayerView {
+            layer: Some(layer),
+            frustum: Frustum::new(&view.clip_from_world),
+            uniform: RsmViewUniform { clip_from_world: view.clip_from_world, eye: view.eye },
+            pipeline: Rc::new(move |class| pipeline(seen_as(class))),
+        }
     };
+    let faces: Vec<_> = views.iter().zip(0..).map(face).collect();
     let [base_color, normal, specular, depth] =
-        static_layers::declare(graph, frame, &name, targets, &filters, &key, draw);
+        static_layers::declare(graph, frame, &name, targets, DrawFilter::casters, &faces);
     let rsm = Rsm { light, index, views, size, base_color, normal, specular, depth };
     Some(through_glass::declare(graph, frame, rsm))
 }
 
-fn draw_layer(
-    cx: &mut PassContext,
-    frame: &Frame,
-    view: &LightView,
-    targets: &[Handle<Texture>; 4],
-    layer: u32,
-    motion: Motion,
-) -> Result<(), PassError> {
-    let frustum = Frustum::new(&view.clip_from_world);
-    let filter = DrawFilter::casters(&frustum).of(motion);
-    if static_layers::is_done(frame, &filter) {
-        return Ok(());
-    }
-    let [base_color, normal, specular, depth] = targets.map(|handle| layer_view(cx.gpu, cx.texture(handle), layer));
-    let uniform = view_uniform(cx.gpu, view);
-    let attachment = |view| {
-        Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: static_layers::ops(motion, wgpu::Color::TRANSPARENT),
-        })
-    };
-    let mut pass = cx
-        .render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("rsm"),
-            color_attachments: &[attachment(&base_color), attachment(&normal), attachment(&specular)],
-            depth_stencil_attachment: Some(depth_attachment(&depth, motion)),
-            ..Default::default()
-        })
-        .forget_lifetime();
-    // Faces of a cube are mirror images: there the front of a triangle winds the other way.
-    let seen_as = |class: MaterialClass| MaterialClass { mirrored: class.mirrored != view.is_mirrored(), ..class };
-    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(seen_as(class)))
-}
-
-fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
-    gpu.uniform("rsm view", &RsmViewUniform { clip_from_world: view.clip_from_world, eye: view.eye })
-}
-
-/// A view of one layer, to be drawn into.
-pub(in crate::render) fn layer_view(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    gpu.view_of_layers(texture, wgpu::TextureViewDimension::D2, layer..layer + 1)
-}
-
-fn raster_key(class: MaterialClass) -> RasterKey {
+fn pipeline(class: MaterialClass) -> RasterKey {
     RasterKey {
         shader: "shadows/reflective.wgsl",
         vertex: "vertex",

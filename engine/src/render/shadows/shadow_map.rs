@@ -1,15 +1,16 @@
 //! Shadow maps: one layer a view, six for point lights (Williams 1978; for points Gerasimov, GPU Gems 2004).
 
 use super::light_view::{LightView, light_views, sees_by_cube};
-use crate::gpu::{Gpu, RasterKey};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::gpu::RasterKey;
+use crate::graph::{Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_attachment, depth_state};
-use crate::render::geometry::static_layers;
-use crate::render::scene_gpu::{DrawFilter, MaterialClass, Motion};
+use crate::render::geometry::gbuffer::{DEPTH_FORMAT, depth_state};
+use crate::render::geometry::static_layers::{self, LayerView};
+use crate::render::scene_gpu::{DrawFilter, MaterialClass, PipelineOf};
 use crate::scene::{Aabb, Frustum, LightShape, SceneLight};
 use encase::ShaderType;
 use glam::{Mat4, Vec3};
+use std::rc::Rc;
 
 /// `ShadowView` of `shadows/shadow_map.wgsl`.
 #[derive(ShaderType)]
@@ -99,16 +100,17 @@ pub fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, light: &'a SceneLig
         wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
     );
     let kind = kind_of(light);
-    let (drawn, faces) = (frame.clone(), views.clone());
-    let draw = move |cx: &mut PassContext, maps: &[Handle<Texture>; 1], motion| {
-        let mut layers = faces.iter().zip(0..);
-        layers.try_for_each(|(face, layer)| draw_face(cx, &drawn, face, (maps[0], layer), kind == 1, motion))
-    };
-    let frusta: Vec<Frustum> = views.iter().map(|view| Frustum::new(&view.clip_from_world)).collect();
-    let filters: Vec<DrawFilter> = frusta.iter().map(DrawFilter::casters).collect();
+    let pipeline: PipelineOf = Rc::new(move |class| pipeline(class, kind == 1));
     // Not the light itself: a map does not change with a flickering light.
-    let key = view_bits(&views);
-    let [map] = static_layers::declare(graph, frame, &name, [(name.clone(), desc)], &filters, &key, draw);
+    let face = |(view, layer): (&LightView, u32)| LayerView {
+        layer: Some(layer),
+        frustum: Frustum::new(&view.clip_from_world),
+        uniform: ShadowViewUniform { clip_from_world: view.clip_from_world, eye: view.eye, far: view.far },
+        pipeline: Rc::clone(&pipeline),
+    };
+    let faces: Vec<_> = views.iter().zip(0..).map(face).collect();
+    let targets = [(name.clone(), desc)];
+    let [map] = static_layers::declare(graph, frame, &name, targets, DrawFilter::casters, &faces);
     Some(ShadowMap { map, views, kind, size })
 }
 
@@ -145,40 +147,7 @@ fn kind_of(light: &SceneLight) -> u32 {
     }
 }
 
-/// Draws the casters that a view of the light sees; a face that sees none is only cleared.
-fn draw_face(
-    cx: &mut PassContext,
-    frame: &Frame,
-    view: &LightView,
-    (map, layer): (Handle<Texture>, u32),
-    directional: bool,
-    motion: Motion,
-) -> Result<(), PassError> {
-    let frustum = Frustum::new(&view.clip_from_world);
-    let filter = DrawFilter::casters(&frustum).of(motion);
-    if static_layers::is_done(frame, &filter) {
-        return Ok(());
-    }
-    let target = cx.gpu.view_of_layers(cx.texture(map), wgpu::TextureViewDimension::D2, layer..layer + 1);
-    let uniform = view_uniform(cx.gpu, view);
-    let mut pass = cx
-        .render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shadow"),
-            depth_stencil_attachment: Some(depth_attachment(&target, motion)),
-            ..Default::default()
-        })
-        .forget_lifetime();
-    frame.gpu_scene.draw(cx, &mut pass, &uniform, &filter, |class| raster_key(class, directional))
-}
-
-fn view_uniform(gpu: &Gpu, view: &LightView) -> wgpu::Buffer {
-    gpu.uniform(
-        "shadow view",
-        &ShadowViewUniform { clip_from_world: view.clip_from_world, eye: view.eye, far: view.far },
-    )
-}
-
-fn raster_key(class: MaterialClass, directional: bool) -> RasterKey {
+fn pipeline(class: MaterialClass, directional: bool) -> RasterKey {
     let fragment = match (directional, class.masked) {
         (true, false) => None,
         (true, true) => Some("directional_masked"),
@@ -196,9 +165,4 @@ fn raster_key(class: MaterialClass, directional: bool) -> RasterKey {
         depth: Some(depth_state()),
         targets: Vec::new(),
     }
-}
-
-/// The bits of all matrices, for a cache key.
-pub(in crate::render) fn view_bits(views: &[LightView]) -> Vec<[u32; 16]> {
-    views.iter().map(|view| view.clip_from_world.to_cols_array().map(f32::to_bits)).collect()
 }

@@ -5,8 +5,11 @@
 //! lend one irradiance to all of them, the mean of what the visible surfaces receive. In the lights' own views a
 //! blended surface is there where it is more than half opaque. Where alpha reaches 1 it is drawn with the opaque ones.
 
-use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::gpu::{Binding, Gpu, Pipeline, RasterKey, ShaderDef, uniform_bytes};
+use crate::graph::{
+    Buffer, Contents, Counts, DrawBindings, Draws, Graph, Handle, PassBindings, PassContext, PassError, Texture,
+    TextureDesc, hash,
+};
 use crate::render::direct::{DirectLight, comparison_sampler, layered_view, no_shadow_map};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{GBuffer, depth_state};
@@ -16,6 +19,7 @@ use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::scene_gpu::{DrawFilter, MaterialClass, Side};
 use crate::render::settings::Layer;
 use crate::render::shadows::shadow_map::{ShadowMap, ShadowUniform};
+use crate::scene::Frustum;
 use encase::ShaderType;
 use std::array::from_fn;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, TextureFormat};
@@ -71,7 +75,7 @@ pub fn is_needed(graph: &mut Graph, frame: &Frame) -> bool {
     false
 }
 
-fn filter_of(frustum: &crate::scene::Frustum) -> DrawFilter<'_> {
+fn filter_of(frustum: &Frustum) -> DrawFilter<'_> {
     DrawFilter::seen(frustum)
 }
 
@@ -88,30 +92,45 @@ pub(in crate::render) fn declare<'a>(
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let color = graph.retained_texture("blend color", TextureDesc::d2(width, height, color_format(gpu), usage));
     let object = graph.retained_texture(OBJECTS, TextureDesc::d2(width, height, TextureFormat::R32Uint, usage));
-    let mut pass = graph.pass("blend");
-    let depth = gbuffer.depth;
-    pass.read(depth);
+    let mut pass = graph.raster("blend");
+    let (color, _) = (pass.color(color, Contents::Cleared), pass.color(object, Contents::Cleared));
+    pass.test_depth(gbuffer.depth);
+    frame.bind_view(&mut pass);
+    pass.flag("FORWARD", true);
+    source.iter().for_each(|source| bind_source(&mut pass, frame, source));
+    if let Some(haze) = haze {
+        haze.bind(&mut pass, frame);
+    }
+    seen_through.iter().for_each(|&seen| pass.read("seen_through", seen));
     for shadow in direct_lights.iter().filter_map(|direct_light| direct_light.shadow.as_ref()) {
-        pass.read(shadow.map);
+        pass.read_in_draws(shadow.map);
     }
-    match &source {
-        Some(Source::Field(field)) => field.buffers().iter().for_each(|&buffer| pass.read(buffer)),
-        Some(Source::Patches(light) | Source::Ambient(light)) => pass.read(*light),
-        None => {}
-    }
-    haze.iter().for_each(|haze| pass.read(haze.buffer()));
-    seen_through.iter().for_each(|&seen| pass.read(seen));
-    let (color, object) = (pass.write(color), pass.write(object));
-    let lights: Vec<_> =
-        direct_lights.iter().map(|direct_light| (direct_light.light.revision, direct_light.shadow.is_some())).collect();
-    let clpv = frame.scene.revisions.clpv;
-    let only = frame.settings.only;
-    pass.key(&(frame.geometry_key(), frame.view_key(), lights, clpv, frame.settings.gi, only));
-    pass.key(&haze.map(|haze| (haze.key(), frame.media_key())));
-    pass.key(&(seen_through.is_some(), frame.surfels.revision()));
-    let work = Work { frame: frame.clone(), direct_lights, source, haze, seen_through, depth, color, object };
-    pass.execute(move |cx| work.run(cx));
+    pass.count(Counts { lights: direct_lights.len() as u64, ..Counts::default() });
+    let (frustum, format) = (frame.frustum(), color_format(gpu));
+    let sees_through = seen_through.is_some();
+    pass.step().draws(BlendedDraws { frame: frame.clone(), direct_lights, frustum, format, sees_through });
+    pass.finish();
     color
+}
+
+/// Binds, as part of group 3, what indirect light is looked up in.
+fn bind_source<'a>(pass: &mut PassBindings<'_, 'a>, frame: &Frame<'a>, source: &Source) {
+    match source {
+        Source::Patches(light) => {
+            pass.flag("PATCHED", true);
+            pass.read("patch_light", *light);
+            frame.bind_patches(pass);
+            pass.tracked("primitive_ids", frame.surfels.primitive_ids(&frame.geometry_key()));
+        }
+        Source::Field(field) => {
+            pass.flag(field.define(), true);
+            field.bind(pass, |_| true);
+        }
+        Source::Ambient(light) => {
+            pass.flag("AMBIENT", true);
+            pass.read("ambient", *light);
+        }
+    }
 }
 
 /// Half floats where the adapter cannot blend whole ones: radiance above 65504 is cut off.
@@ -123,83 +142,78 @@ pub(super) fn color_format(gpu: &Gpu) -> TextureFormat {
     }
 }
 
-struct Work<'a> {
+/// The blended surfaces of a view, from the farthest to the nearest.
+struct BlendedDraws<'a> {
     frame: Frame<'a>,
     direct_lights: Vec<DirectLight<'a>>,
-    source: Option<Source>,
-    haze: Option<Haze>,
-    seen_through: Option<Handle<Texture>>,
-    depth: Handle<Texture>,
-    color: Handle<Texture>,
-    object: Handle<Texture>,
+    frustum: Frustum,
+    format: TextureFormat,
+    sees_through: bool,
 }
 
-impl Work<'_> {
-    fn run(&self, cx: &mut PassContext) -> Result<(), PassError> {
-        let gpu = cx.gpu;
-        let (color, object, depth) = (cx.view(self.color), cx.view(self.object), cx.view(self.depth));
-        let cleared = |view| {
-            let ops =
-                wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-        };
-        let mut pass = cx
-            .render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("blend"),
-                color_attachments: &[cleared(&color), cleared(&object)],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &depth,
-                    depth_ops: None,
-                    stencil_ops: None,
-                }),
-                ..Default::default()
-            })
-            .forget_lifetime();
-        let maps: Vec<Option<wgpu::TextureView>> = self
-            .direct_lights
-            .iter()
-            .map(|direct_light| direct_light.shadow.as_ref().map(|s| layered_view(cx.gpu, cx.texture(s.map))))
-            .collect();
-        let indirect = self.indirect_bindings(cx);
-        let seen_through = self.seen_through.map(|seen| cx.view(seen));
-        let view = self.frame.view_uniform(gpu);
-        let camera = self.frame.view.camera.world_from_view;
-        let order = (self.frame.view.eye(), camera.transform_vector3(glam::Vec3::NEG_Z));
-        let format = color_format(gpu);
-        cx.counts().lights += self.direct_lights.len() as u64;
-        self.frame.gpu_scene.draw_blended(
-            cx,
-            &mut pass,
-            &view,
-            &filter_of(&self.frame.frustum()),
-            order,
-            |class, side| self.raster_key(class, side, format),
-            |pipeline, pass| {
-                let mut bindings: Vec<_> = indirect.iter().map(|(name, b)| (*name, Binding::Buffer(b))).collect();
-                let seen = seen_through.iter().filter(|_| pipeline.declares(3, "seen_through"));
-                bindings.extend(seen.map(|seen| ("seen_through", Binding::Texture(seen))));
-                if let Some(Source::Patches(_)) = &self.source {
-                    bindings.extend(self.frame.surfels.patches().bindings());
-                    bindings.push(("primitive_ids", self.frame.surfels.primitive_ids()));
-                }
-                if !bindings.is_empty() {
-                    pass.set_bind_group(3, &pipeline.bind(gpu, 3, &bindings)?, &[]);
-                }
-                self.light_groups(gpu, pipeline, &maps)
-            },
-        )
+impl Draws for BlendedDraws<'_> {
+    fn key(&self) -> u64 {
+        let scene = self.frame.gpu_scene;
+        let lights: Vec<_> = self.light_uniforms().map(|uniform| uniform_bytes("blend", &uniform)).collect();
+        let have_shadows: Vec<bool> = self.direct_lights.iter().map(|light| light.shadow.is_some()).collect();
+        let moving = scene.moving(&[filter_of(&self.frustum)]);
+        hash(&(scene.still_key(), moving, lights, have_shadows, self.pipeline(MaterialClass::SIMPLEST, Side::Front)))
     }
 
-    /// Group 3: what indirect light is looked up in, and haze.
-    fn indirect_bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
-        let mut bindings = match &self.source {
-            Some(Source::Patches(light)) => vec![("patch_light", cx.buffer(*light).clone())],
-            Some(Source::Field(field)) => field.bindings(cx),
-            Some(Source::Ambient(ambient)) => vec![("ambient", cx.buffer(*ambient).clone())],
-            None => Vec::new(),
+    fn is_empty(&self) -> bool {
+        !self.frame.gpu_scene.any_blended(&filter_of(&self.frustum))
+    }
+
+    fn draw(
+        &self,
+        cx: &mut PassContext,
+        pass: &mut wgpu::RenderPass<'_>,
+        bound: &DrawBindings,
+    ) -> Result<(), PassError> {
+        let gpu = cx.gpu;
+        let shadow = |light: &DirectLight| light.shadow.as_ref().map(|s| layered_view(gpu, cx.texture(s.map)));
+        let maps: Vec<Option<wgpu::TextureView>> = self.direct_lights.iter().map(shadow).collect();
+        let camera = self.frame.view.camera.world_from_view;
+        let order = (self.frame.view.eye(), camera.transform_vector3(glam::Vec3::NEG_Z));
+        let view: Vec<_> = bound.group.iter().filter(|(name, _)| *name == "view").copied().collect();
+        let pipeline = |class, side| {
+            let mut pipeline = self.pipeline(class, side);
+            pipeline.defs.extend(bound.defines.iter().cloned());
+            pipeline
         };
-        bindings.extend(self.haze.iter().flat_map(|haze| haze.bindings(cx, &self.frame)));
-        bindings
+        let prepare = |pipeline: &Pipeline, pass: &mut wgpu::RenderPass<'_>| {
+            let used = bound.group.iter().filter(|(name, _)| pipeline.declares(3, name));
+            let used: Vec<_> = used.copied().collect();
+            if !used.is_empty() {
+                pass.set_bind_group(3, &pipeline.bind(gpu, 3, &used)?, &[]);
+            }
+            self.light_groups(gpu, pipeline, &maps)
+        };
+        self.frame.gpu_scene.draw_blended(cx, pass, &view, &filter_of(&self.frustum), order, pipeline, prepare)
+    }
+}
+
+impl BlendedDraws<'_> {
+    /// What the lights of each draw of a surface are, a few at a time.
+    fn light_uniforms(&self) -> impl Iterator<Item = BlendUniform> + '_ {
+        let has_emission = self.frame.settings.only != Layer::Indirect;
+        let draws = self.direct_lights.len().div_ceil(LIGHTS_A_DRAW).max(1);
+        (0..draws).map(move |draw| {
+            let direct_lights = self.direct_lights.get(draw * LIGHTS_A_DRAW..).unwrap_or_default();
+            BlendUniform {
+                lights: from_fn(|i| {
+                    direct_lights.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light))
+                }),
+                shadows: from_fn(|i| {
+                    let shadow = direct_lights.get(i).and_then(|direct_light| direct_light.shadow.as_ref());
+                    shadow.map_or_else(ShadowMap::none_uniform, ShadowMap::uniform)
+                }),
+                light_count: direct_lights.len().min(LIGHTS_A_DRAW) as u32,
+                is_first: u32::from(draw == 0),
+                has_emission: u32::from(has_emission && draw == 0),
+                patch_size: self.frame.surfels.patch_size(),
+            }
+        })
     }
 
     /// Group 2 of each draw of a surface: the lights, a few at a time.
@@ -211,27 +225,11 @@ impl Work<'_> {
     ) -> Result<Vec<wgpu::BindGroup>, PassError> {
         let none = no_shadow_map(gpu);
         let sampler = comparison_sampler(gpu);
-        let has_emission = self.frame.settings.only != Layer::Indirect;
-        let draws = self.direct_lights.len().div_ceil(LIGHTS_A_DRAW).max(1);
-        let mut groups = Vec::with_capacity(draws);
-        for first in (0..draws).map(|draw| draw * LIGHTS_A_DRAW) {
-            let direct_lights = self.direct_lights.get(first..).unwrap_or_default();
-            let count = direct_lights.len().min(LIGHTS_A_DRAW);
-            let uniform = BlendUniform {
-                lights: from_fn(|i| {
-                    direct_lights.get(i).map_or_else(LightUniform::none, |l| LightUniform::new(l.light))
-                }),
-                shadows: from_fn(|i| {
-                    let shadow = direct_lights.get(i).and_then(|direct_light| direct_light.shadow.as_ref());
-                    shadow.map_or_else(ShadowMap::none_uniform, ShadowMap::uniform)
-                }),
-                light_count: count as u32,
-                is_first: u32::from(first == 0),
-                has_emission: u32::from(has_emission && first == 0),
-                patch_size: self.frame.surfels.patch_size(),
-            };
+        let group = |(draw, uniform): (usize, BlendUniform)| {
             let uniform = gpu.uniform("blend", &uniform);
-            let map = |i: usize| Binding::Texture(maps.get(first + i).and_then(Option::as_ref).unwrap_or(&none));
+            let map = |i: usize| {
+                Binding::Texture(maps.get(draw * LIGHTS_A_DRAW + i).and_then(Option::as_ref).unwrap_or(&none))
+            };
             let bindings = [
                 ("blend", Binding::Buffer(&uniform)),
                 ("shadow_first", map(0)),
@@ -240,30 +238,22 @@ impl Work<'_> {
                 ("shadow_fourth", map(3)),
                 ("shadow_sampler", Binding::Sampler(&sampler)),
             ];
-            groups.push(pipeline.bind(gpu, 2, &bindings)?);
-        }
-        Ok(groups)
+            Ok(pipeline.bind(gpu, 2, &bindings)?)
+        };
+        self.light_uniforms().enumerate().map(group).collect()
     }
 
-    fn raster_key(&self, class: MaterialClass, side: Side, format: TextureFormat) -> RasterKey {
+    fn pipeline(&self, class: MaterialClass, side: Side) -> RasterKey {
         let over = BlendComponent {
             src_factor: BlendFactor::One,
             dst_factor: BlendFactor::OneMinusSrcAlpha,
             operation: BlendOperation::Add,
         };
         let mut defs = class.defs_of_view();
-        defs.push(("FORWARD", ShaderDef::Flag(true)));
-        match &self.source {
-            Some(Source::Patches(_)) => defs.push(("PATCHED", ShaderDef::Flag(true))),
-            Some(Source::Field(field)) => defs.push((field.define(), ShaderDef::Flag(true))),
-            Some(Source::Ambient(_)) => defs.push(("AMBIENT", ShaderDef::Flag(true))),
-            None => {}
-        }
         if class.glass {
             defs.push(("GLASS", ShaderDef::Flag(true)));
-            defs.extend(self.seen_through.map(|_| ("SEEN_THROUGH", ShaderDef::Flag(true))));
+            defs.extend(self.sees_through.then_some(("SEEN_THROUGH", ShaderDef::Flag(true))));
         }
-        defs.extend(self.haze.iter().flat_map(|_| Haze::defines(&self.frame)));
         RasterKey {
             shader: "transparency/blend.wgsl",
             vertex: "vertex",
@@ -279,7 +269,7 @@ impl Work<'_> {
             }),
             targets: vec![
                 Some(wgpu::ColorTargetState {
-                    format,
+                    format: self.format,
                     blend: Some(BlendState { color: over, alpha: over }),
                     write_mask: wgpu::ColorWrites::ALL,
                 }),

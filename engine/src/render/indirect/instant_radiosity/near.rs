@@ -3,7 +3,7 @@
 use super::particles::{Lights, VirtualLights};
 use super::trace_particles::{Particles, VirtualLight};
 use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, Handle, PassContext, PassError, Texture};
+use crate::graph::{ComputeBuilder, Graph, Handle, PassContext, PassError, Texture};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::gloss;
@@ -102,6 +102,7 @@ impl<'a> Work<'a> {
             diffuse: graph.texture("near diffuse", frame.image_desc()),
             specular: graph.texture("near specular", frame.image_desc()),
         };
+        // By hand: the uniform and the part of the lights that is bound are known once the particles are traced.
         let mut pass = graph.pass("near light");
         let inputs = [self.gbuffer.base_color, self.gbuffer.normal, self.gbuffer.object, self.gbuffer.depth];
         inputs.into_iter().for_each(|handle| pass.read(handle));
@@ -187,56 +188,40 @@ impl<'a> Work<'a> {
 
     /// Declares the filter, along rows and columns; the result is `summed` with the near light.
     fn filter(&self, graph: &mut Graph<'a>, brought: Contribution, summed: Handle<Texture>) -> Handle<Texture> {
-        let (frame, gbuffer) = (&self.frame, &self.gbuffer);
-        let radius = self.state.settings.near_filter.max(1);
-        let key = (radius, frame.seed(), frame.view_key(), frame.geometry_key(), frame.scene.revisions.lights);
+        let frame = &self.frame;
         let half = Contribution {
             diffuse: graph.texture("near diffuse, filtered along rows", frame.image_desc()),
             specular: graph.texture("near specular, filtered along rows", frame.image_desc()),
         };
-        let mut pass = graph.pass("near filter, horizontal");
-        let inputs = [gbuffer.normal, gbuffer.depth, brought.diffuse, brought.specular];
-        inputs.into_iter().for_each(|handle| pass.read(handle));
-        let half = Contribution { diffuse: pass.write(half.diffuse), specular: pass.write(half.specular) };
-        pass.key(&key);
-        let work = self.clone();
-        pass.execute(move |cx| {
-            let names = ["normal", "depth", "diffuse", "specular"];
-            work.run_filter(
-                cx,
-                "horizontal",
-                names.into_iter().zip(inputs).chain([("diffuse_out", half.diffuse), ("specular_out", half.specular)]),
-            )
-        });
+        let mut pass = self.begin_filter(graph, ["near filter, horizontal", "horizontal"], brought);
+        let half = Contribution {
+            diffuse: pass.write("diffuse_out", half.diffuse),
+            specular: pass.write("specular_out", half.specular),
+        };
+        pass.dispatch_over(frame.view.size);
         let indirect = graph.retained_texture("indirect radiance, near light added", frame.image_desc());
-        let mut pass = graph.pass("near filter, vertical");
-        let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.depth, half.diffuse, half.specular, summed];
-        inputs.into_iter().for_each(|handle| pass.read(handle));
-        let indirect = pass.write(indirect);
-        pass.key(&key);
-        let work = self.clone();
-        pass.execute(move |cx| {
-            let names = ["base_color", "normal", "depth", "diffuse", "specular", "summed"];
-            work.run_filter(cx, "vertical", names.into_iter().zip(inputs).chain([("indirect", indirect)]))
-        });
+        let mut pass = self.begin_filter(graph, ["near filter, vertical", "vertical"], half);
+        pass.read("base_color", self.gbuffer.base_color);
+        pass.read("summed", summed);
+        let indirect = pass.write("indirect", indirect);
+        pass.dispatch_over(frame.view.size);
         indirect
     }
 
-    fn run_filter(
+    fn begin_filter<'g>(
         &self,
-        cx: &mut PassContext,
-        entry: &'static str,
-        textures: impl Iterator<Item = (&'static str, Handle<Texture>)>,
-    ) -> Result<(), PassError> {
-        let [width, height] = self.frame.view.size;
-        let near = cx.gpu.uniform("near", &self.uniform(&Particles::default(), 0, 0));
-        let views: Vec<_> = textures.map(|(name, handle)| (name, cx.view(handle))).collect();
-        let mut group = vec![("near", Binding::Buffer(&near))];
-        group.extend(views.iter().map(|(name, view)| (*name, Binding::Texture(view))));
-        cx.counts().texels += u64::from(width) * u64::from(height);
-        let radius = self.state.settings.near_filter.max(1) as i32;
-        let key = ComputeKey::new("indirect/instant_radiosity/near.wgsl", entry).def("RADIUS", ShaderDef::Int(radius));
-        cx.dispatch(&key, &group, [width.div_ceil(8), height.div_ceil(8), 1])
+        graph: &'g mut Graph<'a>,
+        [name, entry]: [&'static str; 2],
+        light: Contribution,
+    ) -> ComputeBuilder<'g, 'a> {
+        let mut pass = graph.compute(name, ComputeKey::new("indirect/instant_radiosity/near.wgsl", entry));
+        pass.define("RADIUS", ShaderDef::Int(self.state.settings.near_filter.max(1) as i32));
+        pass.uniform("near", &self.uniform(&Particles::default(), 0, 0));
+        pass.read("normal", self.gbuffer.normal);
+        pass.read("depth", self.gbuffer.depth);
+        pass.read("diffuse", light.diffuse);
+        pass.read("specular", light.specular);
+        pass
     }
 }
 

@@ -155,7 +155,7 @@ impl VirtualLights {
     }
 
     /// All that particles depend on. Settings of the shading are left out.
-    fn key(&self, scene: &Scene) -> String {
+    pub(super) fn key(&self, scene: &Scene) -> String {
         let settings = InstantRadiosity {
             accumulation: Accumulation::default(),
             visibility: VirtualVisibility::default(),
@@ -205,6 +205,7 @@ fn why_all(state: &VirtualLights, frame: &Frame) -> Option<&'static str> {
 /// Declares the shooting. What the particles left stays on the processor; the device has the number of candidates.
 fn declare_shots<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a VirtualLights) -> Handle<Buffer> {
     let count = graph.retained_buffer("candidates", BufferDesc::new(4, wgpu::BufferUsages::STORAGE));
+    // By hand, as the two passes after it: the host traces the particles.
     let mut pass = graph.pass("particles");
     let count = pass.write(count);
     pass.key(&state.key(frame.scene));

@@ -1,8 +1,8 @@
 //! The ways of particles as lines over the image, hidden where a surface lies before them.
 
 use super::particles::VirtualLights;
-use crate::gpu::{Binding, RasterKey};
-use crate::graph::{Graph, Handle, PassError, Texture};
+use crate::gpu::RasterKey;
+use crate::graph::{Contents, Graph, Handle, Texture};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::{GBuffer, depth_state};
 use glam::Vec3;
@@ -16,46 +16,16 @@ pub(in crate::render) fn declare<'a>(
     state: &'a VirtualLights,
     radiance: Handle<Texture>,
 ) -> Handle<Texture> {
-    let mut pass = graph.pass("particle paths");
-    let depth = gbuffer.depth;
-    pass.read(depth);
-    let radiance = pass.write(radiance);
-    pass.key(&(frame.view_key(), frame.settings.particle_paths));
-    let frame = frame.clone();
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let vertices = vertices(&state.particles().paths, frame.settings.particle_paths as usize);
-        if vertices.is_empty() {
-            return Ok(());
-        }
-        let pipeline = gpu.pipelines.raster(gpu, &raster_key())?;
-        let buffer = gpu.storage("particle paths", &vertices, wgpu::BufferUsages::empty());
-        let (target, depth) = (cx.view(radiance), cx.view(depth));
-        let view = frame.view_uniform(gpu);
-        let group = pipeline.bind(gpu, 0, &[("view", Binding::Buffer(&view)), ("ends", Binding::Buffer(&buffer))])?;
-        let raster = pipeline.raster().ok_or_else(|| PassError::message("paths.wgsl makes no raster pipeline"))?;
-        let mut pass = cx.render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("particle paths"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(raster);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..vertices.len() as u32, 0..1);
-        drop(pass);
-        cx.counts().draws += 1;
-        Ok(())
-    });
+    let most = frame.settings.particle_paths;
+    let ends = move || vertices(&state.particles().paths, most as usize);
+    let revision = (state.key(frame.scene), most);
+    let mut pass = graph.raster("particle paths");
+    let radiance = pass.color(radiance, Contents::Kept);
+    pass.test_depth(gbuffer.depth);
+    frame.bind_view(&mut pass);
+    pass.values_of("ends", &revision, ends);
+    pass.step().draw_later(pipeline(), &revision, move || [ends().len() as u32, 1]);
+    pass.finish();
     radiance
 }
 
@@ -65,7 +35,7 @@ fn vertices(paths: &[Vec<Vec3>], most: usize) -> Vec<[f32; 4]> {
     flights.flat_map(|(ends, bounce)| [ends[0], ends[1]].map(|end| end.extend(bounce as f32).to_array())).collect()
 }
 
-fn raster_key() -> RasterKey {
+fn pipeline() -> RasterKey {
     RasterKey {
         shader: "indirect/instant_radiosity/paths.wgsl",
         vertex: "vertex",

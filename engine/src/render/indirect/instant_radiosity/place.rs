@@ -3,8 +3,8 @@
 use super::particles::{LightCount, Lights, VirtualLights};
 use super::schedule::deal;
 use super::trace_particles::VirtualLight;
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{BufferDesc, Graph};
+use crate::gpu::ComputeKey;
+use crate::graph::{BufferDesc, Counts, Graph};
 use crate::render::frame::Frame;
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::{self, Rsm};
@@ -41,52 +41,32 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, state: &'a V
     let total: u32 = counts.iter().sum();
     let size = u64::from(total) * size_of::<VirtualLight>() as u64;
     let buffer = graph.retained_buffer("virtual lights", BufferDesc::new(size, wgpu::BufferUsages::STORAGE));
-    let mut pass = graph.pass("place");
-    for map in &maps {
-        pass.read(map.base_color);
-        pass.read(map.normal);
-        pass.read(map.depth);
+    let mut pass = graph.compute("place", ComputeKey::new("indirect/instant_radiosity/place.wgsl", "main"));
+    let buffer = pass.write("virtual_lights", buffer);
+    let mut first = 0;
+    for (&(map, layer), &count) in layers.iter().zip(&counts) {
+        let rsm = &maps[map];
+        let place = MapPlaceUniform {
+            first,
+            count,
+            seed: super::random::hash_pair(settings.seed, first),
+            random: u32::from(settings.sequence == ParticleSequence::Random),
+            near_bound: settings.near_bound,
+            pad_a: 0,
+            pad_b: 0,
+            pad_c: 0,
+        };
+        let mut step = pass.step("main");
+        step.uniform("place", &place);
+        step.uniform("light", &LightUniform::new(rsm.light));
+        step.uniform("rsm", &rsm.layer_uniform(layer, 1.0));
+        step.read("base_color", rsm.base_color);
+        step.read("normal", rsm.normal);
+        step.read("depth", rsm.depth);
+        step.over_items(count);
+        first += count;
     }
-    let buffer = pass.write(buffer);
-    let revisions: Vec<u64> = maps.iter().map(|map| map.light.revision).collect();
-    let key = (settings.particles, settings.seed, settings.near_bound.to_bits(), settings.sequence, settings.shading);
-    pass.key(&(frame.scene.identity, revisions, key));
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let mut first = 0;
-        for (&(map, layer), &count) in layers.iter().zip(&counts) {
-            let rsm = &maps[map];
-            let place = MapPlaceUniform {
-                first,
-                count,
-                seed: super::random::hash_pair(settings.seed, first),
-                random: u32::from(settings.sequence == ParticleSequence::Random),
-                near_bound: settings.near_bound,
-                pad_a: 0,
-                pad_b: 0,
-                pad_c: 0,
-            };
-            let [base_color, normal, depth] = [rsm.base_color, rsm.normal, rsm.depth].map(|handle| cx.view(handle));
-            let lights = cx.buffer(buffer).clone();
-            let groups = count.div_ceil(64);
-            let across = groups.min(32_768);
-            cx.dispatch(
-                &ComputeKey::new("indirect/instant_radiosity/place.wgsl", "main"),
-                &[
-                    ("place", Binding::Buffer(&gpu.uniform("place", &place))),
-                    ("light", Binding::Buffer(&LightUniform::buffer(gpu, rsm.light))),
-                    ("rsm", Binding::Buffer(&gpu.uniform("rsm layer", &rsm.layer_uniform(layer, 1.0)))),
-                    ("base_color", Binding::Texture(&base_color)),
-                    ("normal", Binding::Texture(&normal)),
-                    ("depth", Binding::Texture(&depth)),
-                    ("virtual_lights", Binding::Buffer(&lights)),
-                ],
-                [across, groups.div_ceil(across), 1],
-            )?;
-            first += count;
-        }
-        cx.counts().lights += u64::from(total);
-        Ok(())
-    });
+    pass.count(Counts { lights: total.into(), ..Counts::default() });
+    pass.finish();
     Some(Lights { buffer, all: buffer, count: LightCount::Known(total) })
 }

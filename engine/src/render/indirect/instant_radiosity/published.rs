@@ -36,6 +36,7 @@ pub(super) fn declare<'a>(
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let desc = TextureDesc::d2(width, height, TextureFormat::Rgba32Float, usage);
     let indirect = graph.retained_texture("indirect radiance", desc);
+    // By hand: there is a render pass for each light, whose number is known once the particles are traced.
     let mut pass = graph.pass("vpl letter");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {
@@ -137,7 +138,9 @@ impl Work<'_> {
         let view = self.frame.view_uniform(gpu);
         let frustum = self.frame.frustum();
         let filter = DrawFilter::opaque(&frustum);
-        self.frame.gpu_scene.draw(cx, &mut pass, &view, &filter, |class| self.raster_key(class))
+        self.frame
+            .gpu_scene
+            .draw(cx, &mut pass, &[("view", Binding::Buffer(&view))], &filter, |class| self.raster_key(class))
     }
 
     fn raster_key(&self, class: MaterialClass) -> RasterKey {

@@ -46,6 +46,7 @@ pub(super) fn declare<'a>(
     let sums = graph.texture("virtual light sums", sums);
     let desc = TextureDesc::d2(width, height, wgpu::TextureFormat::Rgba32Float, usage);
     let indirect = graph.retained_texture("indirect radiance", desc);
+    // By hand: the number of lights, and so of dispatches, is known once the particles are traced.
     let mut pass = graph.pass("vpl shade");
     let inputs = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
     for input in inputs {

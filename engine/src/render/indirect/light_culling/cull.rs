@@ -34,8 +34,9 @@ pub(super) fn declare<'a>(
     let masks = buffer(graph, "slc masks", method.mask_words());
     let slices = buffer(graph, "slc slices", u64::from(width) * u64::from(height));
     let frames = declare_frames(graph, frame, method, sources);
-    let shader = method.sliced(ComputeKey::new("indirect/light_culling/cull.wgsl", "main"));
+    let shader = ComputeKey::new("indirect/light_culling/cull.wgsl", "main");
     let mut pass = graph.compute("slc cull", shader);
+    method.define_slices(&mut pass);
     pass.uniform("culling", &method.values(frame, 0));
     pass.read("depth", gbuffer.depth);
     pass.read("ranges", sources.ranges);

@@ -2,8 +2,8 @@
 
 use super::{Method, Sources, particle_lights};
 use crate::assets::SkyMap;
-use crate::gpu::{Binding, ComputeKey, Gpu};
-use crate::graph::{Buffer, BufferDesc, Graph, Handle, PassContext, PassError, Texture, TextureDesc};
+use crate::gpu::{ComputeKey, Gpu};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, Texture, TextureDesc};
 use crate::render::frame::{Frame, ViewUniform};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::light_view::light_views;
@@ -133,13 +133,6 @@ impl Method {
     }
 }
 
-/// Workgroups of 64 threads, one thread a light, in rows that every device dispatches.
-pub(super) fn groups_of(lights: u32) -> [u32; 3] {
-    let groups = lights.div_ceil(64).max(1);
-    let x = groups.min(32_768);
-    [x, groups.div_ceil(x), 1]
-}
-
 /// The maps of all lights that feed indirect light. Each light has an equal share of the texels, and a point light
 /// spreads its share over its faces.
 pub(super) fn maps<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, settings: &StochasticLightCulling) -> Vec<Rsm<'a>> {
@@ -173,73 +166,36 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<
 fn declare_lights<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, maps: &[Rsm<'a>], method: &Method) -> Handle<Buffer> {
     let count = u64::from(method.lights) * u64::from(method.subsets());
     let buffer = graph.retained_buffer("virtual lights", BufferDesc::new(LIGHT_BYTES * count, BufferUsages::STORAGE));
-    let mut pass = graph.pass("virtual lights");
+    let mut pass = graph.compute("virtual lights", ComputeKey::new("indirect/light_culling/lights.wgsl", "main"));
+    let buffer = pass.write("virtual_lights", buffer);
+    let (n, lights) = (method.settings.interleave, method.lights);
+    let mut first = 0;
     for map in maps {
-        for handle in [map.base_color, map.normal, map.specular, map.depth] {
-            pass.read(handle);
+        for layer in 0..map.views.len() {
+            let (light, rsm) = (LightUniform::new(map.light), map.layer_uniform(layer, 1.0));
+            let mut step = pass.step("main");
+            step.uniform("place", &PlaceUniform { light, rsm, first, lights, interleave: n, pad: 0 });
+            step.read("base_color", map.base_color);
+            step.read("normal", map.normal);
+            step.read("specular", map.specular);
+            step.read("depth", map.depth);
+            step.count(Counts { lights: map.layer_texels(), ..Counts::default() });
+            step.over_uncounted([map.size; 2]);
+            first += (map.size / n) * (map.size / n);
         }
     }
-    let buffer = pass.write(buffer);
-    let n = method.settings.interleave;
-    let revisions: Vec<u64> = maps.iter().map(|map| map.light.revision).collect();
-    pass.key(&(frame.scene.identity, revisions, n, particle_lights::key(frame.scene)));
-    let (maps, lights, scene) = (maps.to_vec(), method.lights, frame.scene);
-    pass.execute(move |cx| {
-        let target = cx.buffer(buffer).clone();
-        let mut first = 0;
-        for map in &maps {
-            for layer in 0..map.views.len() {
-                let light = LightUniform::new(map.light);
-                let rsm = map.layer_uniform(layer, 1.0);
-                let place = PlaceUniform { light, rsm, first, lights, interleave: n, pad: 0 };
-                take_layer(cx, map, &place, &target)?;
-                first += (map.size / n) * (map.size / n);
-            }
-        }
-        particle_lights::place(cx, scene, &target, [first, lights, n * n])
-    });
+    particle_lights::declare_step(&mut pass, frame.scene, [first, lights, n * n]);
+    pass.finish();
     buffer
-}
-
-fn take_layer(cx: &mut PassContext, map: &Rsm, place: &PlaceUniform, target: &wgpu::Buffer) -> Result<(), PassError> {
-    let gpu = cx.gpu;
-    let [base_color, normal, specular, depth] =
-        [map.base_color, map.normal, map.specular, map.depth].map(|handle| cx.view(handle));
-    cx.counts().lights += map.layer_texels();
-    let groups = map.size.div_ceil(8);
-    cx.dispatch(
-        &ComputeKey::new("indirect/light_culling/lights.wgsl", "main"),
-        &[
-            ("place", Binding::Buffer(&gpu.uniform("place", place))),
-            ("base_color", Binding::Texture(&base_color)),
-            ("normal", Binding::Texture(&normal)),
-            ("specular", Binding::Texture(&specular)),
-            ("depth", Binding::Texture(&depth)),
-            ("virtual_lights", Binding::Buffer(target)),
-        ],
-        [groups, groups, 1],
-    )
 }
 
 fn declare_bound(graph: &mut Graph, method: &Method, lights: Handle<Buffer>) -> Handle<Buffer> {
     let bound = graph.retained_buffer("slc error bound", BufferDesc::new(16, BufferUsages::STORAGE));
-    let mut pass = graph.pass("slc error bound");
-    pass.read(lights);
-    let bound = pass.write(bound);
-    let delta = method.delta_uniform();
-    pass.key(&[delta.relative, delta.absolute].map(f32::to_bits));
-    pass.execute(move |cx| {
-        let [lights, target] = [lights, bound].map(|handle| cx.buffer(handle).clone());
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_culling/delta.wgsl", "main"),
-            &[
-                ("wanted", Binding::Buffer(&cx.gpu.uniform("delta", &delta))),
-                ("virtual_lights", Binding::Buffer(&lights)),
-                ("bound", Binding::Buffer(&target)),
-            ],
-            [1, 1, 1],
-        )
-    });
+    let mut pass = graph.compute("slc error bound", ComputeKey::new("indirect/light_culling/delta.wgsl", "main"));
+    pass.uniform("wanted", &method.delta_uniform());
+    pass.read("virtual_lights", lights);
+    let bound = pass.write("bound", bound);
+    pass.dispatch_groups([1, 1, 1]);
     bound
 }
 
@@ -256,27 +212,12 @@ fn declare_ranges(
     let (width, height) = (count.clamp(1, LIGHTS_A_ROW), count.div_ceil(LIGHTS_A_ROW).max(1));
     let desc = TextureDesc::d2_array(width, height, LIGHT_TEXELS, wgpu::TextureFormat::Rgba32Float, usage);
     let texels = graph.retained_texture("slc light texels", desc);
-    let mut pass = graph.pass("slc ranges");
-    pass.read(lights);
-    pass.read(bound);
-    let (ranges, texels) = (pass.write(ranges), pass.write(texels));
-    let chances = method.chances_uniform();
-    pass.key(&(chances.lights, chances.seed, chances.bounds, chances.lobes, chances.independent));
-    pass.execute(move |cx| {
-        let [lights, bound, target] = [lights, bound, ranges].map(|handle| cx.buffer(handle).clone());
-        cx.counts().lights += u64::from(count);
-        let view = cx.view(texels);
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_culling/range.wgsl", "main"),
-            &[
-                ("chances", Binding::Buffer(&cx.gpu.uniform("chances", &chances))),
-                ("virtual_lights", Binding::Buffer(&lights)),
-                ("bound", Binding::Buffer(&bound)),
-                ("ranges", Binding::Buffer(&target)),
-                ("light_texels", Binding::Texture(&view)),
-            ],
-            groups_of(count),
-        )
-    });
+    let mut pass = graph.compute("slc ranges", ComputeKey::new("indirect/light_culling/range.wgsl", "main"));
+    pass.uniform("chances", &method.chances_uniform());
+    pass.read("virtual_lights", lights);
+    pass.read("bound", bound);
+    let (ranges, texels) = (pass.write("ranges", ranges), pass.write("light_texels", texels));
+    pass.count(Counts { lights: count.into(), ..Counts::default() });
+    pass.dispatch_items(count);
     (ranges, texels)
 }

@@ -29,8 +29,8 @@ pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUnifo
 #[cfg(test)]
 pub(crate) use particle_lights::{ParticleLight, PlacingUniform};
 
-use crate::gpu::{ComputeKey, Gpu, ShaderDef};
-use crate::graph::{Buffer, Graph, Handle, Texture, TextureDesc};
+use crate::gpu::{Gpu, ShaderDef};
+use crate::graph::{Buffer, Graph, Handle, PassBindings, Texture, TextureDesc};
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -103,11 +103,10 @@ impl Method {
         if self.settings.culling == LightCulling::Clustered { CLUSTERS } else { HALVES }
     }
 
-    /// A shader that reads or writes masks, with the number of slices.
-    fn sliced(&self, key: ComputeKey) -> ComputeKey {
-        match self.slices() {
-            HALVES => key,
-            slices => key.def("SLICES", ShaderDef::Uint(slices)),
+    /// Lets a shader that reads or writes masks know the number of slices.
+    fn define_slices(&self, pass: &mut PassBindings) {
+        if self.slices() != HALVES {
+            pass.define("SLICES", ShaderDef::Uint(self.slices()));
         }
     }
 

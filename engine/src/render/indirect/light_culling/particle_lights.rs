@@ -1,8 +1,7 @@
 //! Virtual lights of light-emitting particles: points of their surfaces, chosen in proportion to the flux that they emit.
 
-use super::lights::groups_of;
-use crate::gpu::{Binding, ComputeKey};
-use crate::graph::{PassContext, PassError};
+use crate::gpu::ComputeKey;
+use crate::graph::ComputeBuilder;
 use crate::scene::{Primitive, Scene};
 use bytemuck::{Pod, Zeroable};
 use encase::ShaderType;
@@ -41,7 +40,7 @@ pub(super) fn count(scene: &Scene) -> u32 {
 }
 
 /// Changes with the particles, and with the box around what they light.
-pub(super) fn key(scene: &Scene) -> Option<(Vec<[u64; 3]>, [u32; 6])> {
+fn key(scene: &Scene) -> Option<(Vec<[u64; 3]>, [u32; 6])> {
     let revisions: Vec<_> = sources(scene).map(|p| [p.id.0, p.geometry_revision, p.material_revision]).collect();
     let bounds = scene.bounds();
     let corners = [bounds.min, bounds.max].map(|corner| corner.to_array());
@@ -52,28 +51,20 @@ fn sources(scene: &Scene) -> impl Iterator<Item = &Primitive> {
     scene.primitives.iter().filter(|primitive| primitive.is_particles())
 }
 
-/// Writes the lights behind the others of each subset: `first` is their place in it, of `lights`.
-pub(super) fn place(
-    cx: &mut PassContext,
-    scene: &Scene,
-    target: &wgpu::Buffer,
+/// Declares the step that writes the lights behind the others of each subset: `first` is their place in it, of `lights`.
+pub(super) fn declare_step<'a>(
+    pass: &mut ComputeBuilder<'_, 'a>,
+    scene: &'a Scene,
     [first, lights, subsets]: [u32; 3],
-) -> Result<(), PassError> {
+) {
     let count = count(scene);
     if count == 0 {
-        return Ok(());
+        return;
     }
-    let made = cx.gpu.storage("particle lights", &sample(scene, count * subsets), wgpu::BufferUsages::empty());
-    let placing = cx.gpu.uniform("placing", &PlacingUniform { first, lights, count, subsets });
-    cx.dispatch(
-        &ComputeKey::new("indirect/light_culling/particle_lights.wgsl", "main"),
-        &[
-            ("placing", Binding::Buffer(&placing)),
-            ("particle_lights", Binding::Buffer(&made)),
-            ("virtual_lights", Binding::Buffer(target)),
-        ],
-        groups_of(count * subsets),
-    )
+    let mut step = pass.step_of(ComputeKey::new("indirect/light_culling/particle_lights.wgsl", "main"));
+    step.uniform("placing", &PlacingUniform { first, lights, count, subsets });
+    step.values_of("particle_lights", &(scene.identity, key(scene)), move || sample(scene, count * subsets));
+    step.over_items(count * subsets);
 }
 
 /// A triangle that emits light.

@@ -2,11 +2,10 @@
 
 use super::cull::Culled;
 use super::{ACCEPTED, Method, Shaded, Sources, TESTED, casts_rays, image_desc};
-use crate::gpu::{Binding, ComputeKey, ShaderDef};
-use crate::graph::{Graph, PassError};
+use crate::gpu::ComputeKey;
+use crate::graph::{Counts, Graph, Tracked};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
-use crate::render::rays::dispatch_rays;
 
 /// Pixels times lights that one submit may test: under a second on slow adapters.
 const TESTS_A_SUBMIT: u64 = 1 << 27;
@@ -24,79 +23,42 @@ pub(super) fn declare<'a>(
 ) -> Shaded {
     let diffuse = graph.retained_texture(TESTED, image_desc(frame));
     let specular = graph.retained_texture(ACCEPTED, image_desc(frame));
-    let mut pass = graph.pass("slc shade");
-    let surfaces = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth];
-    surfaces.into_iter().for_each(|handle| pass.read(handle));
-    let (texels, bound) = (sources.texels, sources.bound);
-    pass.read(texels);
-    pass.read(bound);
-    let masks = culled.map(|culled| [culled.masks, culled.slices]);
-    masks.into_iter().flatten().for_each(|handle| pass.read(handle));
-    let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
     let rays = casts_rays(&method.settings);
-    pass.key(&(method.key(frame), rays.then(|| (frame.geometry_key(), frame.media_key()))));
-    let (frame, method) = (frame.clone(), method.clone());
-    pass.execute(move |cx| {
-        let gpu = cx.gpu;
-        let views = surfaces.map(|handle| cx.view(handle));
-        let targets = [shaded.diffuse, shaded.specular].map(|handle| cx.view(handle));
-        let (texels, bound) = (cx.view(texels), cx.buffer(bound).clone());
-        let masks = masks.map(|masks| masks.map(|handle| cx.buffer(handle).clone()));
-        let scene = frame.rays.filter(|_| rays);
-        let mut key = match scene {
-            Some(scene) => scene.shader("indirect/light_culling/shade.wgsl", "main").def("RAYS", ShaderDef::Flag(true)),
-            None if rays => return Err(PassError::message("the scene is not ready for rays".to_owned())),
-            None => ComputeKey::new("indirect/light_culling/shade.wgsl", "main"),
-        };
-        match masks {
-            None => key = key.def("UNCULLED", ShaderDef::Flag(true)),
-            Some(_) => key = method.sliced(key),
+    let mut pass = graph.compute("slc shade", ComputeKey::new("indirect/light_culling/shade.wgsl", "main"));
+    if rays {
+        frame.bind_ray_surfaces(&mut pass);
+        pass.flag("RAYS", true);
+        if let Some(map) = method.sky_map(frame) {
+            pass.flag("SKY_MAP", true);
+            pass.tracked("sky", Tracked::texture(frame.gpu_scene.sky(), &map.id));
         }
-        for (shines, without) in method.lobes().into_iter().zip(["NO_DIFFUSE", "NO_SPECULAR"]) {
-            if !shines {
-                key = key.def(without, ShaderDef::Flag(true));
-            }
+    }
+    match culled {
+        None => pass.flag("UNCULLED", true),
+        Some(culled) => {
+            method.define_slices(&mut pass);
+            pass.read("masks", culled.masks);
+            pass.read("slices", culled.slices);
         }
-        let has_sky_map = scene.is_some() && method.sky_map(&frame).is_some();
-        if has_sky_map {
-            key = key.def("SKY_MAP", ShaderDef::Flag(true));
-        }
-        let [width, height] = frame.view.size.map(u64::from);
-        cx.counts().texels += width * height;
-        let batch = subsets_a_submit(&method, width * height, rays, masks.is_none());
-        let mut first = 0;
-        while first < method.subsets() {
-            let count = batch.min(method.subsets() - first);
-            let culling = method.uniform(gpu, &frame, first);
-            let mut group = vec![
-                ("culling", Binding::Buffer(&culling)),
-                ("base_color", Binding::Texture(&views[0])),
-                ("normal", Binding::Texture(&views[1])),
-                ("object", Binding::Texture(&views[2])),
-                ("depth", Binding::Texture(&views[3])),
-                ("light_texels", Binding::Texture(&texels)),
-                ("bound", Binding::Buffer(&bound)),
-                ("diffuse", Binding::Texture(&targets[0])),
-                ("specular", Binding::Texture(&targets[1])),
-            ];
-            if has_sky_map {
-                group.push(("sky", Binding::Texture(frame.gpu_scene.sky())));
-            }
-            if let Some([masks, slices]) = &masks {
-                group.extend([("masks", Binding::Buffer(masks)), ("slices", Binding::Buffer(slices))]);
-            }
-            cx.work(u64::from(count), u64::from(batch))?;
-            let groups = [method.tiles[0], method.tiles[1], count];
-            match scene {
-                Some(scene) => {
-                    dispatch_rays(cx, &key, &group, scene, groups)?;
-                }
-                None => cx.dispatch(&key, &group, groups)?,
-            }
-            first += count;
-        }
-        Ok(())
-    });
+    }
+    let [diffuse_shines, specular_shines] = method.lobes();
+    pass.flag("NO_DIFFUSE", !diffuse_shines);
+    pass.flag("NO_SPECULAR", !specular_shines);
+    gbuffer.bind(&mut pass);
+    pass.read("light_texels", sources.texels);
+    pass.read("bound", sources.bound);
+    let shaded = Shaded { diffuse: pass.write("diffuse", diffuse), specular: pass.write("specular", specular) };
+    let pixels = frame.view.size.map(u64::from).iter().product();
+    pass.count(Counts { texels: pixels, ..Counts::default() });
+    let batch = subsets_a_submit(method, pixels, rays, culled.is_none());
+    for first in (0..method.subsets()).step_by(batch as usize) {
+        let count = batch.min(method.subsets() - first);
+        let mut step = pass.step("main");
+        step.uniform("culling", &method.values(frame, first));
+        step.work(count.into(), batch.into());
+        step.in_groups([method.tiles[0], method.tiles[1], count]);
+    }
+    pass.finish();
     shaded
 }
 

@@ -103,27 +103,13 @@ pub(super) fn declare<'a>(
     let atlas = declare_atlas(graph, frame, gbuffer, method, sources);
     let diffuse = graph.retained_texture(TESTED, image_desc(frame));
     let specular = graph.retained_texture(ACCEPTED, image_desc(frame));
-    let mut pass = graph.pass("slc gather");
-    pass.read(atlas.diffuse);
-    pass.read(atlas.specular);
-    let shaded = Shaded { diffuse: pass.write(diffuse), specular: pass.write(specular) };
-    pass.key(&method.key(frame));
-    let (frame, method) = (frame.clone(), method.clone());
-    pass.execute(move |cx| {
-        let [width, height] = frame.view.size;
-        let images = [atlas.diffuse, atlas.specular, shaded.diffuse, shaded.specular].map(|handle| cx.view(handle));
-        cx.dispatch(
-            &ComputeKey::new("indirect/light_culling/splat.wgsl", "gather"),
-            &[
-                ("culling", Binding::Buffer(&method.uniform(cx.gpu, &frame, 0))),
-                ("diffuse_atlas", Binding::Texture(&images[0])),
-                ("specular_atlas", Binding::Texture(&images[1])),
-                ("diffuse", Binding::Texture(&images[2])),
-                ("specular", Binding::Texture(&images[3])),
-            ],
-            [width.div_ceil(8), height.div_ceil(8), 1],
-        )
-    });
+    let mut pass = graph.compute("slc gather", ComputeKey::new("indirect/light_culling/splat.wgsl", "gather"));
+    pass.uniform("culling", &method.values(frame, 0));
+    pass.read("diffuse_atlas", atlas.diffuse);
+    pass.read("specular_atlas", atlas.specular);
+    let shaded = Shaded { diffuse: pass.write("diffuse", diffuse), specular: pass.write("specular", specular) };
+    pass.step("gather").over_uncounted(frame.view.size);
+    pass.finish();
     shaded
 }
 
@@ -141,6 +127,7 @@ fn declare_atlas<'a>(
     let desc = TextureDesc::d2(width, height, TextureFormat::Rgba32Float, usage);
     let diffuse = graph.retained_texture("slc diffuse atlas", desc.clone());
     let specular = graph.retained_texture("slc specular atlas", desc);
+    // By hand: the subsets of a row share a render pass, each with a viewport and bindings of its own.
     let mut pass = graph.pass("slc splat");
     let surfaces = [gbuffer.base_color, gbuffer.normal, gbuffer.object, gbuffer.depth, sources.texels];
     surfaces.into_iter().for_each(|handle| pass.read(handle));

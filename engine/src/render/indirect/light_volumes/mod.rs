@@ -24,7 +24,7 @@ pub(crate) use rsm_draw::DrawUniform;
 pub(in crate::render) use volume::VolumeUniform;
 pub use volume::{MAX_CASCADES, MAX_CELLS, MAX_STEPS, Volume, volumes};
 
-use crate::graph::{Buffer, Handle, PassBindings, PassContext, Texture};
+use crate::graph::{Buffer, Handle, PassBindings, Texture};
 use crate::render::indirect::Scattered;
 use diffusion::relight;
 
@@ -69,14 +69,6 @@ pub(crate) enum Field {
 }
 
 impl Field {
-    /// All buffers, which a pass that looks light up reads.
-    pub(in crate::render) fn buffers(&self) -> &[Handle<Buffer>] {
-        match self {
-            Self::Swept { buffers, .. } => buffers,
-            Self::Propagated { lit, .. } => lit,
-        }
-    }
-
     /// The define with which a shader looks it up.
     pub(in crate::render) fn define(&self) -> &'static str {
         match self {
@@ -106,23 +98,6 @@ impl Field {
             Self::Propagated { uniform, lit } => {
                 pass.uniform("relight", uniform);
                 relight::bind_cascades(pass, lit);
-            }
-        }
-    }
-
-    /// Bindings of a shader that looks it up, by its names.
-    pub(in crate::render) fn bindings(&self, cx: &PassContext) -> Vec<(&'static str, wgpu::Buffer)> {
-        match self {
-            Self::Swept { volume, buffers } => {
-                let [axes, facing, opacity] = buffers.map(|handle| cx.buffer(handle).clone());
-                let volume = cx.gpu.uniform("volume", &volume.uniform());
-                vec![("swept", volume), ("axes", axes), ("facing", facing), ("opacity", opacity)]
-            }
-            Self::Propagated { uniform, lit } => {
-                let names = ["light_finest", "light_second", "light_third", "light_coarsest"];
-                let mut bindings: Vec<_> = names.into_iter().zip(relight::cascade_buffers(cx, lit)).collect();
-                bindings.push(("relight", cx.gpu.uniform("relight", uniform)));
-                bindings
             }
         }
     }

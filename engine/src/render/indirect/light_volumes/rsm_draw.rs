@@ -112,7 +112,8 @@ impl<'a> Draw<'a> {
         let cumulative = graph.retained_buffer(name, desc.clone());
         let weights = graph.buffer(temporary, desc);
         let mut pass = graph.compute(name, wanted.weight.shader(SHADER, "weigh"));
-        let (weights, cumulative) = (pass.write("weights", weights), pass.write("cumulative", cumulative));
+        let _ = pass.write("weights", weights);
+        let cumulative = pass.write("cumulative", cumulative);
         // Not the seed and the number: the sum does not depend on them.
         let weighed = Self { maps, uniform: DrawUniform { points: 0, seed: 0, ..uniform }, wanted, cumulative };
         for map in &weighed.maps {

@@ -61,11 +61,6 @@ impl Volume {
     pub(in crate::render) fn key(&self) -> ([u32; 4], [u32; 3]) {
         (self.origin.extend(self.cell).to_array().map(f32::to_bits), self.cells.to_array())
     }
-
-    /// All that the fade into the next coarser cascade depends on.
-    pub(super) fn fade_key(&self) -> [[u32; 3]; 2] {
-        [self.fade_center, self.fade_half].map(|v| v.to_array().map(f32::to_bits))
-    }
 }
 
 /// The cascades of the settings for this view, finest first. `bounds` are the scene's.

@@ -354,6 +354,7 @@ pub(crate) fn declare<'a>(
     let radiance = graph.retained_texture(name, desc);
     let done = tracer.samples();
     let more = samples.max(1).saturating_sub(done).min(a_frame.max(1));
+    // By hand: how much is traced before each submit follows from how long the one before took.
     let mut pass = graph.pass("reference");
     let radiance = pass.write(radiance);
     pass.key(&(key, done + more, layer_index(layer)));

@@ -67,7 +67,6 @@ pub(super) fn samples<'a>(
 /// scene's order, so that the sum depends neither on the order of texels nor on the brightest light.
 pub(super) fn declare<'a>(
     graph: &mut Graph<'a>,
-    frame: &Frame<'a>,
     sources: &Sources<'_, 'a>,
     level: usize,
     volume: &Volume,
@@ -80,25 +79,26 @@ pub(super) fn declare<'a>(
     let injected = graph.retained_buffer(name.as_str(), desc);
     let mut pass = graph.compute(name, ComputeKey::new("indirect/light_volumes/diffusion/inject.wgsl", "inject"));
     pass.uniform("volume", &volume.uniform());
-    let into = Into { volume: *volume, fixed: pass.write("fixed", fixed), injected: pass.write("injected", injected) };
-    pass.clear(into.injected);
+    let injection =
+        Injection { volume: *volume, fixed: pass.write("fixed", fixed), injected: pass.write("injected", injected) };
+    pass.clear(injection.injected);
     match samples {
-        Some(samples) => into.inject_samples(&mut pass, samples),
-        None => rsms.iter().for_each(|rsm| into.inject(&mut pass, rsm)),
+        Some(samples) => injection.inject_samples(&mut pass, samples),
+        None => rsms.iter().for_each(|rsm| injection.inject(&mut pass, rsm)),
     }
-    emitters.iter().for_each(|emitters| into.inject_emitters(&mut pass, emitters));
+    emitters.iter().for_each(|emitters| injection.inject_emitters(&mut pass, emitters));
     pass.finish();
-    into.injected
+    injection.injected
 }
 
 /// What light is injected into.
-struct Into {
+struct Injection {
     volume: Volume,
     fixed: Handle<Buffer>,
     injected: Handle<Buffer>,
 }
 
-impl Into {
+impl Injection {
     /// Ends a step that adds what was injected to the volume.
     fn add(&self, mut step: Step) {
         step.count(Counts { cells: self.volume.cell_count().into(), ..Counts::default() });

@@ -82,7 +82,7 @@ pub(super) fn declare<'a>(
     let sources = inject::Sources { rsms: &rsms, samples, emitters };
     let mut lit = Vec::with_capacity(volumes.len());
     for (level, volume) in volumes.iter().enumerate() {
-        let injected = inject::declare(graph, frame, &sources, level, volume);
+        let injected = inject::declare(graph, &sources, level, volume);
         let blockers = if settings.occlusion {
             let camera = settings.camera_blockers.then_some(gbuffer);
             Some(blockers::declare(graph, frame, &rsms, camera, level, volume, settings.formulas))

@@ -2,7 +2,7 @@
 
 use super::ambient_occlusion;
 use crate::gpu::ComputeKey;
-use crate::graph::{Buffer, Graph, Handle, PassBindings, PassContext, Texture, TextureDesc};
+use crate::graph::{Buffer, Graph, Handle, PassBindings, Texture, TextureDesc};
 use crate::render::direct::{Region, region_around};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
@@ -131,11 +131,6 @@ pub(in crate::render::indirect) fn bind_cascades(pass: &mut PassBindings, lit: &
     for (level, name) in names.into_iter().enumerate() {
         pass.read(name, lit[if level < lit.len() { level } else { 0 }]);
     }
-}
-
-/// The buffers of four cascades, as [`bind_cascades`] has them.
-pub(in crate::render::indirect) fn cascade_buffers(cx: &PassContext, lit: &[Handle<Buffer>]) -> [wgpu::Buffer; 4] {
-    [0, 1, 2, 3].map(|level: usize| cx.buffer(lit[if level < lit.len() { level } else { 0 }]).clone())
 }
 
 pub(in crate::render::indirect) fn uniform(settings: &Clpv, volumes: &[Volume]) -> RelightUniform {

@@ -30,6 +30,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, level: &str,
         let desc = TextureDesc::d2(width, height, FORMAT, TextureUsages::RENDER_ATTACHMENT);
         graph.texture(format!("{name}, columns along axis {axis}"), desc)
     });
+    // By hand: each axis has a target of another size, and fragments write to a buffer of group 1 in place of it.
     let mut pass = graph.pass(name.as_str());
     let (coverage, columns) = (pass.write(coverage), columns.map(|texture| pass.write(texture)));
     pass.key(&(frame.geometry_key(), volume.key()));
@@ -77,7 +78,7 @@ fn draw_along(
     pass.set_bind_group(1, &group, &[]);
     let frustum = Frustum::new(&clip_from_world(volume));
     let filter = DrawFilter::walls(&frustum, volume.cell);
-    frame.gpu_scene.draw(cx, &mut pass, &view, &filter, |class| raster_key(class, axis))
+    frame.gpu_scene.draw(cx, &mut pass, &[("view", Binding::Buffer(&view))], &filter, |class| raster_key(class, axis))
 }
 
 /// The box of the cascade with a cell around it as clip space.

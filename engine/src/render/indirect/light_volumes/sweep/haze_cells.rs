@@ -1,7 +1,7 @@
 //! All light in each cell, for media to scatter. See `indirect/light_volumes/sweep/haze_cells.wgsl`.
 
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, PassBindings, PassContext};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, PassBindings};
 use crate::render::indirect::light_volumes::volume::Volume;
 use wgpu::BufferUsages;
 
@@ -15,8 +15,7 @@ pub(crate) struct HazeCells {
 }
 
 impl HazeCells {
-    /// The definitions of shaders that look it up.
-    pub fn defines(&self) -> impl Iterator<Item = (&'static str, ShaderDef)> {
+    fn defines(&self) -> impl Iterator<Item = (&'static str, ShaderDef)> {
         let alone = self.are_lamps_alone.then_some("LAMPS_ALONE");
         ["HAZE"].into_iter().chain(alone).map(|name| (name, ShaderDef::Flag(true)))
     }
@@ -26,22 +25,6 @@ impl HazeCells {
         self.defines().for_each(|(name, value)| pass.define(name, value));
         pass.uniform("haze_volume", &self.volume.uniform());
         pass.read("haze_cells", self.light);
-    }
-
-    /// The shader that looks it up.
-    pub fn defined(cells: Option<&Self>, key: ComputeKey) -> ComputeKey {
-        cells.iter().flat_map(|cells| cells.defines()).fold(key, |key, (name, value)| key.def(name, value))
-    }
-
-    /// Its buffers, by their names.
-    pub fn bindings(&self, cx: &PassContext) -> [(&'static str, wgpu::Buffer); 2] {
-        let volume = cx.gpu.uniform("volume", &self.volume.uniform());
-        [("haze_volume", volume), ("haze_cells", cx.buffer(self.light).clone())]
-    }
-
-    /// Changes with where the cells lie.
-    pub fn key(cells: Option<&Self>) -> Option<([u32; 4], [u32; 3])> {
-        cells.map(|cells| cells.volume.key())
     }
 }
 

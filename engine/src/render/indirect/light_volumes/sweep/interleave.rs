@@ -67,13 +67,6 @@ impl Interleave {
         let [width, height] = self.texels();
         TextureDesc { size: [width, height, 1], ..frame.image_desc() }
     }
-
-    /// Changes with which pixels they are.
-    pub fn key(&self) -> ([u32; 3], [u32; 2], u32) {
-        let [x, y] = self.offset;
-        ([self.stride, x, y], self.size, self.weight.to_bits())
-    }
-
     /// How much the frame counts among others.
     pub fn weight(&self) -> f32 {
         self.weight

@@ -112,6 +112,8 @@ pub(super) fn declare<'a>(
     let arrivals = graph.buffer(format!("{name}, arrivals"), arrivals);
     let outer = level.shell.take();
     let shell = inner.map(|inner| Shell::new(graph, &name, level, &inner, directions));
+    // By hand: the light of the sky by direction is looked up in its map only when the sweep runs, and the rounds follow from
+    // the device.
     let mut pass = graph.pass(name);
     let totals = totals.filter(|_| level.sum.is_some());
     let inputs = [level.obstacles.opacity, level.emission].into_iter().chain(totals).chain(outer.into_iter().flatten());
