@@ -4,7 +4,7 @@ use super::reflective::Rsm;
 use crate::gpu::Binding;
 use crate::graph::{Graph, Handle, PassContext, PassError, Texture, TextureDesc};
 use crate::render::frame::Frame;
-use crate::render::rays::dispatch_rays;
+use crate::render::rays::{RayScene, dispatch_rays};
 use crate::render::scene_gpu::light_uniform::LightUniform;
 use encase::ShaderType;
 use wgpu::TextureFormat;
@@ -35,6 +35,7 @@ pub(super) fn declare<'a>(graph: &mut Graph<'a>, frame: &Frame<'a>, rsm: Rsm<'a>
     [rsm.base_color, rsm.specular, rsm.depth].into_iter().for_each(|input| pass.read(input));
     let (base_color, specular) = (pass.write(base_color), pass.write(specular));
     pass.key(&(frame.geometry_key(), frame.media_key(), rsm.light.revision));
+    pass.key(&frame.shadow_rays.map(RayScene::has_area_lights));
     let work = Work { frame: frame.clone(), rsm: rsm.clone(), base_color, specular };
     pass.execute(move |cx| (0..work.rsm.views.len()).try_for_each(|layer| work.run(cx, layer)));
     Rsm { base_color, specular, ..rsm }

@@ -123,7 +123,8 @@ impl<'a> Draw<'a> {
         // Not the seed and the number: the sum does not depend on them.
         let (lights, reach, _, weight) = draw.key();
         pass.key(&(lights, reach, scale.to_bits(), strips, weight));
-        let weighed = draw.clone();
+        let mut weighed = draw.clone();
+        (weighed.uniform.points, weighed.uniform.seed) = (0, 0);
         pass.execute(move |cx| weighed.weigh(cx, weights));
         draw
     }

@@ -70,6 +70,7 @@ pub(super) fn declare<'a>(
     let found = Links { links: pass.write(links), shone_on: pass.write(shone_on) };
     let scene = frame.scene;
     pass.key(&(frame.geometry_key(), frame.surfels.revision(), scene.revisions.settings, rays, frame.media_key()));
+    pass.key(&frame.rays.map(RayScene::has_area_lights));
     // A part of the rays is cast while objects move; else the links stay as they are.
     let turn = if rays.part.is_some() { turn } else { Turn::ALL };
     pass.key(&(turn, near.to_bits()));
