@@ -121,7 +121,7 @@ fn check_seed(gpu: &Gpu, seed: u64) -> Result<(), String> {
         rng_seed: RngSeed::Fixed(seed),
         failure_persistence: None,
         max_shrink_time: SHRINK_MS,
-        max_shrink_iters: u32::MAX,
+        max_shrink_iters: 10_000,
         ..Config::default()
     };
     let frames = prop::collection::vec(prop::collection::vec(edit(), 1..4), 2..7);
