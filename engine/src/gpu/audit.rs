@@ -41,6 +41,14 @@ impl Audit {
         }
     }
 
+    /// Runs work that is cut into parts by the time that it takes, or that continues earlier work: none of it is noted.
+    pub fn unnoted<T>(&self, work: impl FnOnce() -> T) -> T {
+        let was_on = self.is_on.swap(false, Ordering::Relaxed);
+        let result = work();
+        self.is_on.store(was_on, Ordering::Relaxed);
+        result
+    }
+
     /// The notes since the last call.
     pub fn take(&self) -> Vec<Note> {
         std::mem::take(&mut self.lock())

@@ -26,10 +26,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use studio::{Edit, METHODS, Studio, edit};
 
 /// Seeds of cases that have failed once.
-const FAILED_ONCE: [u64; 1] = [1];
+const FAILED_ONCE: [u64; 3] = [1015, 1031, 1049];
 /// Cases of a run, and the time after which no further one begins.
 const CASES: u64 = 48;
-const TIME: Duration = Duration::from_secs(30);
+const TIME: Duration = Duration::from_secs(20);
 /// A kind of light.
 const SPOT: &str = "Spot(inner: 20.0, outer: 50.0)";
 /// Time to look for shorter sequences of edits that fail too \[ms\].
@@ -121,6 +121,7 @@ fn check_seed(gpu: &Gpu, seed: u64) -> Result<(), String> {
         rng_seed: RngSeed::Fixed(seed),
         failure_persistence: None,
         max_shrink_time: SHRINK_MS,
+        max_shrink_iters: 10_000,
         ..Config::default()
     };
     let frames = prop::collection::vec(prop::collection::vec(edit(), 1..4), 2..7);
@@ -153,7 +154,10 @@ fn random_edits_leave_nothing_behind() {
     let (start, mut count, mut failures) = (Instant::now(), 0, Vec::new());
     println!("first seed {first}");
     while count < wanted.unwrap_or(CASES) && (wanted.is_some() || start.elapsed() < TIME) {
-        failures.extend(check_seed(&gpu, first.wrapping_add(count)).err());
+        if let Err(failure) = check_seed(&gpu, first.wrapping_add(count)) {
+            println!("{failure}\n");
+            failures.push(failure);
+        }
         count += 1;
     }
     println!("{count} cases from seed {first} on in {:.0} s", start.elapsed().as_secs_f64());
@@ -165,6 +169,27 @@ fn seeds_that_have_failed_once_pass() {
     let gpu = gpu();
     let failures: Vec<String> = FAILED_ONCE.iter().filter_map(|seed| check_seed(&gpu, *seed).err()).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+/// Random numbers of averaged frames choose texels, of a sum that does not depend on them.
+#[test]
+fn sums_over_maps_are_kept_while_random_numbers_change() {
+    use Edit::*;
+    check_edits(&[&[Method(1), Look(looks::number("average"))], &[Method(4)], &[Nothing]]);
+}
+
+/// Shaders that cast rays are compiled for the kinds of all lights, also where they sample none.
+#[test]
+fn links_are_found_again_with_shaders_for_other_lights() {
+    use Edit::*;
+    check_edits(&[&[Method(4)], &[Set(0, "light.kind", "Tube(length: 0.6, radius: 0.05)")], &[Nothing]]);
+}
+
+/// The reference beside the image continues over frames.
+#[test]
+fn the_reference_beside_the_image_is_kept() {
+    use Edit::*;
+    check_edits(&[&[Method(8), Look(looks::number("beside"))], &[Surface(0, 2)], &[Method(6)]]);
 }
 
 #[test]
@@ -204,16 +229,7 @@ fn soft_shadows_follow_what_moves_out_of_sight() {
 fn skies_by_direction_are_followed() {
     use Edit::*;
     for method in 0..METHODS.len() {
-        check_edits(&[
-            &[Method(method), Sky(2), Shown(1)],
-            &[Sky(3)],
-            &[Sky(4)],
-            &[Sky(2)],
-            &[Sky(7)],
-            &[Sky(8)],
-            &[Sky(9)],
-            &[Sky(10)],
-        ]);
+        check_edits(&[&[Method(method), Sky(2), Shown(1)], &[Sky(3)], &[Sky(4)], &[Sky(7)], &[Sky(8)]]);
     }
 }
 

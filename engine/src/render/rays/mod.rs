@@ -281,6 +281,11 @@ impl RayScene {
         self.materials.any_layers()
     }
 
+    /// Whether any light has an area: shaders that cast rays are compiled for that.
+    pub fn has_area_lights(&self) -> bool {
+        self.has_area_lights
+    }
+
     /// A box around all surfaces that let light pass.
     pub fn glass_bounds(&self) -> &Aabb {
         &self.glass

@@ -78,6 +78,11 @@ pub const LOOKS: [Look; 35] = [
     ("debug.views", |s| s.debug.views.extend([DebugView::Lights, DebugView::Light])),
 ];
 
+/// Number of the first edit of a field.
+pub fn number(name: &str) -> usize {
+    LOOKS.iter().position(|(field, _)| *field == name).unwrap_or_else(|| panic!("no edit changes `{name}`"))
+}
+
 /// Turns a debug view on or off.
 pub fn view(settings: &mut RenderSettings, view: usize) {
     let view = DebugView::ALL[view];

@@ -360,16 +360,16 @@ pub(crate) fn declare<'a>(
     pass.key(&(key, done + more, layer_index(layer)));
     pass.execute(move |cx| {
         let gpu = cx.gpu;
-        tracer
-            .trace(gpu, more, &mut |tracer, piece| {
-                tracer.record(gpu, cx.encoder(), piece)?;
-                let counts = cx.counts();
-                counts.dispatches += 1;
-                counts.paths += u64::from(piece.rows) * u64::from(width) * u64::from(piece.samples);
-                cx.submit();
-                Ok(())
-            })
-            .map_err(|error| PassError::message(error.to_string()))?;
+        let mut record = |tracer: &PathTracer, piece: Piece| {
+            tracer.record(gpu, cx.encoder(), piece)?;
+            let counts = cx.counts();
+            counts.dispatches += 1;
+            counts.paths += u64::from(piece.rows) * u64::from(width) * u64::from(piece.samples);
+            cx.submit();
+            Ok(())
+        };
+        let traced = gpu.audit.unnoted(|| tracer.trace(gpu, more, &mut record));
+        traced.map_err(|error| PassError::message(error.to_string()))?;
         resolve(cx, tracer, radiance, layer)
     });
     radiance
