@@ -34,7 +34,7 @@ const TIME: Duration = Duration::from_secs(20);
 const SPOT: &str = "Spot(inner: 20.0, outer: 50.0)";
 /// Time to look for shorter sequences of edits that fail too \[ms\].
 const SHRINK_MS: u32 = 20_000;
-/// Relative difference of radiance that averaged frames may have. With seed 1181, where light is brought up to date over four
+/// Relative difference of radiance that averaged frames may have. With seed 1181, where light is updated over four
 /// frames, 7 of 1,536 values differ in their last bit; the pass that rounds differently is not known.
 const ROUNDING: f32 = 2.5e-7;
 /// Frames that are drawn of a state where they are averaged.
