@@ -5,7 +5,7 @@ use encase::ShaderType;
 use glam::{Vec2, Vec3};
 
 /// `Light` of `lib/lights.wgsl`.
-#[derive(ShaderType)]
+#[derive(ShaderType, Clone, Copy)]
 pub(crate) struct LightUniform {
     position: Vec3,
     shape: u32,
@@ -50,6 +50,11 @@ impl LightUniform {
             cone_offset,
             size,
         }
+    }
+
+    /// The light with intensity 1: for passes that ask where it is and not how bright, and keep their results while it flickers.
+    pub(crate) fn of_unit_intensity(light: &SceneLight) -> Self {
+        Self { intensity: Vec3::ONE, ..Self::new(light) }
     }
 
     /// No light at all.

@@ -1,11 +1,12 @@
 //! The geometry volume: blockers of transported radiance with their reflectance, from all that lights (and the camera) see.
 
 use crate::gpu::{ComputeKey, ShaderDef};
-use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle};
+use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, Step};
 use crate::render::frame::Frame;
 use crate::render::geometry::gbuffer::GBuffer;
 use crate::render::indirect::light_volumes::texels;
 use crate::render::indirect::light_volumes::volume::Volume;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use crate::world::Formulas;
 use encase::ShaderType;
@@ -76,7 +77,10 @@ fn of_lights<'a>(graph: &mut Graph<'a>, rsms: &[Rsm<'a>], level: usize, grid: Gr
     let views = rsms.iter().flat_map(|rsm| (0..rsm.views.len()).map(move |layer| (rsm, layer)));
     for ((rsm, layer), &fixed) in views.zip(&volumes) {
         pass.clear(fixed);
-        texels::declare_steps(&mut pass, "from_rsm", (rsm, layer..layer + 1), 1.0, |step| step.read("fixed", fixed));
+        // The intensity is not bound: the blockers of a light that flickers stay as they are.
+        let light = LightUniform::of_unit_intensity(rsm.light);
+        let bind = |step: &mut Step<'_, '_, 'a>| step.read("fixed", fixed);
+        texels::declare_steps(&mut pass, "from_rsm", (rsm, layer..layer + 1), (1.0, light), bind);
     }
     pass.finish();
     volumes

@@ -8,6 +8,7 @@ use crate::render::frame::Frame;
 use crate::render::indirect::light_volumes::rsm_draw::{Draw, Wanted, Weight};
 use crate::render::indirect::light_volumes::texels;
 use crate::render::indirect::light_volumes::volume::Volume;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use crate::scene::Aabb;
 use encase::ShaderType;
@@ -108,7 +109,7 @@ impl Injection {
     fn inject<'a>(&self, pass: &mut ComputeBuilder<'_, 'a>, rsm: &Rsm<'a>) {
         let scale = rsm.fixed_point_scale();
         pass.clear(self.fixed);
-        texels::declare_steps(pass, "inject", (rsm, 0..rsm.views.len()), scale, |_| ());
+        texels::declare_steps(pass, "inject", (rsm, 0..rsm.views.len()), (scale, LightUniform::new(rsm.light)), |_| ());
         pass.count(Counts { lights: 1, ..Counts::default() });
         let mut step = pass.step("add_to_volume");
         step.uniform("rsm", &rsm.layer_uniform(0, scale));

@@ -7,6 +7,7 @@ use crate::graph::{Buffer, BufferDesc, Counts, Graph, Handle, Step as Dispatch};
 use crate::render::frame::Frame;
 use crate::render::indirect::light_volumes::texels;
 use crate::render::indirect::light_volumes::volume::Volume;
+use crate::render::scene_gpu::light_uniform::LightUniform;
 use crate::render::shadows::reflective::Rsm;
 use crate::world::Precision;
 use encase::ShaderType;
@@ -141,7 +142,13 @@ pub(super) fn declare<'a>(
         for rsm in sources.rsms {
             pass.count(Counts { lights: 1, ..Counts::default() });
             let media = |step: &mut Dispatch<'_, '_, 'a>| frame.gpu_scene.bind_media(step);
-            texels::declare_steps(&mut pass, "from_rsm", (rsm, 0..rsm.views.len()), 1.0, media);
+            texels::declare_steps(
+                &mut pass,
+                "from_rsm",
+                (rsm, 0..rsm.views.len()),
+                (1.0, LightUniform::new(rsm.light)),
+                media,
+            );
         }
     }
     let from_surfels = [

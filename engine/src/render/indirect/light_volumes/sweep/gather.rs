@@ -299,3 +299,18 @@ pub(in crate::render) fn quality_of_volumes(settings: &Clpv, is_gathered: bool) 
         Quality::Ultra => Quality::High,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A radius of one pixel filters nothing, so it must not be reached by rounding.
+    #[test]
+    fn the_filter_narrows_with_every_image() {
+        let radius = |images: f32| filter_radius(&Clpv::default(), images);
+        assert_eq!(radius(1.0), 8.0);
+        assert!((radius(8.0) - 4.0).abs() < 1e-5 && (radius(64.0) - 2.0).abs() < 1e-5);
+        assert!((1..500).all(|images| radius(images as f32) > radius(images as f32 + 1.0)));
+        assert!(radius(500.0) > 1.0);
+    }
+}
