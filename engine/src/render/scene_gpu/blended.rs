@@ -47,7 +47,7 @@ impl GpuScene {
     /// else a new pipeline wants.
     ///
     /// # Errors
-    /// As for [`GpuScene::draw`].
+    /// A shader that does not compile, or that declares a binding that is not there.
     #[expect(clippy::too_many_arguments, reason = "a pass, its view, an order and what to bind")]
     pub fn draw_blended(
         &self,
