@@ -198,16 +198,16 @@ fn an_animation_is_exported_and_another_export_cancelled() {
     let ask_for = |into: &Path, frames: u32| {
         window.click(window.place("File").at(0.5, 0.5));
         window.click(window.place("Export the animation…").at(0.5, 0.5));
-        window.click(window.place("Path").at(0.5, 0.5));
-        window.key("ctrl+a");
-        window.xdotool(&["type", into.to_str().unwrap()]);
         // At 30 frames a second.
-        let wanted = format!("64 × 48 pixels, {:.2} s of the animation", f64::from(frames) / 30.0);
+        let size = format!("64 × 48 pixels, {:.2} s of the animation", f64::from(frames) / 30.0);
+        let (into, frames) = (into.to_str().unwrap(), frames.to_string());
+        let is_filled =
+            |all: &[(Place, String)]| [into, &size].iter().all(|value| all.iter().any(|(_, text)| text == value));
         let start = Instant::now();
         // A slow interface may miss a key that comes before its field is open: then whoever sits there types again.
-        while !window.widgets().iter().any(|(_, text)| *text == wanted) {
+        while !is_filled(&window.widgets()) {
             assert!(start.elapsed() < PATIENCE, "the fields take nothing; it said {}", window.said());
-            for (field, value) in [("Width", "64"), ("Height", "48"), ("Frames", &frames.to_string())] {
+            for (field, value) in [("Path", into), ("Width", "64"), ("Height", "48"), ("Frames", &frames)] {
                 window.click(window.place(field).at(0.5, 0.5));
                 window.key("ctrl+a");
                 window.xdotool(&["type", value]);
