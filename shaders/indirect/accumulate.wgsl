@@ -48,6 +48,7 @@ struct Average {
 @group(0) @binding(7) var surface_before: texture_2d<u32>;
 @group(0) @binding(8) var light_now: texture_storage_2d<rgba32uint, write>;
 @group(0) @binding(9) var surface_now: texture_storage_2d<rgba32uint, write>;
+// Radiance [W/(m² sr)]; alpha: standard deviation of the luminance of light over reflectance.
 @group(0) @binding(10) var averaged: texture_storage_2d<rgba32float, write>;
 #ifdef PATCHES
 // See `light_volumes/radiosity/change.wgsl`.
@@ -79,6 +80,14 @@ const FEW: f32 = 2.0;
 const NOISE: f32 = 0.8;
 const LEAST_NOISE: f32 = 0.03;
 const TRUST: f32 = 3.0;
+
+// Mean deviation over the light that the first frame is taken to have: anything may come. And the one that a filtered frame has
+// in fact, which counts until KNOWN frames show it.
+const FIRST_DEVIATION: f32 = 0.5;
+const FILTERED_DEVIATION: f32 = 0.025;
+const KNOWN: f32 = 3.0;
+// Of a standard deviation over a mean one, of normally distributed noise: √(π/2).
+const STANDARD: f32 = 1.2533;
 
 struct Past {
     light: vec3f,
@@ -223,7 +232,7 @@ fn updated(before: Past, all: vec3f, count: f32, most: f32) -> Past {
     let fresh = luminance(light);
     // From the quick mean: the long one may lag behind, and that is no noise. Nor is what a frame of other light is off by.
     let known = min(abs(fresh - past.quick), STRAY * max(past.spread, LEAST_NOISE * past.quick));
-    let deviation = select(0.5 * fresh, known, frames > 0.0);
+    let deviation = select(FIRST_DEVIATION * fresh, known, frames > 0.0);
     var now = Past(mix(past.light, light, share), frames + count, past.quick, past.spread, vec3f(1.0), 0.0);
     now.quick = mix(past.quick, fresh, max(min(1.0, QUICK * count), share));
     now.spread = mix(past.spread, deviation, max(min(1.0, STEADY * count), share));
@@ -236,6 +245,17 @@ fn updated(before: Past, all: vec3f, count: f32, most: f32) -> Past {
         now.frames = min(now.frames, AFTER_CHANGE + count);
     }
     return now;
+}
+
+// Standard deviation of the mean's luminance, from the mean deviation of a frame. That began with a guess: what is left of
+// it after n frames is taken away again.
+fn deviation_of_mean(now: Past) -> f32 {
+    let n = max(now.frames, 1.0);
+    let guessed = select(1.0 / n, STEADY * pow(1.0 - STEADY, n - 1.0 / STEADY), n > 1.0 / STEADY);
+    let measured = max(now.spread - FIRST_DEVIATION * now.quick * guessed, 0.0) / max(1.0 - guessed, 0.01);
+    let deviation = select(FILTERED_DEVIATION * now.quick, measured, n >= KNOWN);
+    // Its square has to stay in the range of floats.
+    return min(STANDARD * deviation * inverseSqrt(n), 1e15);
 }
 
 fn patch_of(id: u32, position: vec3f, n: vec3f) -> u32 {
@@ -294,5 +314,5 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
     textureStore(light_now, pixel, vec4u(code, bitcast<u32>(now.quick), patch_index));
     let kept_surface = vec4u(bitcast<u32>(z), drawn.x | (drawn.y << 16u), bitcast<u32>(now.spread), bitcast<u32>(now.frames));
     textureStore(surface_now, pixel, kept_surface);
-    textureStore(averaged, pixel, vec4f(now.light * reflectance, 1.0));
+    textureStore(averaged, pixel, vec4f(now.light * reflectance, deviation_of_mean(now)));
 }

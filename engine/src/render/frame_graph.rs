@@ -24,6 +24,7 @@ use super::indirect::light_volumes::Field;
 use super::indirect::path_tracer::{self, PathTracer};
 use super::indirect::{
     IndirectLight, IndirectMethod, Scattered, accumulate, ambient, lost_light, mirror_average, second_lobe_reflection,
+    variance_filter,
 };
 use super::post::compose::{self, Lights, Purpose, SecondLobe};
 use super::post::tone_map::{DISPLAY, TONE_MAPPED};
@@ -63,7 +64,7 @@ pub(super) fn declare<'a>(
     let (indirect, mirrored, field) = match indirect {
         Some(light) => {
             let mirrored = light.mirrored.map(|mirrored| mirror_average::declare(graph, frame, &gbuffer, mirrored));
-            (Some(accumulate::declare(graph, frame, &gbuffer, &light)), mirrored, light.field)
+            (Some(declare_mean(graph, frame, &gbuffer, method, &light)), mirrored, light.field)
         }
         None => (None, None, None),
     };
@@ -158,6 +159,22 @@ fn declare_indirect<'a>(
     }
     graph.skip("indirect", "the layer that is shown holds no indirect light");
     Ok(None)
+}
+
+/// The mean of the light over frames, without the noise that is left in it.
+fn declare_mean<'a>(
+    graph: &mut Graph<'a>,
+    frame: &Frame<'a>,
+    gbuffer: &GBuffer,
+    method: &dyn IndirectMethod,
+    light: &IndirectLight,
+) -> Handle<Texture> {
+    let mean = accumulate::declare(graph, frame, gbuffer, light);
+    if frame.history.step().is_none() || !method.varies(frame.scene) {
+        graph.skip("variance filter", "no frames are averaged, or they have no noise");
+        return mean;
+    }
+    variance_filter::declare(graph, frame, gbuffer, mean)
 }
 
 /// Where blended surfaces find indirect light: in a field of the method or else of the sky, if that is all there is;

@@ -26,6 +26,7 @@ use super::indirect::light_volumes::{
 use super::indirect::mirror_average::MirrorAverageUniform;
 use super::indirect::path_tracer::{ResolveUniform, TraceUniform};
 use super::indirect::sky_reflection::ReflectionUniform;
+use super::indirect::variance_filter::VarianceFilterUniform;
 use super::post::bloom::BloomUniform;
 use super::post::compare::CompareUniform;
 use super::post::compose::ComposeUniform;
@@ -92,6 +93,7 @@ fn rust_and_wgsl_agree_on_every_struct() {
     check(&gpu, LightUniform::min_size().get(), "direct/tiled.wgsl", "Light");
     check(&gpu, ComposeUniform::min_size().get(), "post/compose.wgsl", "Compose");
     check(&gpu, AverageUniform::min_size().get(), "indirect/accumulate.wgsl", "Average");
+    check(&gpu, VarianceFilterUniform::min_size().get(), "indirect/variance_filter.wgsl", "VarianceFilter");
     check(&gpu, ReflectionUniform::min_size().get(), "indirect/sky_reflection.wgsl", "Reflection");
     check(&gpu, BlendUniform::min_size().get(), "transparency/blend.wgsl", "Blend");
     check(&gpu, SeenThroughUniform::min_size().get(), "transparency/glass.wgsl", "SeenThrough");

@@ -3,7 +3,7 @@
 use crate::support::{Stage, error, gpu, left_of};
 use glam::{Affine3A, Quat, Vec3};
 use lightwell::assets::Shape;
-use lightwell::gpu::{Gpu, ImageF32, read_buffer};
+use lightwell::gpu::{Gpu, ImageF32, read_buffer, read_texture_f32};
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
 use lightwell::render::reference::{PathTracer, TraceSettings};
@@ -110,6 +110,28 @@ fn a_view_that_rests_gets_smoother_with_every_doubling_of_frames() {
     }
     let falls = grains.windows(2).all(|pair| pair[1] < 1.1 * pair[0]);
     assert!(falls && grains[5] < 0.85 * grains[0], "grain after 2 to 64 frames: {grains:?}");
+}
+
+/// What is left of the noise is filtered as far as its variance goes, and the mean that later frames continue stays unfiltered.
+#[test]
+fn noise_that_is_left_in_a_mean_is_filtered() {
+    let gpu = gpu();
+    let means = |quality, count| {
+        let stage = room(Clpv { quality, ..Default::default() }, LAMP);
+        let mut renderer = Renderer::new(&gpu);
+        let (filtered, _) = frames(&gpu, &mut renderer, &stage, count);
+        let mean = renderer.target("averaged indirect radiance").expect("frames are averaged");
+        (read_texture_f32(&gpu, mean).expect("readable"), filtered)
+    };
+    let (converged, _) = means(Quality::High, MOST_FRAMES);
+    let pixels = converged.rgba.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let truth = Image::from_pixels(converged.width, converged.height, pixels).expect("all pixels");
+    for count in [4, 16, 64] {
+        let (mean, filtered) = means(Quality::Medium, count);
+        let ((noisy, _), (left, bias)) = (error(&mean, &truth), error(&filtered, &truth));
+        println!("{count} frames: {noisy:.4} becomes {left:.4}, bias {bias:.4}");
+        assert!(left < 0.97 * noisy && bias.abs() < 0.01, "{count} frames: {noisy} becomes {left}, bias {bias}");
+    }
 }
 
 #[test]

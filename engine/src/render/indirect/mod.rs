@@ -18,6 +18,7 @@ pub mod path_tracer;
 mod scattered;
 pub(super) mod second_lobe_reflection;
 pub(in crate::render) mod sky_reflection;
+pub(super) mod variance_filter;
 
 pub use methods::Methods;
 pub(crate) use scattered::Scattered;
