@@ -66,53 +66,13 @@
 //! | reference images (6.7) | [`render::reference`] |
 //! | profiler (6.5) | [`profile`], [`graph::FrameReport`] |
 
-// Derives name this crate by its name, from within it too.
-extern crate self as lightwell;
-
-pub mod assets;
-pub mod bvh;
-pub mod core;
-pub mod files;
-pub mod game;
-pub mod gpu;
-pub mod graph;
-pub mod measure;
-pub mod packed;
-pub mod profile;
-pub mod render;
-pub mod scene;
-pub mod world;
-
-/// What the code of derives refers to.
+#[doc(inline)]
+pub use lightwell_core::{core, measure, packed, profile};
+#[doc(inline)]
+pub use lightwell_gpu::{gpu, graph};
 #[doc(hidden)]
-pub mod __private {
-    use crate::files::{SceneData, TypeNote};
-    pub use serde;
-    use std::marker::PhantomData;
+pub use lightwell_world::__private;
+#[doc(inline)]
+pub use lightwell_world::{assets, bvh, files, game, scene, world};
 
-    /// Finds out whether a type is [`SceneData`]: by-value methods are found before those of a reference.
-    pub struct Probe<T>(PhantomData<T>);
-
-    impl<T> Probe<T> {
-        #[allow(clippy::new_without_default)]
-        pub fn new() -> Self {
-            Self(PhantomData)
-        }
-    }
-
-    pub trait OfSceneData {
-        fn describe(&self, notes: &mut Vec<TypeNote>);
-    }
-    impl<T: SceneData> OfSceneData for Probe<T> {
-        fn describe(&self, notes: &mut Vec<TypeNote>) {
-            T::describe(notes);
-        }
-    }
-
-    pub trait OfAnything {
-        fn describe(&self, notes: &mut Vec<TypeNote>);
-    }
-    impl<T> OfAnything for &Probe<T> {
-        fn describe(&self, _: &mut Vec<TypeNote>) {}
-    }
-}
+pub mod render;

@@ -1,6 +1,6 @@
 #define_import_path lightwell::patches
 
-// Patches of surfels: which one a point of a surface belongs to. See engine/src/scene/surfels/patches.rs.
+// Patches of surfels: which one a point of a surface belongs to. See engine/world/src/scene/surfels/patches.rs.
 
 #import lightwell::sampling::hash
 

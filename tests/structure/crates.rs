@@ -16,7 +16,7 @@ fn built_with(package: &str) -> BTreeSet<String> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let names: BTreeSet<_> =
         text.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect();
-    assert!(names.contains(package) && names.contains("lightwell"), "{names:?}");
+    assert!(names.contains(package) && names.contains("lightwell-core"), "{names:?}");
     names
 }
 
@@ -37,6 +37,9 @@ fn a_game_takes_neither_editor_nor_tools() {
 
 #[test]
 fn arrows_point_one_way() {
+    assert_without("lightwell-core", &["lightwell", "lightwell-gpu", "lightwell-world", "wgpu"]);
+    assert_without("lightwell-gpu", &["lightwell", "lightwell-world", "bevy_mikktspace", "gltf"]);
+    assert_without("lightwell-world", &["lightwell", "lightwell-gpu", "wgpu"]);
     assert_without("lightwell", &["lightwell-runtime"]);
     assert_without("lightwell-runtime", &TOOLS);
     assert_without(

@@ -170,6 +170,7 @@ fn folder(file: &str) -> String {
     let parts: Vec<&str> = file.split('/').collect();
     let depth = match parts[0] {
         "engine" if parts[1] == "src" => 3,
+        "engine" if parts.get(2) == Some(&"src") => 4,
         "engine" | "game" | "shaders" => 2,
         _ => 1,
     };
@@ -460,6 +461,8 @@ fn files_are_counted_by_folder() {
     for (file, expected) in [
         ("engine/src/render/post/bloom.rs", "engine/src/render"),
         ("engine/src/lib.rs", "engine/src"),
+        ("engine/world/src/files/load/mod.rs", "engine/world/src/files"),
+        ("engine/gpu/src/lib.rs", "engine/gpu/src"),
         ("engine/tests/invariants/main.rs", "engine/tests"),
         ("game/editor/src/ui/mod.rs", "game/editor"),
         ("shaders/build.rs", "shaders"),

@@ -1,10 +1,10 @@
-//! The imports of a crate, read from its sources: which file takes a name from which.
+//! The imports of one or more crates, read from their sources: which file takes a name from which.
 //!
 //! A path is followed through re-exports to the file that defines its last name, so that a `mod.rs` that hands a name
 //! on counts for nothing. Tests within the sources are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A module's path from the root of its crate; the root itself is empty.
 pub type Module = Vec<String>;
@@ -24,7 +24,7 @@ struct Source {
     defined: BTreeSet<String>,
 }
 
-/// The sources of one crate.
+/// Sources of one crate, or of several as if they were one.
 pub struct Sources(BTreeMap<Module, Source>);
 
 fn is_of_name(c: char) -> bool {
@@ -172,10 +172,10 @@ fn is_handed_on(before: &str) -> bool {
 }
 
 impl Sources {
-    /// Reads all sources below a folder.
-    pub fn read(folder: &Path) -> Self {
+    /// Reads all sources below the folders, as if they were one crate.
+    pub fn read(folders: impl Iterator<Item = PathBuf>) -> Self {
         let mut texts = Vec::new();
-        read_folder(folder, &[], &mut texts);
+        folders.for_each(|folder| read_folder(&folder, &[], &mut texts));
         Self::of(texts)
     }
 
