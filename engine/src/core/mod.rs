@@ -2,6 +2,7 @@
 
 mod bounds;
 mod color;
+mod gi_method;
 mod id;
 mod light_kind;
 mod limits;
@@ -12,6 +13,7 @@ mod transform;
 
 pub use bounds::{Aabb, Frustum};
 pub use color::{srgb_decode, srgb_encode};
+pub use gi_method::GiMethod;
 pub use id::{AssetId, SceneId};
 pub use light_kind::LightKind;
 pub use limits::MAX_IMAGE_SIZE;

@@ -9,10 +9,21 @@ use super::{GiMethod, IndirectMethod};
 use crate::render::error::RenderError;
 use std::any::Any;
 
-impl Default for GiMethod {
-    /// Light propagation volumes.
-    fn default() -> Self {
-        Self::CLPV
+/// Description of a method for help and interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodInfo {
+    /// Its name.
+    pub id: GiMethod,
+    /// Its full name.
+    pub title: &'static str,
+    /// One line of help.
+    pub about: &'static str,
+}
+
+impl MethodInfo {
+    /// The description of a method.
+    pub fn of(method: &dyn IndirectMethod) -> Self {
+        Self { id: method.id(), title: method.title(), about: method.about() }
     }
 }
 
@@ -37,9 +48,9 @@ impl Methods {
         self.0.push(method);
     }
 
-    /// Names and titles of all.
-    pub fn list(&self) -> impl Iterator<Item = (GiMethod, &'static str)> {
-        self.0.iter().map(|method| (method.id(), method.title()))
+    /// Descriptions of all.
+    pub fn list(&self) -> impl Iterator<Item = MethodInfo> {
+        self.0.iter().map(|method| MethodInfo::of(method.as_ref()))
     }
 
     /// The method of that name.

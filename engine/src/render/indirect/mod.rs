@@ -19,7 +19,7 @@ mod scattered;
 pub(super) mod second_lobe_reflection;
 pub(in crate::render) mod sky_reflection;
 
-pub use methods::Methods;
+pub use methods::{MethodInfo, Methods};
 pub(crate) use scattered::Scattered;
 
 use super::error::RenderError;
@@ -87,6 +87,18 @@ pub trait IndirectMethod: Any + Send {
 
     /// Its full name, as the interface shows it.
     fn title(&self) -> &'static str;
+
+    /// One line of help for command line and interface.
+    fn about(&self) -> &'static str {
+        ""
+    }
+
+    /// Shaders that it adds to those of the engine: names and texts. [`Renderer::add_method`] gives them to the device.
+    ///
+    /// [`Renderer::add_method`]: super::Renderer::add_method
+    fn shaders(&self) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
 
     /// Whether frames with other random numbers have other noise, which averaging them removes.
     fn varies(&self, scene: &Scene) -> bool {

@@ -7,11 +7,6 @@ use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
 
-impl GiMethod {
-    /// Direct light only.
-    pub const NONE: Self = Self::named("none");
-}
-
 /// The method without any.
 pub(super) struct NoIndirectLight;
 
@@ -22,6 +17,10 @@ impl IndirectMethod for NoIndirectLight {
 
     fn title(&self) -> &'static str {
         "None"
+    }
+
+    fn about(&self) -> &'static str {
+        "Direct light alone"
     }
 
     fn declare<'a>(

@@ -237,7 +237,7 @@ fn points(sweep: Sweep, clpv: &Clpv) -> Vec<Variant> {
         let sweep = Some(SweepPoint { axis: axis.to_owned(), value });
         let diffusion = [("clpv.transport".to_owned(), "Diffusion".to_owned())];
         let sets = diffusion.into_iter().chain(sets).collect();
-        Variant { what, sweep, ..Variant::new(&name, lightwell_runtime::cli::Gi::Clpv, sets) }
+        Variant { what, sweep, ..Variant::new(&name, lightwell::render::GiMethod::CLPV, sets) }
     };
     let set = |field: &str, value: String| (format!("clpv.{field}"), value);
     match sweep {

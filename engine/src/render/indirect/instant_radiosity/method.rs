@@ -10,11 +10,6 @@ use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, 
 use crate::scene::Scene;
 use crate::world::{VirtualPlacement, VirtualShading};
 
-impl GiMethod {
-    /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
-    pub const VPL: Self = Self::named("vpl");
-}
-
 /// Instant radiosity, with what it keeps of earlier frames.
 #[derive(Default)]
 pub struct InstantRadiosityMethod {
@@ -34,6 +29,10 @@ impl IndirectMethod for InstantRadiosityMethod {
 
     fn title(&self) -> &'static str {
         "Instant radiosity"
+    }
+
+    fn about(&self) -> &'static str {
+        "Instant radiosity: virtual point lights, as the scene sets them or by default"
     }
 
     fn varies(&self, _: &Scene) -> bool {

@@ -9,11 +9,6 @@ use crate::render::geometry::GBuffer;
 use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, RayUse};
 use crate::scene::Scene;
 
-impl GiMethod {
-    /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
-    pub const SLC: Self = Self::named("slc");
-}
-
 /// Stochastic light culling. It keeps nothing but what passes retain.
 pub(in crate::render) struct LightCullingMethod;
 
@@ -24,6 +19,10 @@ impl IndirectMethod for LightCullingMethod {
 
     fn title(&self) -> &'static str {
         "Stochastic light culling"
+    }
+
+    fn about(&self) -> &'static str {
+        "Stochastic light culling: one bounce from virtual lights, by the scene's `slc` component or by default"
     }
 
     fn varies(&self, _: &Scene) -> bool {

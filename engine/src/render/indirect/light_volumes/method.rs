@@ -12,11 +12,6 @@ use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, RayUse, S
 use crate::scene::Scene;
 use crate::world::{Clpv, Transport};
 
-impl GiMethod {
-    /// Light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
-    pub const CLPV: Self = Self::named("clpv");
-}
-
 /// Light propagation volumes, swept or diffused.
 pub(in crate::render) struct LightVolumesMethod;
 
@@ -31,6 +26,10 @@ impl IndirectMethod for LightVolumesMethod {
 
     fn title(&self) -> &'static str {
         "Light propagation volumes"
+    }
+
+    fn about(&self) -> &'static str {
+        "Cascaded light propagation volumes: the scene's, or one that fits it if it has none"
     }
 
     fn varies(&self, scene: &Scene) -> bool {

@@ -9,12 +9,6 @@ use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod};
 use crate::render::settings::RenderSettings;
 use crate::scene::Scene;
 
-impl GiMethod {
-    /// Path tracing, the reference: all light, direct and indirect, as
-    /// [`RenderSettings::reference`](crate::render::RenderSettings::reference) sets it.
-    pub const REFERENCE: Self = Self::named("reference");
-}
-
 /// The path tracer as a method. It makes whole frames; the renderer keeps its samples.
 pub(in crate::render) struct PathTracing;
 
@@ -25,6 +19,10 @@ impl IndirectMethod for PathTracing {
 
     fn title(&self) -> &'static str {
         "Path tracer"
+    }
+
+    fn about(&self) -> &'static str {
+        "Path tracing, the reference: slow, and right but for noise"
     }
 
     fn has_sky_light(&self, _: &Scene) -> bool {
