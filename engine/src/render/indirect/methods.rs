@@ -5,7 +5,7 @@ use super::light_culling::LightCullingMethod;
 use super::light_volumes::LightVolumesMethod;
 use super::none::NoIndirectLight;
 use super::path_tracer::PathTracing;
-use super::{GiMethod, IndirectMethod};
+use super::{GiMethod, IndirectMethod, Preset};
 use crate::render::error::RenderError;
 use std::any::Any;
 
@@ -51,6 +51,11 @@ impl Methods {
     /// Descriptions of all.
     pub fn list(&self) -> impl Iterator<Item = MethodInfo> {
         self.0.iter().map(|method| MethodInfo::of(method.as_ref()))
+    }
+
+    /// The presets of all, each with its method.
+    pub fn presets(&self) -> impl Iterator<Item = (GiMethod, &'static Preset)> {
+        self.0.iter().flat_map(|method| method.presets().iter().map(|preset| (method.id(), preset)))
     }
 
     /// The method of that name.

@@ -15,11 +15,13 @@ mod methods;
 pub(super) mod mirror_average;
 mod none;
 pub mod path_tracer;
+mod preset;
 mod scattered;
 pub(super) mod second_lobe_reflection;
 pub(in crate::render) mod sky_reflection;
 
 pub use methods::{MethodInfo, Methods};
+pub use preset::{Preset, Runs};
 pub(crate) use scattered::Scattered;
 
 use super::error::RenderError;
@@ -29,6 +31,7 @@ use super::settings::{GiMethod, RenderSettings};
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
+use crate::world::GameWorld;
 use light_volumes::Field;
 use std::any::Any;
 
@@ -77,6 +80,15 @@ impl IndirectLight {
     pub fn at_pixels(radiance: Handle<Texture>) -> Self {
         Self { radiance, mirrored: None, field: None, scattered: Scattered::default(), change: None }
     }
+}
+
+/// Settings that a method needs and a scene does not have.
+#[derive(Clone, Copy, Debug)]
+pub struct MissingSettings {
+    /// Name of the component in scene files.
+    pub component: &'static str,
+    /// Adds an entity with the default settings to a world, whose scene is given.
+    pub add: fn(&mut GameWorld, &Scene),
 }
 
 /// The door of a method. All but [`declare`](Self::declare) has a default that asks for nothing, so that a method whose
@@ -134,6 +146,30 @@ pub trait IndirectMethod: Any + Send {
         Ok(None)
     }
 
+    /// Whether participating media scatter and absorb its light, or it has none that could pass them.
+    fn scatters_in_media(&self, scene: &Scene) -> bool {
+        let _ = scene;
+        false
+    }
+
+    /// Light of the scene that it leaves out in a frame: a sentence each, with the name of the entity, for the warnings of the
+    /// frame's report.
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        let _ = frame;
+        Vec::new()
+    }
+
+    /// The settings component that it needs and a scene does not have, if so.
+    fn missing_settings(&self, scene: &Scene) -> Option<MissingSettings> {
+        let _ = scene;
+        None
+    }
+
+    /// Settings of it that `bench` compares.
+    fn presets(&self) -> &'static [Preset] {
+        &[]
+    }
+
     /// Updates what it keeps of the scene. Costs nothing if nothing changed.
     ///
     /// # Errors
@@ -188,6 +224,11 @@ pub trait IndirectMethod: Any + Send {
     fn is_whole_frame(&self, settings: &RenderSettings) -> bool {
         let _ = settings;
         false
+    }
+
+    /// Targets whose last channel counts the virtual lights that each pixel tested and accepted, if it counts them.
+    fn light_counts(&self) -> Option<[&'static str; 2]> {
+        None
     }
 
     /// How the buffer `virtual lights` is laid out, if it keeps one, for the debug view of that name.

@@ -20,9 +20,9 @@ use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::reference::TraceSettings;
-use lightwell::render::{Beside, DisplaySettings, GiMethod, MethodInfo, RenderSettings};
+use lightwell::render::{Beside, DisplaySettings, MethodInfo, RenderSettings};
 use lightwell::scene::{Scene, SceneCamera, SceneView};
-use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
+use lightwell::world::{GameWorld, SceneSettings};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -370,20 +370,6 @@ fn update(world: &mut GameWorld, rendering: &mut RenderState) {
     rendering.follow(world);
 }
 
-/// Gives the scene a light propagation volume that fits it.
-fn add_light_volume(world: &mut GameWorld, scene: &Scene) {
-    let bounds = scene.bounds();
-    let translation = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.center() };
-    let entity = world.spawn("Light volume", None);
-    world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
-}
-
-/// Gives the scene the default settings of instant radiosity.
-fn add_virtual_lights(world: &mut GameWorld) {
-    let entity = world.spawn("Virtual lights", None);
-    world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
-}
-
 /// Loads a scene for a rendering that has drawn none, with what its choices ask for.
 fn load(
     path: &Path,
@@ -402,23 +388,18 @@ fn complete(world: &mut GameWorld, path: &Path, library: &mut AssetLibrary, rend
     world.set_tick(0);
     update(world, rendering);
     let method = look.gi.unwrap_or_else(|| render_state::gi_of_scene(world));
-    let wants_volume = method == GiMethod::CLPV && rendering.scene.clpv.is_none();
-    let wants_lights = method == GiMethod::VPL && rendering.scene.vpl.is_none();
-    let missing = [(wants_volume, "clpv"), (wants_lights, "vpl")].into_iter().find(|(is_missing, _)| *is_missing);
-    if let Some((_, component)) = missing {
-        let file = path.display();
+    let missing = rendering.renderer.methods().get(method)?.missing_settings(&rendering.scene);
+    if let Some(missing) = missing {
+        let (file, component) = (path.display(), missing.component);
         library.remark(format!("{file}: no entity has a `{component}` component: the default one is used"));
     }
-    if look.sets.is_empty() && !wants_volume && !wants_lights {
+    if look.sets.is_empty() && missing.is_none() {
         world.ecs.remove_resource::<Overridden>();
         return rendering.camera().map(drop);
     }
     set::override_values(world, path, &look.sets, |world| {
-        if wants_volume {
-            add_light_volume(world, &rendering.scene);
-        }
-        if wants_lights {
-            add_virtual_lights(world);
+        if let Some(missing) = missing {
+            (missing.add)(world, &rendering.scene);
         }
     })?;
     update(world, rendering);

@@ -42,13 +42,15 @@ impl RenderState {
 
     /// Of nothing yet, with the methods of indirect light of a game.
     pub fn with_methods(gpu: Arc<Gpu>, look: LookArgs, custom: &CustomMethods) -> Self {
-        let mut renderer = Renderer::new(&gpu);
-        for method in custom.make() {
-            renderer.add_method(&gpu, method);
-        }
+        let renderer = renderer_with(&gpu, custom);
         let methods = renderer.methods().list().collect();
         let (display, scene, extractor) = (DisplaySettings::default(), Scene::default(), Extractor::new());
         Self { gpu, look, display, scene, renderer, extractor, custom: custom.clone(), methods }
+    }
+
+    /// Another renderer with the same methods, which has drawn nothing yet.
+    pub fn new_renderer(&self) -> Renderer {
+        renderer_with(&self.gpu, &self.custom)
     }
 
     /// The methods of indirect light that it was made with besides those of the engine.
@@ -152,6 +154,14 @@ impl RenderState {
     pub fn render(&mut self, view: &SceneView, settings: &RenderSettings) -> Result<FrameReport> {
         Ok(self.renderer.render(&self.gpu, &self.scene, view, settings)?)
     }
+}
+
+fn renderer_with(gpu: &Gpu, custom: &CustomMethods) -> Renderer {
+    let mut renderer = Renderer::new(gpu);
+    for method in custom.make() {
+        renderer.add_method(gpu, method);
+    }
+    renderer
 }
 
 /// What the systems of a game have drawn.

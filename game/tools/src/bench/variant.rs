@@ -2,85 +2,19 @@
 
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use lightwell::render::GiMethod;
+use lightwell::render::{GiMethod, Methods, Preset};
 use lightwell_runtime::cli::{self, LookArgs, Switch, TraceArgs};
 use serde::{Deserialize, Serialize};
 
-/// A method that `--method` knows: one line each.
-pub struct Method {
-    /// Its name.
-    pub name: &'static str,
-    /// The method of indirect light.
-    pub gi: GiMethod,
-    /// Its changes of the scene, as `--set` writes them.
-    pub sets: &'static [(&'static str, &'static str)],
-    /// Its description in the report.
-    pub what: &'static str,
-    /// When it runs without being asked for.
-    pub runs: Runs,
-}
-
-/// When a method runs without being asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Runs {
-    /// In every run.
-    Always,
-    /// Not in quick runs.
-    Thorough,
-    /// Only by `--method`.
-    Asked,
-}
-
 pub(super) const DIFFUSION: (&str, &str) = ("clpv.transport", "Diffusion");
-const NO_SKY: (&str, &str) = ("scene.sky_light", "false");
-const SWEEP: (&str, &str) = ("clpv.transport", "Sweep");
-const AUTO: (&str, &str) = ("clpv.cell_size", "Auto");
-const FIXED: (&str, &str) = ("clpv.placement", "Fixed");
-const LOW: (&str, &str) = ("clpv.quality", "Low");
-const MEDIUM: (&str, &str) = ("clpv.quality", "Medium");
-const HIGH: (&str, &str) = ("clpv.quality", "High");
-const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
-const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
-const NO_RAYS: (&str, &str) = ("clpv.gather_rays", "Count(0)");
-const BY_QUALITY: (&str, &str) = ("clpv.gather_rays", "Auto");
-const HALF: (&str, &str) = ("clpv.precision", "Half");
-const ONE_PATH: (&str, &str) = ("clpv.gather_rays", "Paths(1)");
-const FOUR_PATHS: (&str, &str) = ("clpv.gather_rays", "Paths(4)");
-const NO_POINTS: (&str, &str) = ("clpv.gather_points", "Count(0)");
-const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
-/// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
-#[rustfmt::skip]
-pub const METHODS: &[Method] = &[
-    Method { name: "none", gi: GiMethod::NONE, sets: &[NO_SKY], what: "direct light alone", runs: Runs::Always },
-    Method { name: "clpv", gi: GiMethod::CLPV, sets: &[DIFFUSION], what: "the thesis's propagation, in its settings for the scene if it has any", runs: Runs::Always },
-    Method { name: "sweep low", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS], what: "sweep transport, low, looked up at the visible surfaces", runs: Runs::Always },
-    Method { name: "sweep medium", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, MEDIUM, NO_RAYS], what: "sweep transport, medium, looked up", runs: Runs::Always },
-    Method { name: "sweep high", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS], what: "sweep transport, high, looked up", runs: Runs::Always },
-    Method { name: "sweep ultra", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, ULTRA, NO_RAYS], what: "sweep transport, ultra, looked up", runs: Runs::Thorough },
-    Method { name: "sweep high half", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, HALF], what: "sweep transport, high, light on its way in half precision", runs: Runs::Asked },
-    Method { name: "gather medium", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY], what: "medium quality: volumes of low quality, gathered by 4 rays a pixel", runs: Runs::Always },
-    Method { name: "gather high", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, HIGH, BY_QUALITY], what: "high quality: volumes of medium quality, gathered by 8 rays a pixel", runs: Runs::Always },
-    Method { name: "gather ultra", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, ULTRA, BY_QUALITY], what: "ultra quality: volumes of high quality, gathered by 16 rays a pixel", runs: Runs::Thorough },
-    Method { name: "filtered paths 1 spp", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, ONE_PATH, NO_POINTS], what: "path tracing, one path a pixel, behind the gather's filter", runs: Runs::Always },
-    Method { name: "filtered paths 4 spp", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, FOUR_PATHS, NO_POINTS], what: "path tracing, four paths a pixel, behind the gather's filter", runs: Runs::Always },
-    Method { name: "gather 1 bounce", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
-    Method { name: "sweep low 1 bounce", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
-    Method { name: "sweep high 1 bounce", gi: GiMethod::CLPV, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
-    Method { name: "slc coarse", gi: GiMethod::SLC, sets: &[RAYS, ("slc.delta", "Relative(1e-3)")], what: "stochastic light culling, shadow rays, error bound 1e-3 of the mean irradiance", runs: Runs::Always },
-    Method { name: "slc", gi: GiMethod::SLC, sets: &[RAYS, ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling, shadow rays, error bound 3e-4", runs: Runs::Always },
-    Method { name: "slc fine", gi: GiMethod::SLC, sets: &[RAYS, ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling, shadow rays, error bound 1e-4", runs: Runs::Thorough },
-    Method { name: "slc no visibility", gi: GiMethod::SLC, sets: &[("slc.visibility", "None"), ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling as published: light passes through walls", runs: Runs::Thorough },
-    Method { name: "slc clustered", gi: GiMethod::SLC, sets: &[("slc.visibility", "None"), ("slc.culling", "Clustered")], what: "stochastic light culling, 32 depth slices", runs: Runs::Asked },
-    Method { name: "slc splatting", gi: GiMethod::SLC, sets: &[("slc.visibility", "None"), ("slc.culling", "Splatting")], what: "stochastic light culling, every light drawn", runs: Runs::Asked },
-    Method { name: "slc spheres", gi: GiMethod::SLC, sets: &[("slc.visibility", "None"), ("slc.bounds", "CentredSphere")], what: "stochastic light culling, spheres centred on the lights", runs: Runs::Asked },
-    Method { name: "slc unculled", gi: GiMethod::SLC, sets: &[("slc.visibility", "None"), ("slc.culling", "None")], what: "all virtual lights with the same interleaving", runs: Runs::Asked },
-    Method { name: "vpl 64", gi: GiMethod::VPL, sets: &[("vpl.particles", "64")], what: "instant radiosity, 64 particles, shadow rays", runs: Runs::Always },
-    Method { name: "vpl 256", gi: GiMethod::VPL, sets: &[("vpl.particles", "256")], what: "instant radiosity, 256 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "vpl 1024", gi: GiMethod::VPL, sets: &[("vpl.particles", "1024")], what: "instant radiosity, 1,024 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "vpl 4096", gi: GiMethod::VPL, sets: &[("vpl.particles", "4096")], what: "instant radiosity, 4,096 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "reference", gi: GiMethod::REFERENCE, sets: &[], what: "path tracing on the device", runs: Runs::Always },
-];
+/// A preset that `--method` knows, with its method. Path tracing becomes one variant for each number of samples of `--spp`.
+pub type Method = (GiMethod, &'static Preset);
+
+/// The presets of all methods.
+pub fn methods() -> Vec<Method> {
+    Methods::standard().presets().collect()
+}
 
 /// One of the things that a run compares.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,10 +47,10 @@ pub struct SweepPoint {
 }
 
 impl Variant {
-    /// A variant of a method of the table.
-    pub fn of(method: &Method) -> Self {
-        let sets = method.sets.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
-        Self { what: method.what.to_owned(), ..Self::new(method.name, method.gi, sets) }
+    /// A variant of a preset.
+    pub fn of((gi, preset): Method) -> Self {
+        let sets = preset.sets.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+        Self { what: preset.about.to_owned(), ..Self::new(preset.name, gi, sets) }
     }
 
     /// A variant by its parts.
@@ -250,9 +184,9 @@ mod tests {
 
     #[test]
     fn names_of_methods_are_unique() {
-        let mut names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+        let mut names: Vec<&str> = methods().iter().map(|(_, preset)| preset.name).collect();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), METHODS.len());
+        assert_eq!(names.len(), methods().len());
     }
 }

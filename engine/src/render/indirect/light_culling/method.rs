@@ -1,12 +1,12 @@
 //! The door of stochastic light culling.
 
-use super::{casts_rays, declare, settings};
+use super::{ACCEPTED, TESTED, casts_rays, declare, presets, settings, warnings};
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, RayUse};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, Preset, RayUse};
 use crate::scene::Scene;
 
 /// Stochastic light culling. It keeps nothing but what passes retain.
@@ -35,6 +35,18 @@ impl IndirectMethod for LightCullingMethod {
 
     fn has_sky_light(&self, scene: &Scene) -> bool {
         casts_rays(&settings(scene))
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        presets::PRESETS
+    }
+
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        warnings::lost_light(frame.scene)
+    }
+
+    fn light_counts(&self) -> Option<[&'static str; 2]> {
+        Some([TESTED, ACCEPTED])
     }
 
     fn declare<'a>(

@@ -5,7 +5,7 @@ use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Preset, Runs};
 use crate::render::settings::RenderSettings;
 use crate::scene::Scene;
 
@@ -23,6 +23,10 @@ impl IndirectMethod for PathTracing {
 
     fn about(&self) -> &'static str {
         "Path tracing, the reference: slow, and right but for noise"
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        &[Preset { name: "reference", sets: &[], about: "path tracing on the device", runs: Runs::Always }]
     }
 
     fn has_sky_light(&self, _: &Scene) -> bool {
