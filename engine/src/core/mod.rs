@@ -1,4 +1,5 @@
-//! What all of the engine shares: boxes and rays, transforms and projections, identities, and limits. Imports nothing of it.
+//! What all of the engine shares: boxes and rays, transforms and projections, identities, limits, and the choice of a method of
+//! indirect light. Imports nothing of it.
 
 mod bounds;
 mod color;

@@ -1,6 +1,6 @@
 //! A custom method of indirect light, hemisphere light, with settings that scenes hold.
-//! `cargo run --release --example custom_method`, with `-- --edit` to change the settings by mouse, or with `-- --gi clpv` to
-//! compare it with a method of the engine.
+//! `cargo run --release --example custom_method`, with `-- --edit` to change the settings by mouse, or with `-- --gi clpv`
+//! to compare it with a method of the engine.
 
 pub mod method;
 

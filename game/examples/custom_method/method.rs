@@ -1,6 +1,5 @@
-//! Hemisphere light: irradiance that depends on the direction of a surface alone, from sky and ground. It is what
-//! the light of two even half spheres is without shadows. For a surface whose normal has the height n.y above the ground,
-//! E = E_ground + (E_sky − E_ground)·(1 + n.y)/2.
+//! Hemisphere light: irradiance from an even sky and an even ground without shadows, which depends on the normal n of a
+//! surface alone, E = E_ground + (E_sky − E_ground)·(1 + n.y)/2.
 
 use bevy_ecs::prelude::Component;
 use glam::Vec3;
