@@ -12,6 +12,9 @@ mod change_scene;
 #[path = "../examples/custom_component.rs"]
 mod custom_component;
 #[allow(dead_code)]
+#[path = "../examples/custom_method/main.rs"]
+mod custom_method;
+#[allow(dead_code)]
 #[path = "../examples/hello_light.rs"]
 mod hello_light;
 
@@ -117,4 +120,39 @@ fn faulty_games_say_what_to_do() {
         failed.starts_with("step 1: system") && failed.contains("needs") && failed.contains(".resource("),
         "{failed}"
     );
+}
+
+#[test]
+fn a_custom_method_is_chosen_and_set_by_scene_and_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |words: &[&str]| {
+        let out = folder.path().join(words.join(" ").replace(['/', '.'], "_"));
+        let always = ["yard", "--headless", "--steps", "1", "--every", "1", "--size", "48x30", "-o"];
+        let all = always.into_iter().map(Into::into).chain([out.clone().into_os_string()]);
+        let code = custom_method::app().run_with(all.chain(words.iter().map(Into::into)));
+        assert_eq!(code, std::process::ExitCode::SUCCESS, "{words:?}");
+        std::fs::read(out.join("step_0001.png")).unwrap()
+    };
+    let scene = run(&[]);
+    assert!(scene == run(&["--gi", "hemisphere"]), "the scene asks for it by `gi: Hemisphere`");
+    assert!(scene != run(&["--gi", "none"]), "it lights the yard");
+    assert!(scene != run(&["--set", "Ambient.HemisphereLight.sky=3"]), "its settings are in the scene");
+}
+
+#[test]
+fn a_method_that_is_not_registered_is_refused_with_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.scene.ron");
+    let error = |app: App| format!("{:#}", app.start().map(drop).unwrap_err());
+    let write =
+        |gi: &str| std::fs::write(&path, format!("Scene(gi: {gi}, entities: [(name: \"Camera\", camera: ())])"));
+    let app = || App::new(path.display().to_string());
+    write("Hemisphere").unwrap();
+    let unknown = error(app());
+    assert!(unknown.contains("a.scene.ron:1:11") && unknown.contains("`Hemisphere`"), "{unknown}");
+    assert!(["None", "Clpv", "Vpl", "Slc"].iter().all(|known| unknown.contains(known)), "{unknown}");
+    app().method(|| custom_method::method::Hemisphere).start().unwrap();
+    write("Hemispere").unwrap();
+    let misspelt = error(app().method(|| custom_method::method::Hemisphere));
+    assert!(misspelt.contains("did you mean `Hemisphere`?"), "{misspelt}");
 }

@@ -3,4 +3,5 @@
 mod book;
 mod crates;
 mod figures;
+mod methods;
 mod words;

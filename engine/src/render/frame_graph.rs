@@ -154,7 +154,7 @@ fn declare_indirect<'a>(
     gpu: &Gpu,
 ) -> Result<Option<IndirectLight>, RenderError> {
     if frame.settings.only.shows_indirect() {
-        lost_light::of(frame, method.id()).into_iter().for_each(|warning| graph.warn(warning));
+        lost_light::of(frame, method).into_iter().for_each(|warning| graph.warn(warning));
         return method.declare(graph, frame, gbuffer, gpu);
     }
     graph.skip("indirect", "the layer that is shown holds no indirect light");

@@ -341,7 +341,7 @@ fn subject(scene: &Scene, view: &SceneView, settings: &RenderSettings, shaders: 
 impl Seen {
     fn new(subject: u64, scene: &Scene, view: &SceneView, jitter: [f32; 2]) -> Self {
         let revisions = scene.revisions;
-        let methods = format!("{:?} {:?} {:?}", scene.clpv, scene.vpl, scene.slc);
+        let methods = format!("{:?} {:?} {:?} {}", scene.clpv, scene.vpl, scene.slc, revisions.methods);
         let shifted = SceneView { jitter, ..view.clone() };
         Self {
             subject,

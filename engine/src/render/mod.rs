@@ -44,7 +44,9 @@ pub use indirect::instant_radiosity as vpl;
 pub use indirect::light_culling as slc;
 pub use indirect::light_volumes as lpv;
 pub use indirect::path_tracer as reference;
-pub use indirect::{IndirectLight, IndirectMethod, Methods, PointLayout, RayUse, Subject};
+pub use indirect::{
+    IndirectLight, IndirectMethod, MethodInfo, Methods, MissingSettings, PointLayout, Preset, RayUse, Runs, Subject,
+};
 pub use probe_light::PendingProbes;
 pub use rays::{RayError, RayScene};
 pub use renderer::Renderer;

@@ -89,10 +89,13 @@ impl Renderer {
         self.extra.push(Box::new(pass));
     }
 
-    /// Adds a method of indirect light of one's own; [`RenderSettings::gi`] chooses it by its name. It takes the place of
-    /// one of the same name.
-    pub fn add_method(&mut self, method: impl IndirectMethod) {
-        self.methods.add(Box::new(method));
+    /// Adds a custom method of indirect light, and its shaders to the device; [`RenderSettings::gi`] chooses it by its name.
+    /// It replaces one of the same name.
+    pub fn add_method(&mut self, gpu: &Gpu, method: Box<dyn IndirectMethod>) {
+        for (name, text) in method.shaders() {
+            gpu.shaders.add(name, text);
+        }
+        self.methods.add(method);
     }
 
     /// The methods of indirect light.

@@ -1,24 +1,9 @@
 //! How a frame is to be drawn.
 
 use super::debug_settings::DebugSettings;
+pub use crate::core::GiMethod;
 pub use crate::world::ToneMap;
 use crate::world::{Exposure, Lens};
-
-/// A method of indirect light, by the name that the command line and scene tests have for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct GiMethod(&'static str);
-
-impl GiMethod {
-    /// The method of that name.
-    pub const fn named(name: &'static str) -> Self {
-        Self(name)
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        self.0
-    }
-}
 
 /// Settings of the path tracer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

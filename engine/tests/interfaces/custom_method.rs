@@ -6,7 +6,7 @@ use constant_ambient::{CONSTANT_AMBIENT, ConstantAmbient};
 use glam::{Affine3A, Vec3};
 use lightwell::assets::Shape;
 use lightwell::graph::PassState;
-use lightwell::render::{GiMethod, Layer, RenderSettings, Renderer};
+use lightwell::render::{GiMethod, Layer, MethodInfo, RenderSettings, Renderer};
 use std::f32::consts::PI;
 
 fn floor() -> Stage {
@@ -23,11 +23,11 @@ fn settings(only: Layer) -> RenderSettings {
 #[test]
 fn a_registered_method_lights_the_scene() {
     let (gpu, stage) = (gpu(), floor());
-    gpu.shaders.add("constant_ambient.wgsl", include_str!("custom_method/constant_ambient.wgsl"));
     let mut renderer = Renderer::new(&gpu);
     renderer.set_audit(true);
-    renderer.add_method(ConstantAmbient { irradiance: Vec3::new(2.0, 2.0, 1.0) });
-    assert!(renderer.methods().list().any(|(id, title)| (id, title) == (CONSTANT_AMBIENT, "Constant ambient light")));
+    renderer.add_method(&gpu, Box::new(ConstantAmbient { irradiance: Vec3::new(2.0, 2.0, 1.0) }));
+    let is_listed = |info: MethodInfo| (info.id, info.title) == (CONSTANT_AMBIENT, "Constant ambient light");
+    assert!(renderer.methods().list().any(is_listed));
     for only in [Layer::Total, Layer::Indirect] {
         let (image, _) = stage.render_with(&gpu, &mut renderer, &settings(only));
         for pixel in &image.rgba {
@@ -44,13 +44,12 @@ fn a_registered_method_lights_the_scene() {
 #[test]
 fn it_is_kept_while_nothing_changes_and_replaced_by_its_name() {
     let (gpu, stage) = (gpu(), floor());
-    gpu.shaders.add("constant_ambient.wgsl", include_str!("custom_method/constant_ambient.wgsl"));
     let mut renderer = Renderer::new(&gpu);
-    renderer.add_method(ConstantAmbient { irradiance: Vec3::ONE });
+    renderer.add_method(&gpu, Box::new(ConstantAmbient { irradiance: Vec3::ONE }));
     let (first, _) = stage.render_with(&gpu, &mut renderer, &settings(Layer::Total));
     let (_, report) = stage.render_with(&gpu, &mut renderer, &settings(Layer::Total));
     assert_eq!(report.ran_count(), 0, "{report}");
-    renderer.add_method(ConstantAmbient { irradiance: 2.0 * Vec3::ONE });
+    renderer.add_method(&gpu, Box::new(ConstantAmbient { irradiance: 2.0 * Vec3::ONE }));
     let (brighter, report) = stage.render_with(&gpu, &mut renderer, &settings(Layer::Total));
     assert_eq!(report.pass("constant ambient").map(|pass| &pass.state), Some(&PassState::Ran), "{report}");
     assert!((brighter.rgba[0][0] / first.rgba[0][0] - 2.0).abs() < 1e-5);

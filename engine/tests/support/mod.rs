@@ -56,6 +56,7 @@ impl Stage {
                 media: 1,
                 cameras: 1,
                 clpv: 1,
+                methods: 0,
                 settings: 1,
                 statics: 0,
             },

@@ -2,7 +2,10 @@
 
 use clap::Parser;
 use lightwell::game::InputScript;
-use lightwell_runtime::cli::{Common, Gi, LookArgs, parse_assignment, parse_frame_rate, parse_scale, parse_size};
+use lightwell::render::GiMethod;
+use lightwell_runtime::cli::{
+    Common, LookArgs, built_in_methods, method_parser, parse_assignment, parse_frame_rate, parse_scale, parse_size,
+};
 use std::path::PathBuf;
 
 /// What a game is asked for.
@@ -51,8 +54,8 @@ pub struct GameArgs {
     #[arg(long, value_name = "N", value_parser = parse_frame_rate)]
     pub fps: Option<f32>,
     /// Indirect light [default: what the scene asks for]
-    #[arg(long, value_enum)]
-    pub gi: Option<Gi>,
+    #[arg(long, value_name = "GI", value_parser = method_parser(built_in_methods()))]
+    pub gi: Option<GiMethod>,
     /// Change a value of the scene that it begins with: `ENTITY.COMPONENT.FIELD=VALUE`, with the game's own components
     /// too, `clpv.FIELD=VALUE`, `scene.FIELD=VALUE`, or `preset=NAME`; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]

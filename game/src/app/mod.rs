@@ -35,6 +35,8 @@ mod headless;
 mod hud;
 #[cfg(feature = "editor")]
 mod in_editor;
+#[cfg(test)]
+mod method_tests;
 #[cfg(feature = "gamepad")]
 mod pads;
 mod player;
@@ -61,11 +63,11 @@ use clap::{CommandFactory, FromArgMatches};
 use lightwell::files::{ComponentTypes, SceneData};
 use lightwell::game::{Actions, Game, GameError, InputScript, LightProbe, NonSolid, Persistent, Update};
 use lightwell::graph::{Graph, Handle, Texture};
-use lightwell::render::Picture;
+use lightwell::render::{IndirectMethod, Picture};
 #[cfg(feature = "editor")]
 use lightwell_editor::{CustomComponent, Display, EditedGame, Opening};
-use lightwell_runtime::cli::Common;
-use lightwell_runtime::session::{self, RenderState};
+use lightwell_runtime::cli::{Common, built_in_methods, method_parser};
+use lightwell_runtime::session::{self, CustomMethods, RenderState};
 use lightwell_runtime::window::has_display;
 use lightwell_runtime::{logging, scene_path, set};
 use std::ffi::OsString;
@@ -102,6 +104,7 @@ pub struct App {
     #[cfg(feature = "editor")]
     shown: Vec<CustomComponent>,
     passes: Vec<CustomPassAdder>,
+    methods: CustomMethods,
     fault: Option<GameError>,
 }
 
@@ -120,6 +123,7 @@ impl App {
             #[cfg(feature = "editor")]
             shown: Vec::new(),
             passes: Vec::new(),
+            methods: CustomMethods::default(),
             fault: None,
         };
         app.show::<NonSolid>().show::<LightProbe>().show::<Persistent>()
@@ -202,6 +206,22 @@ impl App {
         self
     }
 
+    /// Adds a method of indirect light, which `method` makes for every renderer of the game. Scene files choose it by
+    /// `gi: ConstantAmbient` and the command line by `--gi constant-ambient`, if its name is `constant-ambient`; the editor lists
+    /// it by its title. `docs/frame.md` explains what a method is, and the example `custom_method` has one.
+    pub fn method<M: IndirectMethod>(mut self, method: impl Fn() -> M + Send + Sync + Clone + 'static) -> Self {
+        let info = self.methods.add(method.clone());
+        self.game.add_method(info.id);
+        self.passes.push(Box::new(move |rendering| rendering.add_method(Box::new(method()))));
+        self
+    }
+
+    /// Adds a component that is the settings of a method of indirect light: scenes can hold it, the editor shows it, and the
+    /// method finds the first one of the scene in `frame.scene.method_settings`.
+    pub fn method_settings<S: Component + SceneData + Clone + Default + PartialEq>(self) -> Self {
+        self.show::<S>().try_to(|game| game.add_method_settings::<S>())
+    }
+
     /// Sets the window's title; else it is the scene's name.
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = Some(title.into());
@@ -229,7 +249,7 @@ impl App {
         again: Option<Rc<dyn Fn() -> App>>,
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> ExitCode {
-        let matches = GameArgs::command().about(self.name()).get_matches_from(words);
+        let matches = self.command().get_matches_from(words);
         let args = match GameArgs::from_arg_matches(&matches) {
             Ok(args) => args,
             Err(error) => error.exit(),
@@ -242,6 +262,12 @@ impl App {
                 ExitCode::from(1)
             }
         }
+    }
+
+    /// The command line, which knows the game's methods of indirect light.
+    fn command(&self) -> clap::Command {
+        let methods = built_in_methods().into_iter().chain(self.methods.list()).collect();
+        GameArgs::command().about(self.name()).mut_arg("gi", |gi| gi.value_parser(method_parser(methods)))
     }
 
     fn run_args(self, args: &GameArgs, again: Option<Rc<dyn Fn() -> App>>) -> Result<()> {
@@ -268,7 +294,8 @@ impl App {
         let (size, scale, look) = (args.size, args.scale, args.look());
         let opening = Opening { scene, size, scale, frames_per_second: args.fps, look, measure: None };
         let (types, shown) = (self.game.options().types.clone(), std::mem::take(&mut self.shown));
-        let game = EditedGame { types, shown, new_game: Some(in_editor::new_game(self, again, &args.common)) };
+        let methods = self.methods.clone();
+        let game = EditedGame { types, shown, methods, new_game: Some(in_editor::new_game(self, again, &args.common)) };
         Display::open().context("the editor needs a display")?.edit(&opening, &args.common, &game)
     }
 

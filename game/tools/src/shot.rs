@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use lightwell::gpu::Gpu;
 use lightwell::render::GiMethod;
 use lightwell::scene::SceneView;
-use lightwell_runtime::cli::{Gi, LookArgs, Switch};
+use lightwell_runtime::cli::{LookArgs, Switch};
 use lightwell_runtime::progress::Bar;
 use lightwell_runtime::session::{PendingPicture, Session};
 use lightwell_runtime::writer::Picture;
@@ -35,7 +35,7 @@ impl Images {
         look: &LookArgs,
         linear: bool,
     ) -> Result<Self> {
-        let alone = if look.gi == Some(Gi::Reference) {
+        let alone = if look.gi == Some(GiMethod::REFERENCE) {
             Some("path tracing takes as many samples as --spp says: give --spp N")
         } else if !look.only.is_light() {
             Some("--only albedo, normal and depth have no noise: leave it out, or give --aa N for smooth edges")
@@ -181,7 +181,7 @@ mod tests {
         let debug = DebugArgs { views: vec![DebugView::Lights], ..DebugArgs::default() };
         let cases = [
             (look.clone(), true, "give --aa N"),
-            (LookArgs { gi: Some(Gi::Reference), ..look.clone() }, false, "--spp"),
+            (LookArgs { gi: Some(GiMethod::REFERENCE), ..look.clone() }, false, "--spp"),
             (LookArgs { only: Only::Depth, ..look.clone() }, false, "--only"),
             (LookArgs { debug, ..look.clone() }, false, "--debug"),
             (LookArgs { average: Some(Switch::On), ..look.clone() }, false, "--average on"),

@@ -1,7 +1,9 @@
-//! What all of the engine shares: boxes and rays, transforms and projections, identities, and limits. Imports nothing of it.
+//! What all of the engine shares: boxes and rays, transforms and projections, identities, limits, and the choice of a method of
+//! indirect light. Imports nothing of it.
 
 mod bounds;
 mod color;
+mod gi_method;
 mod id;
 mod light_kind;
 mod limits;
@@ -12,6 +14,7 @@ mod transform;
 
 pub use bounds::{Aabb, Frustum};
 pub use color::{srgb_decode, srgb_encode};
+pub use gi_method::GiMethod;
 pub use id::{AssetId, SceneId};
 pub use light_kind::LightKind;
 pub use limits::MAX_IMAGE_SIZE;

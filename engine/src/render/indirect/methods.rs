@@ -5,14 +5,25 @@ use super::light_culling::LightCullingMethod;
 use super::light_volumes::LightVolumesMethod;
 use super::none::NoIndirectLight;
 use super::path_tracer::PathTracing;
-use super::{GiMethod, IndirectMethod};
+use super::{GiMethod, IndirectMethod, Preset};
 use crate::render::error::RenderError;
 use std::any::Any;
 
-impl Default for GiMethod {
-    /// Light propagation volumes.
-    fn default() -> Self {
-        Self::CLPV
+/// Description of a method for help and interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodInfo {
+    /// Its name.
+    pub id: GiMethod,
+    /// Its full name.
+    pub title: &'static str,
+    /// One line of help.
+    pub about: &'static str,
+}
+
+impl MethodInfo {
+    /// The description of a method.
+    pub fn of(method: &dyn IndirectMethod) -> Self {
+        Self { id: method.id(), title: method.title(), about: method.about() }
     }
 }
 
@@ -37,9 +48,14 @@ impl Methods {
         self.0.push(method);
     }
 
-    /// Names and titles of all.
-    pub fn list(&self) -> impl Iterator<Item = (GiMethod, &'static str)> {
-        self.0.iter().map(|method| (method.id(), method.title()))
+    /// Descriptions of all.
+    pub fn list(&self) -> impl Iterator<Item = MethodInfo> {
+        self.0.iter().map(|method| MethodInfo::of(method.as_ref()))
+    }
+
+    /// The presets of all, each with its method.
+    pub fn presets(&self) -> impl Iterator<Item = (GiMethod, &'static Preset)> {
+        self.0.iter().flat_map(|method| method.presets().iter().map(|preset| (method.id(), preset)))
     }
 
     /// The method of that name.

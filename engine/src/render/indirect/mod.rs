@@ -15,12 +15,14 @@ mod methods;
 pub(super) mod mirror_average;
 mod none;
 pub mod path_tracer;
+mod preset;
 mod scattered;
 pub(super) mod second_lobe_reflection;
 pub(in crate::render) mod sky_reflection;
 pub(super) mod variance_filter;
 
-pub use methods::Methods;
+pub use methods::{MethodInfo, Methods};
+pub use preset::{Preset, Runs};
 pub(crate) use scattered::Scattered;
 
 use super::error::RenderError;
@@ -30,6 +32,7 @@ use super::settings::{GiMethod, RenderSettings};
 use crate::gpu::Gpu;
 use crate::graph::{Buffer, Graph, Handle, Texture};
 use crate::scene::{Aabb, Scene, SceneView};
+use crate::world::GameWorld;
 use light_volumes::Field;
 use std::any::Any;
 
@@ -80,6 +83,15 @@ impl IndirectLight {
     }
 }
 
+/// Settings that a method needs and a scene does not have.
+#[derive(Clone, Copy, Debug)]
+pub struct MissingSettings {
+    /// Name of the component in scene files.
+    pub component: &'static str,
+    /// Adds an entity with the default settings to a world, whose scene is given.
+    pub add: fn(&mut GameWorld, &Scene),
+}
+
 /// The door of a method. All but [`declare`](Self::declare) has a default that asks for nothing, so that a method whose
 /// light is the same everywhere is a few lines.
 pub trait IndirectMethod: Any + Send {
@@ -88,6 +100,18 @@ pub trait IndirectMethod: Any + Send {
 
     /// Its full name, as the interface shows it.
     fn title(&self) -> &'static str;
+
+    /// One line of help for command line and interface.
+    fn about(&self) -> &'static str {
+        ""
+    }
+
+    /// Shaders that it adds to those of the engine: names and texts. [`Renderer::add_method`] gives them to the device.
+    ///
+    /// [`Renderer::add_method`]: super::Renderer::add_method
+    fn shaders(&self) -> &'static [(&'static str, &'static str)] {
+        &[]
+    }
 
     /// Whether frames with other random numbers have other noise, which averaging them removes.
     fn varies(&self, scene: &Scene) -> bool {
@@ -121,6 +145,30 @@ pub trait IndirectMethod: Any + Send {
     fn surfel_spacing(&self, subject: &Subject) -> Result<Option<f32>, RenderError> {
         let _ = subject;
         Ok(None)
+    }
+
+    /// Whether participating media scatter and absorb its light, or it has none that could pass them.
+    fn scatters_in_media(&self, scene: &Scene) -> bool {
+        let _ = scene;
+        false
+    }
+
+    /// Light of the scene that it leaves out in a frame: a sentence each, with the name of the entity, for the warnings of the
+    /// frame's report.
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        let _ = frame;
+        Vec::new()
+    }
+
+    /// The settings component that it needs and a scene does not have, if so.
+    fn missing_settings(&self, scene: &Scene) -> Option<MissingSettings> {
+        let _ = scene;
+        None
+    }
+
+    /// Settings of it that `bench` compares.
+    fn presets(&self) -> &'static [Preset] {
+        &[]
     }
 
     /// Updates what it keeps of the scene. Costs nothing if nothing changed.
@@ -177,6 +225,11 @@ pub trait IndirectMethod: Any + Send {
     fn is_whole_frame(&self, settings: &RenderSettings) -> bool {
         let _ = settings;
         false
+    }
+
+    /// Targets whose last channel counts the virtual lights that each pixel tested and accepted, if it counts them.
+    fn light_counts(&self) -> Option<[&'static str; 2]> {
+        None
     }
 
     /// How the buffer `virtual lights` is laid out, if it keeps one, for the debug view of that name.

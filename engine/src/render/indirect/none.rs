@@ -1,16 +1,12 @@
 //! No indirect light: direct light and the sky's, for comparison and for slow machines.
 
-use super::{GiMethod, IndirectLight, IndirectMethod};
+use super::{GiMethod, IndirectLight, IndirectMethod, Preset, Runs};
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-
-impl GiMethod {
-    /// Direct light only.
-    pub const NONE: Self = Self::named("none");
-}
+use crate::scene::Scene;
 
 /// The method without any.
 pub(super) struct NoIndirectLight;
@@ -22,6 +18,23 @@ impl IndirectMethod for NoIndirectLight {
 
     fn title(&self) -> &'static str {
         "None"
+    }
+
+    fn about(&self) -> &'static str {
+        "Direct light alone"
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        &[Preset {
+            name: "none",
+            sets: &[("scene.sky_light", "false")],
+            about: "direct light alone",
+            runs: Runs::Always,
+        }]
+    }
+
+    fn scatters_in_media(&self, _: &Scene) -> bool {
+        true
     }
 
     fn declare<'a>(

@@ -31,6 +31,10 @@ impl IndirectMethod for ConstantAmbient {
         "Constant ambient light"
     }
 
+    fn shaders(&self) -> &'static [(&'static str, &'static str)] {
+        &[("constant_ambient.wgsl", include_str!("constant_ambient.wgsl"))]
+    }
+
     fn declare<'a>(
         &'a self,
         graph: &mut Graph<'a>,

@@ -10,6 +10,7 @@ use super::space::{self, NonSolid, SpatialQuery};
 use super::time::Time;
 use super::{GameError, fault};
 use crate::assets::{AssetLibrary, LoadBudget};
+use crate::core::GiMethod;
 use crate::files::{self, ComponentType, EditContext, FileError, LoadOptions, Roots, SceneData, SceneFile};
 use crate::world::{GameWorld, PathIdentities};
 use bevy_ecs::error::FallbackErrorHandler;
@@ -148,6 +149,23 @@ impl Game {
         self.options.types.register(&mut self.world.ecs);
         self.world.ecs.insert_resource(self.options.types.clone());
         Ok(())
+    }
+
+    /// Adds a method of indirect light that scene files can name.
+    pub fn add_method(&mut self, method: GiMethod) {
+        self.options.types.add_method(method);
+        self.world.ecs.insert_resource(self.options.types.clone());
+    }
+
+    /// Adds a component that is the settings of a method of indirect light.
+    ///
+    /// # Errors
+    /// When another type has its name.
+    pub fn add_method_settings<S: Component + SceneData + Clone + Default + PartialEq>(
+        &mut self,
+    ) -> Result<(), GameError> {
+        self.options.types.add_settings::<S>()?;
+        self.add_component::<S>()
     }
 
     /// Adds a resource that is saved with the game.

@@ -25,7 +25,7 @@ pub use surfels::{texel, wall_extent};
 pub use view::{SceneCamera, SceneView};
 
 use crate::assets::{Material, Mesh, SkyMap};
-use crate::world::{Clpv, InstantRadiosity, StochasticLightCulling};
+use crate::world::{Clpv, InstantRadiosity, MethodSettings, StochasticLightCulling};
 use glam::{Affine3A, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -80,6 +80,8 @@ pub struct Revisions {
     pub cameras: u64,
     /// The CLPV settings.
     pub clpv: u64,
+    /// The settings of a game's methods.
+    pub methods: u64,
     /// Scene settings (sky).
     pub settings: u64,
     /// Which primitives there are, which of them are moving, and anything of those that are not. 0 in scenes put
@@ -119,6 +121,8 @@ pub struct Scene {
     /// Settings of stochastic light culling, if the world has any; without them the default is used. The first by
     /// SceneId wins. They have no revision: passes take them into their keys as they are.
     pub slc: Option<StochasticLightCulling>,
+    /// Settings of a game's methods, by their type. The first of each type by SceneId wins.
+    pub method_settings: MethodSettings,
     /// Radiance of the sky behind everything [W/(m² sr)], linear RGB; the mean over all directions where there is
     /// a map.
     pub sky: Vec3,

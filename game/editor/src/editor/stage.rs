@@ -7,7 +7,7 @@ use crate::comparison::{Comparison, LiveError};
 use lightwell::files::OverrideFile;
 use lightwell::graph::FrameReport;
 use lightwell::profile::Profiler;
-use lightwell::render::DisplaySettings;
+use lightwell::render::{DisplaySettings, MethodInfo};
 use lightwell::scene::{Scene, SceneCamera, SceneId};
 use lightwell::world::GameWorld;
 use lightwell_runtime::cli::LookArgs;
@@ -48,6 +48,8 @@ pub struct Facts<'a> {
     pub name: &'a str,
     /// What the renderer sees.
     pub scene: &'a Scene,
+    /// The methods of indirect light that it can be drawn with.
+    pub methods: &'a [MethodInfo],
     /// The last frame.
     pub report: &'a FrameReport,
     /// Times of the last frames.

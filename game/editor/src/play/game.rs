@@ -102,7 +102,9 @@ impl Player {
                 return Err(error);
             }
         };
-        let mut rendering = RenderState::new(self.session.gpu.clone(), self.session.rendering.look.clone());
+        let resting = &self.session.rendering;
+        let mut rendering =
+            RenderState::with_methods(resting.gpu.clone(), resting.look.clone(), resting.custom_methods());
         rendering.display = self.session.rendering.display;
         playing.played().add_passes(&mut rendering);
         let resting = std::mem::replace(&mut self.session.rendering, rendering);

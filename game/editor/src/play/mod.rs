@@ -17,6 +17,7 @@ use crate::editor::{CustomComponent, console};
 use anyhow::Result;
 use lightwell::files::ComponentTypes;
 use lightwell_runtime::cli::{Common, LookArgs};
+use lightwell_runtime::session::CustomMethods;
 use lightwell_runtime::{logging, scene_path};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -49,6 +50,8 @@ pub struct EditedGame {
     pub types: ComponentTypes,
     /// How the inspector shows them.
     pub shown: Vec<CustomComponent>,
+    /// Its methods of indirect light.
+    pub methods: CustomMethods,
     /// What Play plays; none: what the engine does by itself.
     pub new_game: Option<NewGame>,
 }

@@ -103,7 +103,7 @@ impl Player {
         set_fonts(&context);
         let ui = UiSurface::new(&gpu, &window, screen.format(), context);
         let look = args.look.in_window();
-        let mut session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone())?;
+        let mut session = Session::open_with(gpu, &args.scene, &look, common, own.types.clone(), &own.methods)?;
         let options = session.parts().files.options.clone();
         let new_game = own.new_game.clone().unwrap_or_else(|| Rc::new(move || Ok(plain(&options))));
         lightwell::files::remove_leftovers(session.path());
@@ -322,6 +322,7 @@ impl Player {
             facts: Facts {
                 name: &name,
                 scene: parts.scene,
+                methods: parts.methods,
                 report: &self.report,
                 profiler: &self.profiler,
                 errors: &errors,

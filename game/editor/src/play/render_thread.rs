@@ -106,7 +106,7 @@ impl RenderThread {
         let Some(work) = self.work.as_ref().filter(|_| self.begun.is_none()) else {
             bail!("a picture is being drawn already");
         };
-        let mut renderer = self.stand_in.take().unwrap_or_else(|| Renderer::new(&session.gpu));
+        let mut renderer = self.stand_in.take().unwrap_or_else(|| session.rendering.new_renderer());
         std::mem::swap(&mut session.rendering.renderer, &mut renderer);
         renderer.set_pacing(Some(Arc::clone(&self.pacing)));
         if purpose == Purpose::View {

@@ -1,25 +1,9 @@
 //! Choices that change the picture, which several commands take.
 
-use super::{parse_assignment, parse_update};
+use super::{built_in_methods, method_parser, parse_assignment, parse_update};
 use clap::{Args, ValueEnum};
-use lightwell::render::UpdateRate;
 use lightwell::render::debug::{DebugView, ShownTarget};
-use serde::Deserialize;
-
-/// Method of indirect light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
-pub enum Gi {
-    /// Direct light alone
-    None,
-    /// Cascaded light propagation volumes: the scene's, or one that fits it if it has none
-    Clpv,
-    /// Instant radiosity: virtual point lights, as the scene sets them or by default
-    Vpl,
-    /// Stochastic light culling: one bounce from virtual lights, by the scene's `slc` component or by default
-    Slc,
-    /// Path tracing, the reference: slow, and right but for noise
-    Reference,
-}
+use lightwell::render::{GiMethod, UpdateRate};
 
 /// Part of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -71,8 +55,8 @@ pub enum Switch {
 #[derive(Args, Clone, Debug, Default)]
 pub struct LookArgs {
     /// Indirect light [default: what the scene asks for]
-    #[arg(long, value_enum)]
-    pub gi: Option<Gi>,
+    #[arg(long, value_name = "GI", value_parser = method_parser(built_in_methods()))]
+    pub gi: Option<GiMethod>,
     /// Part of the picture to show
     #[arg(long, value_enum, default_value_t = Only::Total)]
     pub only: Only,

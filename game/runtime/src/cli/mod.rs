@@ -1,9 +1,11 @@
 //! The parts of a command line that every program has: where scenes come from, and how they are looked at.
 
 mod look;
+mod method;
 mod parse;
 
-pub use look::{DebugArgs, Edges, Gi, LookArgs, Only, Switch, TraceArgs};
+pub use look::{DebugArgs, Edges, LookArgs, Only, Switch, TraceArgs};
+pub use method::{built_in_methods, method_parser, parse_method};
 pub use parse::{parse_assignment, parse_frame_rate, parse_scale, parse_size, parse_update};
 
 use clap::Args;

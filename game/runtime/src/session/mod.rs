@@ -1,14 +1,16 @@
 //! A loaded scene with the device that draws it: load, set the time, draw, read back.
 
+mod custom_methods;
 mod reading;
 mod render_state;
 mod tracing;
 
+pub use custom_methods::CustomMethods;
 pub use reading::{Objects, PendingPicture};
 pub use render_state::RenderState;
 pub use tracing::Tracing;
 
-use crate::cli::{Common, Gi, LookArgs};
+use crate::cli::{Common, LookArgs};
 use crate::scene_path;
 use crate::set;
 use anyhow::Result;
@@ -18,9 +20,9 @@ use lightwell::gpu::{self, Gpu, GpuOptions};
 use lightwell::graph::FrameReport;
 use lightwell::measure::Image;
 use lightwell::render::reference::TraceSettings;
-use lightwell::render::{Beside, DisplaySettings, RenderSettings};
+use lightwell::render::{Beside, DisplaySettings, MethodInfo, RenderSettings};
 use lightwell::scene::{Scene, SceneCamera, SceneView};
-use lightwell::world::{Clpv, GameWorld, InstantRadiosity, SceneSettings, Transform};
+use lightwell::world::{GameWorld, SceneSettings};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -88,6 +90,8 @@ pub struct Parts<'a> {
     pub display: &'a mut DisplaySettings,
     /// What the renderer sees.
     pub scene: &'a Scene,
+    /// The methods of indirect light that it can be drawn with.
+    pub methods: &'a [MethodInfo],
 }
 
 impl Session {
@@ -96,10 +100,10 @@ impl Session {
     /// # Errors
     /// If the scene or something in it cannot be loaded, a path of `--set` does not exist, or the camera does not.
     pub fn open(gpu: impl Into<Arc<Gpu>>, scene: &str, look: &LookArgs, common: &Common) -> Result<Self> {
-        Self::open_with(gpu, scene, look, common, ComponentTypes::default())
+        Self::open_with(gpu, scene, look, common, ComponentTypes::default(), &CustomMethods::default())
     }
 
-    /// The same for a scene with components of a game.
+    /// The same for a scene with components and methods of indirect light of a game.
     ///
     /// # Errors
     /// As [`Session::open`].
@@ -109,10 +113,11 @@ impl Session {
         look: &LookArgs,
         common: &Common,
         types: ComponentTypes,
+        methods: &CustomMethods,
     ) -> Result<Self> {
         let path = scene_path::find(scene)?;
         let options = common.load_options(types);
-        Self::with(gpu.into(), path, options, AssetLibrary::new(), look)
+        Self::with(RenderState::with_methods(gpu.into(), look.clone(), methods), path, options, AssetLibrary::new())
     }
 
     /// Opens a device without a window, and loads a scene as [`Session::open`] does.
@@ -130,19 +135,23 @@ impl Session {
     /// # Errors
     /// As [`Session::open`].
     pub fn again(&self, look: &LookArgs) -> Result<Self> {
-        Self::with(self.gpu.clone(), self.path.clone(), self.options.clone(), self.library.clone(), look)
+        Self::with(self.new_rendering(look.clone()), self.path.clone(), self.options.clone(), self.library.clone())
     }
 
     fn with(
-        gpu: Arc<Gpu>,
+        mut rendering: RenderState,
         path: PathBuf,
         options: LoadOptions,
         mut library: AssetLibrary,
-        look: &LookArgs,
     ) -> Result<Self> {
-        let mut rendering = RenderState::new(gpu.clone(), look.clone());
+        let gpu = rendering.gpu.clone();
         let world = load(&path, &mut library, &options, &mut rendering)?;
         Ok(Self { gpu, path, options, library, world, rendering, beside: None })
+    }
+
+    /// A rendering of nothing yet, on the same device and with the same methods.
+    fn new_rendering(&self, look: LookArgs) -> RenderState {
+        RenderState::with_methods(self.gpu.clone(), look, self.rendering.custom_methods())
     }
 
     /// Loads the scene anew from its file, into the same world, where entities have the identities of those that stood
@@ -157,7 +166,7 @@ impl Session {
         // What was whole and is broken now may be half written: the last good state stays.
         let strict = self.options.strict || !self.library.has_faults();
         let options = LoadOptions { strict, ..self.options.clone() };
-        let loaded = load(&path, &mut library, &options, &mut RenderState::new(self.gpu.clone(), look));
+        let loaded = load(&path, &mut library, &options, &mut self.new_rendering(look));
         self.library.watch_also(&library);
         loaded?;
         files::reenter_scene(&mut self.world, &mut library, &options, &path)?;
@@ -178,7 +187,7 @@ impl Session {
     fn replace(&mut self, path: PathBuf, look: LookArgs) -> Result<()> {
         // A fresh library: models and images may have changed too.
         let mut library = AssetLibrary::new();
-        let mut rendering = RenderState::new(self.gpu.clone(), look);
+        let mut rendering = self.new_rendering(look);
         let world = load(&path, &mut library, &self.options, &mut rendering)?;
         self.rendering.take_scene(rendering);
         (self.world, self.library, self.path) = (world, library, path);
@@ -208,6 +217,7 @@ impl Session {
         Parts {
             world: &mut self.world,
             files: Files { library: &mut self.library, options: &self.options, path: &self.path },
+            methods: &self.rendering.methods,
             look: &mut self.rendering.look,
             display: &mut self.rendering.display,
             scene: &self.rendering.scene,
@@ -360,20 +370,6 @@ fn update(world: &mut GameWorld, rendering: &mut RenderState) {
     rendering.follow(world);
 }
 
-/// Gives the scene a light propagation volume that fits it.
-fn add_light_volume(world: &mut GameWorld, scene: &Scene) {
-    let bounds = scene.bounds();
-    let translation = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.center() };
-    let entity = world.spawn("Light volume", None);
-    world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
-}
-
-/// Gives the scene the default settings of instant radiosity.
-fn add_virtual_lights(world: &mut GameWorld) {
-    let entity = world.spawn("Virtual lights", None);
-    world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
-}
-
 /// Loads a scene for a rendering that has drawn none, with what its choices ask for.
 fn load(
     path: &Path,
@@ -392,23 +388,18 @@ fn complete(world: &mut GameWorld, path: &Path, library: &mut AssetLibrary, rend
     world.set_tick(0);
     update(world, rendering);
     let method = look.gi.unwrap_or_else(|| render_state::gi_of_scene(world));
-    let wants_volume = method == Gi::Clpv && rendering.scene.clpv.is_none();
-    let wants_lights = method == Gi::Vpl && rendering.scene.vpl.is_none();
-    let missing = [(wants_volume, "clpv"), (wants_lights, "vpl")].into_iter().find(|(is_missing, _)| *is_missing);
-    if let Some((_, component)) = missing {
-        let file = path.display();
+    let missing = rendering.renderer.methods().get(method)?.missing_settings(&rendering.scene);
+    if let Some(missing) = missing {
+        let (file, component) = (path.display(), missing.component);
         library.remark(format!("{file}: no entity has a `{component}` component: the default one is used"));
     }
-    if look.sets.is_empty() && !wants_volume && !wants_lights {
+    if look.sets.is_empty() && missing.is_none() {
         world.ecs.remove_resource::<Overridden>();
         return rendering.camera().map(drop);
     }
     set::override_values(world, path, &look.sets, |world| {
-        if wants_volume {
-            add_light_volume(world, &rendering.scene);
-        }
-        if wants_lights {
-            add_virtual_lights(world);
+        if let Some(missing) = missing {
+            (missing.add)(world, &rendering.scene);
         }
     })?;
     update(world, rendering);

@@ -6,7 +6,6 @@ use anyhow::{Context, Result};
 use lightwell::gpu::{self, Gpu};
 use lightwell::measure::Image;
 use lightwell::render::GiMethod;
-use lightwell::render::slc::{ACCEPTED, TESTED};
 use lightwell::scene::{Scene, SceneId};
 
 /// Identities of what is seen at each pixel of a drawn frame.
@@ -130,10 +129,8 @@ impl RenderState {
 
     /// Sums of the lights tested and accepted, the pixels that tested any, and all pixels.
     fn lights_of_pixels(&self, gi: GiMethod) -> Result<Option<([f64; 2], usize, usize)>> {
-        let textures = [TESTED, ACCEPTED].map(|name| self.renderer.target(name));
-        let (GiMethod::SLC, [Some(tested), Some(accepted)]) = (gi, textures) else {
-            return Ok(None);
-        };
+        let Some(names) = self.renderer.methods().get(gi)?.light_counts() else { return Ok(None) };
+        let [Some(tested), Some(accepted)] = names.map(|name| self.renderer.target(name)) else { return Ok(None) };
         let tested = gpu::read_texture_f32(&self.gpu, tested)?;
         let accepted = gpu::read_texture_f32(&self.gpu, accepted)?;
         let surfaces = tested.rgba.iter().filter(|pixel| pixel[3] > 0.0).count();

@@ -1,14 +1,18 @@
 //! What draws a world: the scene as the renderer sees it, the renderer, and the choices of how.
 
-use crate::cli::{Edges, Gi, LookArgs, Only, Switch};
+use super::CustomMethods;
+use crate::cli::{Edges, LookArgs, Only, Switch};
 use anyhow::{Context, Result, bail};
-use lightwell::files::{self, SceneInfo};
+use lightwell::files::SceneInfo;
 use lightwell::game::{Draw, DrawnLine};
 use lightwell::gpu::Gpu;
 use lightwell::graph::FrameReport;
 use lightwell::render::debug::{DebugSettings, Line};
 use lightwell::render::reference::TraceSettings;
-use lightwell::render::{DisplaySettings, GiMethod, Layer, MlaaEdges, ReferenceSettings, RenderSettings, Renderer};
+use lightwell::render::{
+    DisplaySettings, GiMethod, IndirectMethod, Layer, MethodInfo, MlaaEdges, ReferenceSettings, RenderSettings,
+    Renderer,
+};
 use lightwell::scene::{Extractor, Scene, SceneCamera, SceneView};
 use lightwell::world::{GameWorld, SceneSettings};
 use std::sync::Arc;
@@ -26,13 +30,43 @@ pub struct RenderState {
     /// The renderer.
     pub renderer: Renderer,
     extractor: Extractor,
+    custom: CustomMethods,
+    pub(super) methods: Vec<MethodInfo>,
 }
 
 impl RenderState {
     /// Of nothing yet.
     pub fn new(gpu: Arc<Gpu>, look: LookArgs) -> Self {
-        let (renderer, display) = (Renderer::new(&gpu), DisplaySettings::default());
-        Self { gpu, look, display, scene: Scene::default(), renderer, extractor: Extractor::new() }
+        Self::with_methods(gpu, look, &CustomMethods::default())
+    }
+
+    /// Of nothing yet, with the methods of indirect light of a game.
+    pub fn with_methods(gpu: Arc<Gpu>, look: LookArgs, custom: &CustomMethods) -> Self {
+        let renderer = renderer_with(&gpu, custom);
+        let methods = renderer.methods().list().collect();
+        let (display, scene, extractor) = (DisplaySettings::default(), Scene::default(), Extractor::new());
+        Self { gpu, look, display, scene, renderer, extractor, custom: custom.clone(), methods }
+    }
+
+    /// Another renderer with the same methods, which has drawn nothing yet.
+    pub fn new_renderer(&self) -> Renderer {
+        renderer_with(&self.gpu, &self.custom)
+    }
+
+    /// The methods of indirect light that it was made with besides those of the engine.
+    pub fn custom_methods(&self) -> &CustomMethods {
+        &self.custom
+    }
+
+    /// Adds a method of indirect light to its renderer.
+    pub fn add_method(&mut self, method: Box<dyn IndirectMethod>) {
+        self.renderer.add_method(&self.gpu, method);
+        self.methods = self.renderer.methods().list().collect();
+    }
+
+    /// Descriptions of all methods of indirect light that it can draw with.
+    pub fn methods(&self) -> &[MethodInfo] {
+        &self.methods
     }
 
     /// Takes over scene and choices of a rendering that has drawn nothing yet; what was drawn stays.
@@ -57,13 +91,7 @@ impl RenderState {
     pub fn settings(&self, world: &GameWorld, display: bool) -> RenderSettings {
         let scene = settings(world);
         RenderSettings {
-            gi: match self.look.gi.unwrap_or_else(|| gi_of_scene(world)) {
-                Gi::None => GiMethod::NONE,
-                Gi::Clpv => GiMethod::CLPV,
-                Gi::Vpl => GiMethod::VPL,
-                Gi::Slc => GiMethod::SLC,
-                Gi::Reference => GiMethod::REFERENCE,
-            },
+            gi: self.look.gi.unwrap_or_else(|| gi_of_scene(world)),
             reference: ReferenceSettings {
                 trace: self.trace_settings(),
                 samples: self.look.trace.spp,
@@ -128,6 +156,14 @@ impl RenderState {
     }
 }
 
+fn renderer_with(gpu: &Gpu, custom: &CustomMethods) -> Renderer {
+    let mut renderer = Renderer::new(gpu);
+    for method in custom.make() {
+        renderer.add_method(gpu, method);
+    }
+    renderer
+}
+
 /// What the systems of a game have drawn.
 fn drawn_lines(world: &GameWorld) -> Vec<Line> {
     let Some(draw) = world.ecs.get_resource::<Draw>() else { return Vec::new() };
@@ -139,13 +175,8 @@ fn drawn_lines(world: &GameWorld) -> Vec<Line> {
 }
 
 /// The method of indirect light that the scene's file asks for.
-pub(super) fn gi_of_scene(world: &GameWorld) -> Gi {
-    match world.ecs.get_resource::<SceneInfo>().map(|info| info.gi) {
-        Some(files::Gi::None) => Gi::None,
-        Some(files::Gi::Vpl) => Gi::Vpl,
-        Some(files::Gi::Slc) => Gi::Slc,
-        Some(files::Gi::Clpv) | None => Gi::Clpv,
-    }
+pub(super) fn gi_of_scene(world: &GameWorld) -> GiMethod {
+    world.ecs.get_resource::<SceneInfo>().map(|info| info.gi).unwrap_or_default()
 }
 
 pub(super) fn settings(world: &GameWorld) -> SceneSettings {

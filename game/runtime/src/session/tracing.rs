@@ -1,9 +1,9 @@
 //! Path tracing of a session's scene.
 
 use super::Session;
-use crate::cli::Gi;
 use anyhow::{Result, bail};
 use lightwell::gpu::Gpu;
+use lightwell::render::GiMethod;
 use lightwell::render::reference::{Estimate, PathTracer, TraceSettings, content_key};
 use lightwell::scene::SceneView;
 use std::path::Path;
@@ -45,12 +45,13 @@ impl Session {
 
     /// Whether frames go on tracing, as the picture or beside it.
     fn traces(&self) -> bool {
-        self.rendering.look.only.is_light() && (self.rendering.look.gi == Some(Gi::Reference) || self.beside.is_some())
+        self.rendering.look.only.is_light()
+            && (self.rendering.look.gi == Some(GiMethod::REFERENCE) || self.beside.is_some())
     }
 
     /// Whether the reference is traced beside a drawn picture.
     pub fn compares(&self) -> bool {
-        self.beside.is_some() && self.rendering.look.gi != Some(Gi::Reference)
+        self.beside.is_some() && self.rendering.look.gi != Some(GiMethod::REFERENCE)
     }
 
     /// A key of all that a traced image of this view depends on, the same in every process.

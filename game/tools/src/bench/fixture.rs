@@ -8,10 +8,10 @@ use lightwell::files::SceneInfo;
 use lightwell::gpu::Gpu;
 use lightwell::measure::Image;
 use lightwell::render::lpv;
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::{LightShape, SceneClpv, SceneView};
 use lightwell::world::Clpv;
-use lightwell_runtime::cli::{Common, Gi};
+use lightwell_runtime::cli::Common;
 use lightwell_runtime::session::{self, Session};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -108,7 +108,7 @@ impl Fixture {
     /// If those settings do not fit the scene.
     pub fn clpv(&self) -> Result<Option<Clpv>> {
         let of = |session: &Session| session.scene().clpv.as_ref().map(|clpv| clpv.settings.clone());
-        let variant = self.in_thesis_settings(&Variant::new("thesis", Gi::Clpv, vec![own(variant::DIFFUSION)]));
+        let variant = self.in_thesis_settings(&Variant::new("thesis", GiMethod::CLPV, vec![own(variant::DIFFUSION)]));
         match variant.sets.iter().any(|(path, _)| path == "preset") {
             true => Ok(of(&self.sessions[0].again(&variant.look(self.camera.as_deref()))?)),
             false => Ok(of(&self.sessions[0])),

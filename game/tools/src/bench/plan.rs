@@ -1,9 +1,10 @@
 //! The plan of a run: scenes, variants, sizes and times, from the command line.
 
 use super::results::Mode;
-use super::variant::{METHODS, Method, Runs, SweepPoint, Variant};
+use super::variant::{Method, SweepPoint, Variant, methods};
 use crate::cli::{BenchArgs, Sweep};
 use anyhow::{Result, bail};
+use lightwell::render::Runs;
 use lightwell::world::{CellSize, Clpv};
 use lightwell_runtime::scene_path;
 
@@ -202,16 +203,16 @@ impl Plan {
 pub fn variants(args: &BenchArgs, spp: &[u32]) -> Result<Vec<Variant>> {
     let mut variants = Vec::new();
     for name in &args.method {
-        if !METHODS.iter().any(|method| method.name == name) {
-            let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+        if !methods().iter().any(|(_, preset)| preset.name == name) {
+            let known: Vec<&str> = methods().iter().map(|(_, preset)| preset.name).collect();
             bail!("there is no method `{name}`; there are {}", known.join(", "));
         }
     }
-    let wanted = |method: &&Method| match args.method.is_empty() {
-        true => method.runs == Runs::Always || (method.runs == Runs::Thorough && !args.quick),
-        false => args.method.iter().any(|wanted| wanted == method.name),
+    let wanted = |(_, preset): &Method| match args.method.is_empty() {
+        true => preset.runs == Runs::Always || (preset.runs == Runs::Thorough && !args.quick),
+        false => args.method.iter().any(|wanted| wanted == preset.name),
     };
-    for method in METHODS.iter().filter(wanted) {
+    for method in methods().into_iter().filter(wanted) {
         let variant = Variant::of(method);
         if variant.is_traced() {
             variants.extend(spp.iter().map(|&spp| Variant::path_tracing(spp.max(1))));
@@ -237,7 +238,7 @@ fn points(sweep: Sweep, clpv: &Clpv) -> Vec<Variant> {
         let sweep = Some(SweepPoint { axis: axis.to_owned(), value });
         let diffusion = [("clpv.transport".to_owned(), "Diffusion".to_owned())];
         let sets = diffusion.into_iter().chain(sets).collect();
-        Variant { what, sweep, ..Variant::new(&name, lightwell_runtime::cli::Gi::Clpv, sets) }
+        Variant { what, sweep, ..Variant::new(&name, lightwell::render::GiMethod::CLPV, sets) }
     };
     let set = |field: &str, value: String| (format!("clpv.{field}"), value);
     match sweep {

@@ -7,7 +7,7 @@ use super::reference::{References, Wanted};
 use super::results::{Mode, Results};
 use super::run;
 use super::stage::stage_of;
-use super::variant::{METHODS, Variant};
+use super::variant::{self, Variant};
 use crate::cli::{BenchArgs, BenchLine};
 use clap::Parser;
 use lightwell::graph::PassState;
@@ -88,7 +88,9 @@ fn every_pass_of_a_frame_has_a_stage() {
     let mut fixture =
         Fixture::open(fixture::open_gpu(&Common::default()).unwrap(), "cornell", None, &Common::default()).unwrap();
     // The qualities of the sweep differ in numbers, not in passes.
-    let methods = METHODS.iter().filter(|method| !["medium", "high", "ultra"].iter().any(|q| method.name.contains(q)));
+    let methods = variant::methods()
+        .into_iter()
+        .filter(|(_, preset)| !["medium", "high", "ultra"].iter().any(|q| preset.name.contains(q)));
     let variants: Vec<Variant> = methods.map(Variant::of).collect();
     fixture.add(&variants).unwrap();
     for index in 0..variants.len() {
@@ -150,7 +152,7 @@ fn keys_follow_what_a_measurement_depends_on() {
     let long = Variant::parse("long: clpv.steps=32").unwrap();
     let dim = Variant::parse("dim: Spot light.light.intensity=1").unwrap();
     let renamed = Variant { name: "renamed".into(), ..long.clone() };
-    fixture.add(&[Variant::of(&METHODS[1]), long, dim, renamed]).unwrap();
+    fixture.add(&[Variant::of(variant::methods()[1]), long, dim, renamed]).unwrap();
     let mut key = |index, times: &[f64], what: &str| fixture.key(index, times, what).unwrap();
     let base = key(0, &[0.0], "x");
     assert_eq!(key(0, &[0.0], "x"), base);

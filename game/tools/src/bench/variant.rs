@@ -2,84 +2,19 @@
 
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use lightwell_runtime::cli::{self, Gi, LookArgs, Switch, TraceArgs};
+use lightwell::render::{GiMethod, Methods, Preset};
+use lightwell_runtime::cli::{self, LookArgs, Switch, TraceArgs};
 use serde::{Deserialize, Serialize};
 
-/// A method that `--method` knows: one line each.
-pub struct Method {
-    /// Its name.
-    pub name: &'static str,
-    /// The method of indirect light.
-    pub gi: Gi,
-    /// Its changes of the scene, as `--set` writes them.
-    pub sets: &'static [(&'static str, &'static str)],
-    /// Its description in the report.
-    pub what: &'static str,
-    /// When it runs without being asked for.
-    pub runs: Runs,
-}
-
-/// When a method runs without being asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Runs {
-    /// In every run.
-    Always,
-    /// Not in quick runs.
-    Thorough,
-    /// Only by `--method`.
-    Asked,
-}
-
 pub(super) const DIFFUSION: (&str, &str) = ("clpv.transport", "Diffusion");
-const NO_SKY: (&str, &str) = ("scene.sky_light", "false");
-const SWEEP: (&str, &str) = ("clpv.transport", "Sweep");
-const AUTO: (&str, &str) = ("clpv.cell_size", "Auto");
-const FIXED: (&str, &str) = ("clpv.placement", "Fixed");
-const LOW: (&str, &str) = ("clpv.quality", "Low");
-const MEDIUM: (&str, &str) = ("clpv.quality", "Medium");
-const HIGH: (&str, &str) = ("clpv.quality", "High");
-const ULTRA: (&str, &str) = ("clpv.quality", "Ultra");
-const RAYS: (&str, &str) = ("slc.visibility", "ShadowRays");
-const NO_RAYS: (&str, &str) = ("clpv.gather_rays", "Count(0)");
-const BY_QUALITY: (&str, &str) = ("clpv.gather_rays", "Auto");
-const HALF: (&str, &str) = ("clpv.precision", "Half");
-const ONE_PATH: (&str, &str) = ("clpv.gather_rays", "Paths(1)");
-const FOUR_PATHS: (&str, &str) = ("clpv.gather_rays", "Paths(4)");
-const NO_POINTS: (&str, &str) = ("clpv.gather_points", "Count(0)");
-const ONE: (&str, &str) = ("clpv.bounces", "Count(1)");
 
-/// All methods. Path tracing becomes one variant for each number of samples of `--spp`.
-#[rustfmt::skip]
-pub const METHODS: &[Method] = &[
-    Method { name: "none", gi: Gi::None, sets: &[NO_SKY], what: "direct light alone", runs: Runs::Always },
-    Method { name: "clpv", gi: Gi::Clpv, sets: &[DIFFUSION], what: "the thesis's propagation, in its settings for the scene if it has any", runs: Runs::Always },
-    Method { name: "sweep low", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS], what: "sweep transport, low, looked up at the visible surfaces", runs: Runs::Always },
-    Method { name: "sweep medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, NO_RAYS], what: "sweep transport, medium, looked up", runs: Runs::Always },
-    Method { name: "sweep high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS], what: "sweep transport, high, looked up", runs: Runs::Always },
-    Method { name: "sweep ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, NO_RAYS], what: "sweep transport, ultra, looked up", runs: Runs::Thorough },
-    Method { name: "sweep high half", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, HALF], what: "sweep transport, high, light on its way in half precision", runs: Runs::Asked },
-    Method { name: "gather medium", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY], what: "medium quality: volumes of low quality, gathered by 4 rays a pixel", runs: Runs::Always },
-    Method { name: "gather high", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, BY_QUALITY], what: "high quality: volumes of medium quality, gathered by 8 rays a pixel", runs: Runs::Always },
-    Method { name: "gather ultra", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ULTRA, BY_QUALITY], what: "ultra quality: volumes of high quality, gathered by 16 rays a pixel", runs: Runs::Thorough },
-    Method { name: "filtered paths 1 spp", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, ONE_PATH, NO_POINTS], what: "path tracing, one path a pixel, behind the gather's filter", runs: Runs::Always },
-    Method { name: "filtered paths 4 spp", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, FOUR_PATHS, NO_POINTS], what: "path tracing, four paths a pixel, behind the gather's filter", runs: Runs::Always },
-    Method { name: "gather 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, MEDIUM, BY_QUALITY, ONE], what: "one bounce, gathered by 4 rays a pixel; nothing is swept", runs: Runs::Asked },
-    Method { name: "sweep low 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, LOW, NO_RAYS, ONE], what: "sweep transport, low, one bounce", runs: Runs::Asked },
-    Method { name: "sweep high 1 bounce", gi: Gi::Clpv, sets: &[SWEEP, FIXED, AUTO, HIGH, NO_RAYS, ONE], what: "sweep transport, high, one bounce", runs: Runs::Asked },
-    Method { name: "slc coarse", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-3)")], what: "stochastic light culling, shadow rays, error bound 1e-3 of the mean irradiance", runs: Runs::Always },
-    Method { name: "slc", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling, shadow rays, error bound 3e-4", runs: Runs::Always },
-    Method { name: "slc fine", gi: Gi::Slc, sets: &[RAYS, ("slc.delta", "Relative(1e-4)")], what: "stochastic light culling, shadow rays, error bound 1e-4", runs: Runs::Thorough },
-    Method { name: "slc no visibility", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.delta", "Relative(3e-4)")], what: "stochastic light culling as published: light passes through walls", runs: Runs::Thorough },
-    Method { name: "slc clustered", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Clustered")], what: "stochastic light culling, 32 depth slices", runs: Runs::Asked },
-    Method { name: "slc splatting", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "Splatting")], what: "stochastic light culling, every light drawn", runs: Runs::Asked },
-    Method { name: "slc spheres", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.bounds", "CentredSphere")], what: "stochastic light culling, spheres centred on the lights", runs: Runs::Asked },
-    Method { name: "slc unculled", gi: Gi::Slc, sets: &[("slc.visibility", "None"), ("slc.culling", "None")], what: "all virtual lights with the same interleaving", runs: Runs::Asked },
-    Method { name: "vpl 64", gi: Gi::Vpl, sets: &[("vpl.particles", "64")], what: "instant radiosity, 64 particles, shadow rays", runs: Runs::Always },
-    Method { name: "vpl 256", gi: Gi::Vpl, sets: &[("vpl.particles", "256")], what: "instant radiosity, 256 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "vpl 1024", gi: Gi::Vpl, sets: &[("vpl.particles", "1024")], what: "instant radiosity, 1,024 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "vpl 4096", gi: Gi::Vpl, sets: &[("vpl.particles", "4096")], what: "instant radiosity, 4,096 particles, shadow rays", runs: Runs::Thorough },
-    Method { name: "reference", gi: Gi::Reference, sets: &[], what: "path tracing on the device", runs: Runs::Always },
-];
+/// A preset that `--method` knows, with its method. Path tracing becomes one variant for each number of samples of `--spp`.
+pub type Method = (GiMethod, &'static Preset);
+
+/// The presets of all methods.
+pub fn methods() -> Vec<Method> {
+    Methods::standard().presets().collect()
+}
 
 /// One of the things that a run compares.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +22,7 @@ pub struct Variant {
     /// Its name in tables and plots.
     pub name: String,
     /// Method.
-    pub gi: Gi,
+    pub gi: GiMethod,
     /// Path tracing: samples a pixel.
     pub spp: u32,
     /// Path tracing: indirect bounces, none: unlimited.
@@ -112,21 +47,21 @@ pub struct SweepPoint {
 }
 
 impl Variant {
-    /// A variant of a method of the table.
-    pub fn of(method: &Method) -> Self {
-        let sets = method.sets.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
-        Self { what: method.what.to_owned(), ..Self::new(method.name, method.gi, sets) }
+    /// A variant of a preset.
+    pub fn of((gi, preset): Method) -> Self {
+        let sets = preset.sets.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
+        Self { what: preset.about.to_owned(), ..Self::new(preset.name, gi, sets) }
     }
 
     /// A variant by its parts.
-    pub fn new(name: &str, gi: Gi, sets: Vec<(String, String)>) -> Self {
+    pub fn new(name: &str, gi: GiMethod, sets: Vec<(String, String)>) -> Self {
         Self { name: name.to_owned(), gi, spp: 1, bounces: None, average: None, sets, what: String::new(), sweep: None }
     }
 
     /// Path tracing with so many samples a pixel.
     pub fn path_tracing(spp: u32) -> Self {
         let what = format!("path tracing, {spp} samples a pixel, unlimited bounces");
-        Self { spp, what, ..Self::new(&format!("path tracing {spp} spp"), Gi::Reference, Vec::new()) }
+        Self { spp, what, ..Self::new(&format!("path tracing {spp} spp"), GiMethod::REFERENCE, Vec::new()) }
     }
 
     /// Reads `NAME: PATH=VALUE, …`. Beside the paths of `--set` there are `gi`, `spp`, `bounces` and `average`; the method
@@ -142,11 +77,11 @@ impl Variant {
         if name.is_empty() {
             bail!("a variant needs a name before the `:`");
         }
-        let mut variant = Self::new(name, Gi::Clpv, Vec::new());
+        let mut variant = Self::new(name, GiMethod::CLPV, Vec::new());
         for entry in split(rest) {
             let (path, value) = cli::parse_assignment(entry).map_err(|error| anyhow!("`{entry}`: {error}"))?;
             match path.as_str() {
-                "gi" => variant.gi = method(&value)?,
+                "gi" => variant.gi = cli::parse_method(&value).map_err(anyhow::Error::msg)?,
                 "spp" => variant.spp = number(&path, &value)?.max(1),
                 "average" => variant.average = Some(switch(&value)?),
                 "bounces" => variant.bounces = Some(number(&path, &value)?),
@@ -159,7 +94,7 @@ impl Variant {
 
     /// Whether it traces paths rather than draws.
     pub fn is_traced(&self) -> bool {
-        self.gi == Gi::Reference
+        self.gi == GiMethod::REFERENCE
     }
 
     /// The command-line options that ask for the same.
@@ -186,17 +121,6 @@ impl Variant {
         let average = if self.average == Some(Switch::On) { " averaged" } else { "" };
         format!("{:?} spp={} bounces={:?} {:?}{average}", self.gi, self.spp, self.bounces, self.sets)
     }
-}
-
-fn method(value: &str) -> Result<Gi> {
-    Gi::from_str(value, true).map_err(|_| {
-        let known: Vec<String> = Gi::value_variants()
-            .iter()
-            .filter_map(|gi| gi.to_possible_value())
-            .map(|value| value.get_name().to_owned())
-            .collect();
-        anyhow!("there is no method `{value}`; there are {}", known.join(", "))
-    })
 }
 
 fn switch(value: &str) -> Result<Switch> {
@@ -233,14 +157,14 @@ mod tests {
     #[test]
     fn variants_are_read() {
         let variant = Variant::parse("fine: clpv.cells=(16, 16, 14), clpv.cell_size=Meters(0.15)").unwrap();
-        assert_eq!((variant.name.as_str(), variant.gi), ("fine", Gi::Clpv));
+        assert_eq!((variant.name.as_str(), variant.gi), ("fine", GiMethod::CLPV));
         let sets = [("clpv.cells", "(16, 16, 14)"), ("clpv.cell_size", "Meters(0.15)")];
         assert_eq!(variant.sets, sets.map(|(path, value)| (path.to_owned(), value.to_owned())));
         let averaged = Variant::parse("calm: average=on, clpv.quality=High").unwrap();
         assert_eq!((averaged.average, averaged.sets.len()), (Some(Switch::On), 1));
         assert!(averaged.identity() != Variant::parse("calm: clpv.quality=High").unwrap().identity());
         let traced = Variant::parse("one bounce: gi=reference, spp=64, bounces=1").unwrap();
-        assert_eq!((traced.gi, traced.spp, traced.bounces, traced.sets.len()), (Gi::Reference, 64, Some(1), 0));
+        assert_eq!((traced.gi, traced.spp, traced.bounces, traced.sets.len()), (GiMethod::REFERENCE, 64, Some(1), 0));
     }
 
     #[test]
@@ -260,9 +184,9 @@ mod tests {
 
     #[test]
     fn names_of_methods_are_unique() {
-        let mut names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+        let mut names: Vec<&str> = methods().iter().map(|(_, preset)| preset.name).collect();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), METHODS.len());
+        assert_eq!(names.len(), methods().len());
     }
 }

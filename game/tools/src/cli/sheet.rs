@@ -2,7 +2,8 @@
 
 use super::parse::parse_time;
 use clap::Args;
-use lightwell_runtime::cli::{Gi, parse_assignment, parse_size};
+use lightwell::render::GiMethod;
+use lightwell_runtime::cli::{built_in_methods, method_parser, parse_assignment, parse_size};
 use std::num::NonZeroU16;
 use std::path::PathBuf;
 
@@ -39,8 +40,8 @@ pub struct SheetArgs {
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_time)]
     pub time: f64,
     /// Indirect light [default: what each scene asks for]
-    #[arg(long, value_enum)]
-    pub gi: Option<Gi>,
+    #[arg(long, value_name = "GI", value_parser = method_parser(built_in_methods()))]
+    pub gi: Option<GiMethod>,
     /// Change a value of every scene, as for `render`; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_assignment)]
     pub sets: Vec<(String, String)>,

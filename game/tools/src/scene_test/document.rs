@@ -2,8 +2,9 @@
 
 use super::count::CountBounds;
 use lightwell::files::{Document, FileError, FileErrorKind as Kind, Step};
-use lightwell::render::Layer;
-use lightwell_runtime::cli::{Gi, LookArgs, TraceArgs, parse_assignment};
+use lightwell::render::{GiMethod, Layer};
+use lightwell_runtime::cli::{LookArgs, TraceArgs, parse_assignment};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,7 +31,7 @@ pub struct SceneTest {
     pub camera: Option<String>,
     /// Indirect light; else what the scene asks for.
     #[serde(default, deserialize_with = "method")]
-    pub gi: Option<Gi>,
+    pub gi: Option<GiMethod>,
     /// Samples, bounces and seed of `gi: Reference`.
     #[serde(default)]
     pub trace: Traced,
@@ -243,8 +244,12 @@ pub enum Which {
 }
 
 /// A method; `None` is one, and not the absence of a value.
-fn method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Gi>, D::Error> {
-    Gi::deserialize(deserializer).map(Some)
+fn method<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<GiMethod>, D::Error> {
+    let method = GiMethod::deserialize(deserializer)?;
+    match GiMethod::BUILT_IN.contains(&method.variant()) {
+        true => Ok(Some(method)),
+        false => Err(D::Error::unknown_variant(method.variant(), GiMethod::BUILT_IN)),
+    }
 }
 
 fn at_the_start() -> Vec<f64> {
@@ -304,7 +309,7 @@ impl SceneTest {
         require((1..=65536).contains(&self.aa), [key("aa")], &format!("`aa` is {}", self.aa), "use 1 to 65536 frames")?;
         self.trace.check(&[key("trace")])?;
         // The tracer filters over the pixel by itself.
-        let averaged = self.gi == Some(Gi::Reference) && self.aa > 1;
+        let averaged = self.gi == Some(GiMethod::REFERENCE) && self.aa > 1;
         require(
             !averaged,
             [key("aa")],

@@ -56,8 +56,8 @@ fn no_method_is_a_method() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.test.ron");
     for (text, gi) in [
-        ("gi: None", Some(lightwell_runtime::cli::Gi::None)),
-        ("gi: Clpv", Some(lightwell_runtime::cli::Gi::Clpv)),
+        ("gi: None", Some(lightwell::render::GiMethod::NONE)),
+        ("gi: Clpv", Some(lightwell::render::GiMethod::CLPV)),
         ("", None),
     ] {
         std::fs::write(&path, format!("(scene: \"cornell\", {text})")).unwrap();

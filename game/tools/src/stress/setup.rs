@@ -1,6 +1,7 @@
 //! The room that is stressed: a box with a block and a ball in it under three lights, as the text of a scene.
 
-use lightwell_runtime::cli::{Gi, LookArgs, Only, TraceArgs};
+use lightwell::render::GiMethod;
+use lightwell_runtime::cli::{LookArgs, Only, TraceArgs};
 use std::fmt::Write;
 
 /// A light method under stress.
@@ -78,11 +79,11 @@ impl Method {
     /// The layer that is drawn: the light that the method itself computes.
     pub fn look(self, grid: Grid, seed: u32) -> LookArgs {
         let (gi, only) = match self {
-            Self::Direct => (Gi::None, Only::Direct),
-            Self::Diffusion | Self::Sweep | Self::HalfSweep | Self::Gather => (Gi::Clpv, Only::Indirect),
-            Self::Vpl => (Gi::Vpl, Only::Indirect),
-            Self::Slc => (Gi::Slc, Only::Indirect),
-            Self::Reference => (Gi::Reference, Only::Indirect),
+            Self::Direct => (GiMethod::NONE, Only::Direct),
+            Self::Diffusion | Self::Sweep | Self::HalfSweep | Self::Gather => (GiMethod::CLPV, Only::Indirect),
+            Self::Vpl => (GiMethod::VPL, Only::Indirect),
+            Self::Slc => (GiMethod::SLC, Only::Indirect),
+            Self::Reference => (GiMethod::REFERENCE, Only::Indirect),
         };
         let spp = [4, 8, 16][grid as usize];
         LookArgs { gi: Some(gi), only, trace: TraceArgs { spp, seed, bounces: None }, ..LookArgs::default() }

@@ -1,19 +1,14 @@
 //! The door of instant radiosity.
 
-use super::{VirtualLights, declare, main_light, paths};
+use super::{VirtualLights, declare, main_light, paths, presets, warnings};
 use crate::gpu::Gpu;
 use crate::graph::{Graph, Handle, Texture};
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, PointLayout};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Methods, MissingSettings, PointLayout, Preset};
 use crate::scene::Scene;
-use crate::world::{VirtualPlacement, VirtualShading};
-
-impl GiMethod {
-    /// Instant radiosity, as the scene's `InstantRadiosity` component sets it; without one, with its defaults.
-    pub const VPL: Self = Self::named("vpl");
-}
+use crate::world::{GameWorld, InstantRadiosity, Transform, VirtualPlacement, VirtualShading};
 
 /// Instant radiosity, with what it keeps of earlier frames.
 #[derive(Default)]
@@ -27,6 +22,12 @@ pub fn virtual_lights(methods: &Methods) -> Option<&VirtualLights> {
     methods.of_type::<InstantRadiosityMethod>()?.state.as_ref()
 }
 
+/// Adds the default settings.
+fn add_settings(world: &mut GameWorld, _: &Scene) {
+    let entity = world.spawn("Virtual lights", None);
+    world.ecs.entity_mut(entity).insert((Transform::default(), InstantRadiosity::default()));
+}
+
 impl IndirectMethod for InstantRadiosityMethod {
     fn id(&self) -> GiMethod {
         GiMethod::VPL
@@ -36,8 +37,24 @@ impl IndirectMethod for InstantRadiosityMethod {
         "Instant radiosity"
     }
 
+    fn about(&self) -> &'static str {
+        "Instant radiosity: virtual point lights, as the scene sets them or by default"
+    }
+
     fn varies(&self, _: &Scene) -> bool {
         true
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        presets::PRESETS
+    }
+
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        warnings::lost_light(frame.scene)
+    }
+
+    fn missing_settings(&self, scene: &Scene) -> Option<MissingSettings> {
+        scene.vpl.is_none().then_some(MissingSettings { component: "vpl", add: add_settings })
     }
 
     fn has_sky_light(&self, scene: &Scene) -> bool {

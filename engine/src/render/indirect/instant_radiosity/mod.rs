@@ -18,6 +18,7 @@ mod near;
 mod particles;
 mod paths;
 mod place;
+mod presets;
 mod published;
 mod random;
 mod resampling;
@@ -27,6 +28,7 @@ mod source;
 mod surface;
 mod trace_particles;
 mod view_points;
+mod warnings;
 
 pub use error::VplError;
 pub use intersection::{CastHit, Caster, IntersectionCounts, intersect_square, intersect_unit_box};

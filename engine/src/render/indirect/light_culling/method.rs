@@ -1,18 +1,13 @@
 //! The door of stochastic light culling.
 
-use super::{casts_rays, declare, settings};
+use super::{ACCEPTED, TESTED, casts_rays, declare, presets, settings, warnings};
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, RayUse};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, PointLayout, Preset, RayUse};
 use crate::scene::Scene;
-
-impl GiMethod {
-    /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
-    pub const SLC: Self = Self::named("slc");
-}
 
 /// Stochastic light culling. It keeps nothing but what passes retain.
 pub(in crate::render) struct LightCullingMethod;
@@ -26,6 +21,10 @@ impl IndirectMethod for LightCullingMethod {
         "Stochastic light culling"
     }
 
+    fn about(&self) -> &'static str {
+        "Stochastic light culling: one bounce from virtual lights, by the scene's `slc` component or by default"
+    }
+
     fn varies(&self, _: &Scene) -> bool {
         true
     }
@@ -36,6 +35,18 @@ impl IndirectMethod for LightCullingMethod {
 
     fn has_sky_light(&self, scene: &Scene) -> bool {
         casts_rays(&settings(scene))
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        presets::PRESETS
+    }
+
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        warnings::lost_light(frame.scene)
+    }
+
+    fn light_counts(&self) -> Option<[&'static str; 2]> {
+        Some([TESTED, ACCEPTED])
     }
 
     fn declare<'a>(

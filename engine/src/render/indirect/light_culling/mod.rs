@@ -21,8 +21,10 @@ pub mod lobe;
 mod lobe_tests;
 mod method;
 mod particle_lights;
+mod presets;
 mod shade;
 mod splat;
+mod warnings;
 
 #[cfg(test)]
 pub(crate) use lights::{ChancesUniform, CullingUniform, DeltaUniform, PlaceUniform};

@@ -1,27 +1,31 @@
 //! The door of the light volumes.
 
 use super::sweep::{self, gather};
-use super::{Indirect, diffusion, radiosity};
+use super::{Indirect, diffusion, presets, radiosity, warnings};
 use crate::gpu::Gpu;
 use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::{Frame, Kept};
 use crate::render::geometry::GBuffer;
 use crate::render::indirect::gloss;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, RayUse, Subject};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, MissingSettings, Preset, RayUse, Subject};
 use crate::scene::Scene;
-use crate::world::{Clpv, Transport};
-
-impl GiMethod {
-    /// Light propagation volumes, as the scene's `Clpv` component sets them; without one, none.
-    pub const CLPV: Self = Self::named("clpv");
-}
+use crate::world::{Clpv, GameWorld, Transform, Transport};
+use glam::Vec3;
 
 /// Light propagation volumes, swept or diffused.
 pub(in crate::render) struct LightVolumesMethod;
 
 fn settings(scene: &Scene) -> Option<&Clpv> {
     scene.clpv.as_ref().map(|clpv| &clpv.settings)
+}
+
+/// Adds light volumes that fit the scene.
+fn add_volumes(world: &mut GameWorld, scene: &Scene) {
+    let bounds = scene.bounds();
+    let translation = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
+    let entity = world.spawn("Light volume", None);
+    world.ecs.entity_mut(entity).insert((Transform { translation, ..Transform::default() }, Clpv::default()));
 }
 
 impl IndirectMethod for LightVolumesMethod {
@@ -31,6 +35,10 @@ impl IndirectMethod for LightVolumesMethod {
 
     fn title(&self) -> &'static str {
         "Light propagation volumes"
+    }
+
+    fn about(&self) -> &'static str {
+        "Cascaded light propagation volumes: the scene's, or one that fits it if it has none"
     }
 
     fn varies(&self, scene: &Scene) -> bool {
@@ -50,6 +58,23 @@ impl IndirectMethod for LightVolumesMethod {
 
     fn has_sky_light(&self, scene: &Scene) -> bool {
         settings(scene).is_some_and(|clpv| clpv.transport == Transport::Sweep)
+    }
+
+    /// Media are part of the sweep and the gather.
+    fn scatters_in_media(&self, scene: &Scene) -> bool {
+        settings(scene).is_none_or(|clpv| clpv.transport == Transport::Sweep)
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        presets::PRESETS
+    }
+
+    fn lost_light(&self, frame: &Frame) -> Vec<String> {
+        warnings::lost_light(frame)
+    }
+
+    fn missing_settings(&self, scene: &Scene) -> Option<MissingSettings> {
+        scene.clpv.is_none().then_some(MissingSettings { component: "clpv", add: add_volumes })
     }
 
     fn surfel_spacing(&self, subject: &Subject) -> Result<Option<f32>, RenderError> {

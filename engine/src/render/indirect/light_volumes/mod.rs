@@ -5,11 +5,13 @@
 
 mod diffusion;
 mod method;
+mod presets;
 pub(in crate::render) mod radiosity;
 mod rsm_draw;
 pub mod sweep;
 mod texels;
 mod volume;
+mod warnings;
 
 pub(crate) use diffusion::relight::RelightUniform;
 #[cfg(test)]

@@ -5,15 +5,9 @@ use crate::graph::Graph;
 use crate::render::error::RenderError;
 use crate::render::frame::Frame;
 use crate::render::geometry::GBuffer;
-use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod};
+use crate::render::indirect::{GiMethod, IndirectLight, IndirectMethod, Preset, Runs};
 use crate::render::settings::RenderSettings;
 use crate::scene::Scene;
-
-impl GiMethod {
-    /// Path tracing, the reference: all light, direct and indirect, as
-    /// [`RenderSettings::reference`](crate::render::RenderSettings::reference) sets it.
-    pub const REFERENCE: Self = Self::named("reference");
-}
 
 /// The path tracer as a method. It makes whole frames; the renderer keeps its samples.
 pub(in crate::render) struct PathTracing;
@@ -25,6 +19,14 @@ impl IndirectMethod for PathTracing {
 
     fn title(&self) -> &'static str {
         "Path tracer"
+    }
+
+    fn about(&self) -> &'static str {
+        "Path tracing, the reference: slow, and right but for noise"
+    }
+
+    fn presets(&self) -> &'static [Preset] {
+        &[Preset { name: "reference", sets: &[], about: "path tracing on the device", runs: Runs::Always }]
     }
 
     fn has_sky_light(&self, _: &Scene) -> bool {

@@ -7,7 +7,7 @@ use super::scene::edit_scene;
 use crate::files::error::{FileError, FileErrorKind as Kind};
 use crate::files::format::scene_file::{EntityFile, OverrideFile, SceneFile};
 use crate::files::format::validate::Validator;
-use crate::files::load::loader::canonical_entities;
+use crate::files::load::loader::canonical_scene;
 use crate::files::load::options::LoadOptions;
 use crate::files::ron::document::{Document, ron_options};
 use crate::files::ron::merge::merged;
@@ -25,7 +25,7 @@ use std::path::Path;
 pub fn read_scene(path: &Path, options: &LoadOptions) -> Result<SceneFile, FileError> {
     let (document, mut file) = Document::read::<SceneFile>(path)?;
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
-    canonical_entities(&document, &mut file.entities, &options.types)?;
+    canonical_scene(&document, &mut file, &options.types)?;
     Ok(file)
 }
 

@@ -2,6 +2,7 @@
 
 use super::custom_components::{ComponentTypes, CustomComponents};
 use super::scene_file::{EntityFile, OverrideFile};
+use crate::core::GiMethod;
 use crate::files::error::{FileError, FileErrorKind as Kind};
 use crate::files::ron::document::Document;
 use crate::files::ron::renamed::RENAMED;
@@ -20,6 +21,18 @@ pub(in crate::files) struct Canonical<'a> {
 type Checked = Result<(), Box<FileError>>;
 
 impl Canonical<'_> {
+    /// Refuses a method of indirect light that is not registered.
+    pub fn method(&self, gi: GiMethod) -> Checked {
+        if self.types.methods().any(|known| known == gi) {
+            return Ok(());
+        }
+        let at = [Step::Key("gi".into())];
+        let message = format!("unknown variant `{}` of Gi: there is no such method of indirect light", gi.variant());
+        let error = self.document.error(&at, Kind::UnknownVariant, message);
+        let help = suggestion(gi.variant(), self.types.methods().map(GiMethod::variant));
+        Err(Box::new(help.map_or(error.clone(), |help| error.with_help(help))))
+    }
+
     /// All entities of a list.
     pub fn entities(&self, entities: &mut [EntityFile], at: &[Step]) -> Checked {
         for (index, entity) in entities.iter_mut().enumerate() {

@@ -5,8 +5,10 @@
 //! inspector: both come with `#[derive(SceneData)]`.
 
 use super::scene_data::{SceneData, TypeNote};
+use crate::core::GiMethod;
 use crate::files::ron::document::ron_options;
 use crate::files::ron::tree::Node;
+use crate::world::MethodSettingsTypes;
 use crate::world::fields::{FieldType, FieldTypes, rest_text};
 use bevy_ecs::component::Component;
 use bevy_ecs::prelude::{Entity, Resource, World};
@@ -155,10 +157,12 @@ pub struct DuplicateType {
     pub second: &'static str,
 }
 
-/// The components of a game that scene files can hold.
+/// The components and methods of indirect light of a game that scene files can name.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct ComponentTypes {
     types: BTreeMap<&'static str, ComponentType>,
+    methods: Vec<GiMethod>,
+    settings: MethodSettingsTypes,
     /// Whether a component that is not among them is an error; else it is kept as it is written.
     pub is_complete: bool,
 }
@@ -176,6 +180,31 @@ impl ComponentTypes {
                 Ok(())
             }
         }
+    }
+
+    /// Adds a method of indirect light that scene files can name beside those of the engine.
+    pub fn add_method(&mut self, method: GiMethod) {
+        if !self.methods.contains(&method) {
+            self.methods.push(method);
+        }
+    }
+
+    /// Adds a component that is the settings of a method: the renderer's scene holds it for
+    /// [`MethodSettings::get`](crate::world::MethodSettings::get).
+    ///
+    /// # Errors
+    /// When another type has its name.
+    pub fn add_settings<S: Component + SceneData + Clone + Default + PartialEq>(
+        &mut self,
+    ) -> Result<(), DuplicateType> {
+        self.settings.add::<S>();
+        self.add(ComponentType::of::<S>())
+    }
+
+    /// The methods of indirect light that scene files can name. The path tracer is none of them: it is a choice of the command
+    /// line.
+    pub fn methods(&self) -> impl Iterator<Item = GiMethod> + '_ {
+        [GiMethod::NONE, GiMethod::CLPV, GiMethod::VPL, GiMethod::SLC].into_iter().chain(self.methods.iter().copied())
     }
 
     /// The component of a name.
@@ -230,6 +259,7 @@ impl ComponentTypes {
     /// Registers all in a world, so that it can be queried by shared reference and keyed by tracks.
     pub fn register(&self, world: &mut World) {
         self.iter().for_each(|known| (known.register)(world));
+        world.insert_resource(self.settings.clone());
         let mut fields = world.get_resource_or_init::<FieldTypes>();
         for known in self.iter() {
             fields.add(known.name, FieldType::new(known.text, known.put));

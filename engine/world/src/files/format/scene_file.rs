@@ -6,26 +6,13 @@ pub use super::custom_components::CustomComponents;
 pub use super::parts::*;
 pub use super::repeat::Repeat;
 pub use crate::assets::Shape;
+use crate::core::GiMethod;
 pub use crate::files::ron::document::VERSION;
 use crate::world::{
     Animation, Camera, Clpv, Fog, InstantRadiosity, Light, Particles, SceneSettings, StochasticLightCulling,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Method of indirect light that a scene asks for, unless the command line says otherwise.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Gi {
-    /// Direct light only.
-    None,
-    /// Cascaded light propagation volumes.
-    #[default]
-    Clpv,
-    /// Instant radiosity: virtual point lights.
-    Vpl,
-    /// Stochastic light culling.
-    Slc,
-}
 
 /// A scene file: `Scene(entities: […])`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,8 +24,8 @@ pub struct SceneFile {
     /// Description of the scene, for people.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub description: String,
-    /// Method of indirect light.
-    pub gi: Gi,
+    /// Method of indirect light, unless the command line says otherwise: one of the engine or of the game.
+    pub gi: GiMethod,
     /// Sky, exposure, clock.
     pub settings: SceneSettings,
     /// Sets of changes by name, each written as for `--set`: `--set preset=NAME` makes them.

@@ -1,6 +1,6 @@
 //! Scenes and prefabs into a world that is running.
 
-use super::loader::{self, Context, Loader, canonical_entities, environment_image};
+use super::loader::{self, Context, Loader, canonical_scene, environment_image};
 use super::model;
 use super::opened::{Opened, complete, file_name};
 use super::options::LoadOptions;
@@ -104,7 +104,7 @@ fn enter(
     old: &[Entity],
 ) -> Result<SceneFile, FileError> {
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
-    canonical_entities(&document, &mut file.entities, &options.types)?;
+    canonical_scene(&document, &mut file, &options.types)?;
     let image = environment_image(&document, &file.settings, library, &Roots::of(&document.path, options))?;
     let (info, path) = (SceneInfo::new(&document, &file), document.path.clone());
     let context = Rc::new(Context { document, materials: file.materials.clone(), is_root: true });

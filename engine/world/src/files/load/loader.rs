@@ -25,7 +25,7 @@ use std::time::Instant;
 pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> Result<GameWorld, FileError> {
     let (document, mut file) = Document::read::<SceneFile>(path)?;
     Validator::scene(&file).map_err(|fault| fault_error(&document, *fault))?;
-    canonical_entities(&document, &mut file.entities, &options.types)?;
+    canonical_scene(&document, &mut file, &options.types)?;
     let info = SceneInfo::new(&document, &file);
     let image = environment_image(&document, &file.settings, library, &Roots::of(path, options))?;
     let context = Rc::new(Context { document, materials: file.materials, is_root: true });
@@ -46,6 +46,16 @@ pub fn load(path: &Path, library: &mut AssetLibrary, options: &LoadOptions) -> R
     world.ecs.insert_resource(info);
     world.update();
     Ok(world)
+}
+
+/// Reads the components of a game in a scene file, and refuses a method of indirect light that is not registered.
+pub(in crate::files) fn canonical_scene(
+    document: &Document,
+    file: &mut SceneFile,
+    types: &ComponentTypes,
+) -> Result<(), FileError> {
+    Canonical { types, document, is_quiet: false }.method(file.gi).map_err(|error| *error)?;
+    canonical_entities(document, &mut file.entities, types)
 }
 
 /// Reads the components of a game in a file's entities.

@@ -1,8 +1,9 @@
 //! Where entities and assets come from, kept in the world so that a save writes them as they were described.
 
 use crate::assets::{AssetId, Material};
+use crate::core::GiMethod;
 use crate::files::format::scene_file::{
-    Gi, MaterialFile, MaterialRef, OverrideFile, Repeat, SceneFile, Shape, TextureFile,
+    MaterialFile, MaterialRef, OverrideFile, Repeat, SceneFile, Shape, TextureFile,
 };
 use crate::files::ron::document::Document;
 use bevy_ecs::prelude::{Component, Resource};
@@ -55,7 +56,7 @@ pub struct SceneInfo {
     /// What the scene shows, for people.
     pub description: String,
     /// Method of indirect light that it asks for.
-    pub gi: Gi,
+    pub gi: GiMethod,
     /// Sets of changes by name, as `--set` writes them.
     pub presets: BTreeMap<String, Vec<String>>,
     /// Named materials.
@@ -77,7 +78,7 @@ impl Default for SceneInfo {
         Self {
             version: None,
             description: String::new(),
-            gi: Gi::default(),
+            gi: GiMethod::default(),
             presets: BTreeMap::new(),
             materials: BTreeMap::new(),
             shapes: HashMap::new(),

@@ -8,6 +8,7 @@ mod clpv;
 mod context;
 mod lights;
 mod media;
+mod method_settings;
 mod motion;
 mod origin;
 mod particles;
@@ -49,6 +50,7 @@ struct Source {
     clpv: clpv::Clpvs,
     vpl: vpl::Vpls,
     slc: slc::LightCullings,
+    method_settings: method_settings::MethodSettingsReaders,
     sky: sky::Sky,
 }
 
@@ -66,6 +68,7 @@ impl Source {
             clpv: clpv::Clpvs::new(world),
             vpl: vpl::Vpls::new(world),
             slc: slc::LightCullings::new(world),
+            method_settings: method_settings::MethodSettingsReaders::default(),
             sky: sky::Sky::new(world),
         }
     }
@@ -126,6 +129,7 @@ impl Extractor {
         source.clpv.extract(world, scene, context);
         source.vpl.extract(world, scene, context);
         source.slc.extract(world, scene, context);
+        source.method_settings.extract(world, scene, context);
         source.sky.extract(world, scene, context);
         self.log.write(scene);
     }

@@ -4,18 +4,19 @@ use crate::editor::stage::Stage;
 use clap::ValueEnum;
 use egui::{Slider, Ui};
 use lightwell::render::ToneMap;
-use lightwell_runtime::cli::{Edges, Gi, Only, Switch};
+use lightwell_runtime::cli::{Edges, Only, Switch};
 
 /// Shows the choices. They belong to the window, not to the scene.
 pub fn show(ui: &mut Ui, stage: &mut Stage) {
     ui.weak("Choices of this window; the scene's own are under Scene and in its components.");
     let gi = &mut stage.look.gi;
-    let shown = gi.map_or_else(|| "as the scene asks".to_owned(), word_of);
-    choice(ui, "Indirect light", &shown, |ui| {
+    let methods = stage.facts.methods;
+    let chosen = gi.and_then(|gi| methods.iter().find(|method| method.id == gi));
+    choice(ui, "Indirect light", chosen.map_or("as the scene asks", |method| method.title), |ui| {
         ui.selectable_value(gi, None, "as the scene asks");
-        for method in Gi::value_variants() {
-            let help = method.to_possible_value().and_then(|v| v.get_help().map(|h| h.to_string()));
-            ui.selectable_value(gi, Some(*method), word_of(*method)).on_hover_text(help.unwrap_or_default());
+        for method in methods {
+            let label = ui.selectable_value(gi, Some(method.id), method.title);
+            label.on_hover_text(format!("{} (`--gi {}`)", method.about, method.id.name()).trim_start());
         }
     });
     let only = &mut stage.look.only;

@@ -4,7 +4,7 @@ use crate::comparison::{LayerError, Mode};
 use crate::editor::stage::Stage;
 use crate::editor::widgets::named;
 use egui::{DragValue, Grid, Slider, Ui};
-use lightwell_runtime::cli::Gi;
+use lightwell::render::GiMethod;
 
 /// Shows its state and settings.
 pub fn show(ui: &mut Ui, stage: &mut Stage) {
@@ -47,7 +47,7 @@ fn start(stage: &mut Stage, on: bool) {
     if on {
         stage.clock.playing = false;
         // There is nothing to compare with otherwise.
-        stage.look.gi = stage.look.gi.filter(|gi| *gi != Gi::Reference);
+        stage.look.gi = stage.look.gi.filter(|gi| *gi != GiMethod::REFERENCE);
         if !stage.look.only.is_light() {
             stage.look.only = Default::default();
         }

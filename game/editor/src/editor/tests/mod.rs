@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod custom_component;
+mod custom_method;
 mod details;
 mod dialogs;
 mod edit;
@@ -31,10 +32,10 @@ use lightwell::assets::AssetLibrary;
 use lightwell::files::{LoadOptions, load_scene, save_scene};
 use lightwell::graph::FrameReport;
 use lightwell::profile::Profiler;
-use lightwell::render::DisplaySettings;
+use lightwell::render::{DisplaySettings, MethodInfo};
 use lightwell::scene::{Extractor, Scene, SceneId};
 use lightwell::world::{GameWorld, SceneSettings};
-use lightwell_runtime::cli::LookArgs;
+use lightwell_runtime::cli::{LookArgs, built_in_methods};
 use lightwell_runtime::session::Files;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -49,6 +50,7 @@ struct Desk {
     options: LoadOptions,
     path: PathBuf,
     look: LookArgs,
+    methods: Vec<MethodInfo>,
     display: DisplaySettings,
     comparison: Comparison,
     live_error: Option<LiveError>,
@@ -108,6 +110,7 @@ impl Desk {
             options,
             path: path.to_owned(),
             look: LookArgs::default(),
+            methods: built_in_methods(),
             display: DisplaySettings::default(),
             comparison: Comparison::default(),
             live_error: None,
@@ -232,6 +235,7 @@ impl Desk {
             facts: Facts {
                 name: "test",
                 scene: &self.scene,
+                methods: &self.methods,
                 report: &self.report,
                 profiler: &self.profiler,
                 errors: &self.errors,

@@ -3,16 +3,17 @@
 use super::*;
 use crate::comparison::{LayerError, Mode};
 use egui::{Key, Modifiers};
+use lightwell::render::GiMethod;
 use lightwell::render::debug::DebugView;
-use lightwell_runtime::cli::{Gi, Only};
+use lightwell_runtime::cli::Only;
 
 #[test]
 fn light_and_layer_are_chosen() {
     let (mut bench, _folder) = bench();
     open(&mut bench, Pane::Display);
     click(&mut bench, "Indirect light");
-    click(&mut bench, "none");
-    assert_eq!(bench.state().look.gi, Some(Gi::None));
+    click(&mut bench, "None");
+    assert_eq!(bench.state().look.gi, Some(GiMethod::NONE));
     click(&mut bench, "Layer");
     click(&mut bench, "albedo");
     assert_eq!(bench.state().look.only, Only::Albedo);

@@ -1,6 +1,6 @@
 //! The axes of growth, and their numbers.
 
-use lightwell_runtime::cli::Gi;
+use lightwell::render::GiMethod;
 
 /// An axis of growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,8 +41,8 @@ impl Series {
     }
 
     /// The method that draws it.
-    pub fn gi(self) -> Gi {
-        if self == Self::Direct { Gi::None } else { Gi::Clpv }
+    pub fn gi(self) -> GiMethod {
+        if self == Self::Direct { GiMethod::NONE } else { GiMethod::CLPV }
     }
 }
 

@@ -6,8 +6,9 @@ use super::measure::{Course, Frame, frame, spread};
 use crate::bench::results::Store;
 use anyhow::{Context, Result};
 use glam::Vec3;
+use lightwell::render::GiMethod;
 use lightwell::world::{Light, LightKind, Transform};
-use lightwell_runtime::cli::{Gi, LookArgs};
+use lightwell_runtime::cli::LookArgs;
 use lightwell_runtime::progress::Bar;
 use lightwell_runtime::session::Session;
 
@@ -52,7 +53,7 @@ pub fn measure(course: &Course, store: &mut Store, bar: &Bar) -> Result<()> {
 }
 
 fn look() -> LookArgs {
-    LookArgs { gi: Some(Gi::None), ..LookArgs::default() }
+    LookArgs { gi: Some(GiMethod::NONE), ..LookArgs::default() }
 }
 
 /// The scene that the lights illuminate.

@@ -12,9 +12,9 @@ use lightwell::gpu::Gpu;
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
 use lightwell::render::vpl::{IntersectionCounts, virtual_lights};
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::SceneView;
-use lightwell_runtime::cli::{Common, Gi};
+use lightwell_runtime::cli::Common;
 use lightwell_runtime::session::Session;
 use std::fmt;
 use std::path::Path;
@@ -150,7 +150,7 @@ impl Stage {
         let mut all: Vec<_> = std::iter::once(&dark).chain(preset.as_ref()).map(owned).collect();
         all.push(("vpl.particles".to_owned(), particles.to_string()));
         all.extend(sets.iter().map(owned));
-        let mut session = self.first.again(&Variant::new(PRESET, Gi::Vpl, all).look(None))?;
+        let mut session = self.first.again(&Variant::new(PRESET, GiMethod::VPL, all).look(None))?;
         session.set_seconds(MOMENT);
         Ok(session)
     }

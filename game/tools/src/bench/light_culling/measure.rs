@@ -12,10 +12,10 @@ use lightwell::assets::{AssetId, Material};
 use lightwell::gpu::Gpu;
 use lightwell::graph::FrameReport;
 use lightwell::measure::{Image, compare};
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::SceneView;
 use lightwell::world::{LightBounds, LightCulling, LightLobes, LightShow, MeshRenderer, StochasticLightCulling};
-use lightwell_runtime::cli::{Common, Gi};
+use lightwell_runtime::cli::Common;
 use lightwell_runtime::progress::Bar;
 use lightwell_runtime::session::Session;
 use std::collections::HashMap;
@@ -79,7 +79,7 @@ fn open(gpu: &Arc<Gpu>, paper: &Subject, common: &Common) -> Result<(&'static st
     let open = |scene: &str| {
         let presets = ["culling_paper"].into_iter().chain(paper.roughness);
         let sets = presets.map(|preset| ("preset".to_owned(), preset.to_owned())).collect();
-        let look = Variant::new("culling paper", Gi::Slc, sets).look(None);
+        let look = Variant::new("culling paper", GiMethod::SLC, sets).look(None);
         Session::open(Arc::clone(gpu), scene, &look, common)
     };
     match (open(paper.scene), paper.stand_in) {

@@ -12,9 +12,9 @@ use crate::capture;
 use anyhow::{Context, Result};
 use lightwell::gpu::Gpu;
 use lightwell::measure::{Image, compare};
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::SceneView;
-use lightwell_runtime::cli::{Common, Gi, Switch};
+use lightwell_runtime::cli::{Common, Switch};
 use lightwell_runtime::session::Session;
 use std::path::Path;
 use std::sync::Arc;
@@ -64,7 +64,8 @@ impl Subject {
     /// The scene once more, in some quality or its own, each frame averaged with those before or alone.
     fn again(&self, quality: Option<&str>, average: Switch) -> Result<Session> {
         let sets = quality.map(|quality| ("clpv.quality".to_owned(), quality.to_owned()));
-        let variant = Variant { average: Some(average), ..Variant::new("", Gi::Clpv, sets.into_iter().collect()) };
+        let variant =
+            Variant { average: Some(average), ..Variant::new("", GiMethod::CLPV, sets.into_iter().collect()) };
         let mut session = self.first.again(&variant.look(self.camera.as_deref()))?;
         session.set_ticks(PLAYED[1]);
         Ok(session)

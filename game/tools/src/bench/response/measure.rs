@@ -9,9 +9,9 @@ use crate::bench::variant::Variant;
 use anyhow::{Context, Result};
 use lightwell::gpu::Gpu;
 use lightwell::measure::{Image, srgb_encode};
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::SceneView;
-use lightwell_runtime::cli::{Common, Gi, Switch};
+use lightwell_runtime::cli::{Common, Switch};
 use lightwell_runtime::session::Session;
 use std::path::Path;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl Rig<'_> {
         std::fs::create_dir_all(&rooms).with_context(|| format!("cannot make the folder {}", rooms.display()))?;
         let path = rooms.join(room.file());
         std::fs::write(&path, room.text()).with_context(|| format!("cannot write {}", path.display()))?;
-        let variant = Variant { average: Some(average), ..Variant::new("", Gi::Clpv, Vec::new()) };
+        let variant = Variant { average: Some(average), ..Variant::new("", GiMethod::CLPV, Vec::new()) };
         Session::open(self.gpu.clone(), &path.to_string_lossy(), &variant.look(None), self.common)
     }
 

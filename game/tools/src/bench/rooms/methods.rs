@@ -5,7 +5,7 @@ use crate::bench::plan;
 use crate::bench::variant::Variant;
 use crate::cli::BenchArgs;
 use anyhow::{Result, bail};
-use lightwell_runtime::cli::Gi;
+use lightwell::render::GiMethod;
 
 /// Frames with shifted pixel grids that are averaged, if not said.
 const IMAGES: u32 = 8;
@@ -32,7 +32,7 @@ pub fn of(args: &BenchArgs) -> Result<(Vec<Judged>, Vec<Variant>)> {
     let images = args.aa.unwrap_or(IMAGES);
     let clpv = |what: &str, sets: &[(&str, &str)]| {
         let sets = sets.iter().map(|&(path, value)| (path.to_owned(), value.to_owned())).collect();
-        Variant { what: what.to_owned(), ..Variant::new(what, Gi::Clpv, sets) }
+        Variant { what: what.to_owned(), ..Variant::new(what, GiMethod::CLPV, sets) }
     };
     let mut asked: Vec<(String, Variant, u32)> = Vec::new();
     if args.method.is_empty() {

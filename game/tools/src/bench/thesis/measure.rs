@@ -13,9 +13,9 @@ use lightwell::gpu::Gpu;
 use lightwell::graph::{FrameReport, PassState};
 use lightwell::measure::Image;
 use lightwell::render::debug::DebugView;
-use lightwell::render::{Layer, RenderSettings};
+use lightwell::render::{GiMethod, Layer, RenderSettings};
 use lightwell::scene::SceneView;
-use lightwell_runtime::cli::{Common, DebugArgs, Gi, LookArgs};
+use lightwell_runtime::cli::{Common, DebugArgs, LookArgs};
 use lightwell_runtime::session::Session;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -91,7 +91,7 @@ impl Stage<'_> {
         let thesis = [("preset", "thesis"), ("scene.sky", "(0, 0, 0)")];
         let owned = |&(path, value): &(&str, &str)| (path.to_owned(), value.to_owned());
         let sets = thesis.iter().chain(sets).map(owned).collect();
-        let look = Variant::new("thesis", Gi::Clpv, sets).look(None);
+        let look = Variant::new("thesis", GiMethod::CLPV, sets).look(None);
         let debug = DebugArgs { views: views.to_vec(), ..DebugArgs::default() };
         Session::open(Arc::clone(self.gpu), self.scene, &LookArgs { debug, ..look }, self.common)
     }
