@@ -10,12 +10,21 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Folders whose Rust is searched. Tests may name methods.
-const SOURCES: [&str; 6] =
-    ["engine/src", "game/src", "game/runtime/src", "game/editor/src", "game/tools/src", "game/program/src"];
+const SOURCES: [&str; 9] = [
+    "engine/core/src",
+    "engine/gpu/src",
+    "engine/world/src",
+    "engine/src",
+    "game/src",
+    "game/runtime/src",
+    "game/editor/src",
+    "game/tools/src",
+    "game/program/src",
+];
 
 /// The folders of methods, and where the list of them is.
 const OWN: [&str; 7] = [
-    "engine/src/core/gi_method.rs",
+    "engine/core/src/core/gi_method.rs",
     "engine/src/render/indirect/instant_radiosity/",
     "engine/src/render/indirect/light_culling/",
     "engine/src/render/indirect/light_volumes/",

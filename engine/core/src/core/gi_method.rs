@@ -11,7 +11,7 @@ const MAX_NAME: usize = 64;
 
 /// A method of indirect light, by its name. The command line says `constant-ambient` where scene files say
 /// `ConstantAmbient`. The name alone says nothing of whether there is such a method: a renderer knows those that were
-/// registered with it, and [`ComponentTypes::methods`](crate::files::ComponentTypes::methods) those that scene files may name.
+/// registered with it, and `files::ComponentTypes::methods` those that scene files may name.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GiMethod(&'static str);
 
@@ -25,7 +25,7 @@ impl GiMethod {
     /// Stochastic light culling, as the scene's `StochasticLightCulling` component sets it; without one, by default.
     pub const SLC: Self = Self::named("slc");
     /// Path tracing, the reference: all light, direct and indirect, as
-    /// [`RenderSettings::reference`](crate::render::RenderSettings::reference) sets it.
+    /// `RenderSettings::reference` sets it.
     pub const REFERENCE: Self = Self::named("reference");
 
     /// The methods of the engine, as scene tests write them.
