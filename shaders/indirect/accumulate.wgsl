@@ -86,7 +86,7 @@ const TRUST: f32 = 3.0;
 const FIRST_DEVIATION: f32 = 0.5;
 const FILTERED_DEVIATION: f32 = 0.025;
 const KNOWN: f32 = 3.0;
-// Of a standard deviation over a mean one, of normally distributed noise: √(π/2).
+// Ratio of the standard to the mean deviation of normally distributed noise: √(π/2).
 const STANDARD: f32 = 1.2533;
 
 struct Past {

@@ -2,7 +2,7 @@
 // Hanika and Lensch 2010, "Edge-avoiding à-trous wavelet transform for fast global illumination filtering"; Schied et al.
 // 2017, "Spatiotemporal variance-guided filtering"): neighbours count as far as they show the same surface and their light
 // differs by no more than noise explains. Noise falls with every frame, and with it the filter fades out. It reads the mean and
-// writes an image of its own, so that no frame continues from filtered light.
+// writes a separate image, so that no frame continues from filtered light.
 //
 // A level has 3×3 taps, `stride` pixels apart, in pairs on opposite sides that count alike: light that changes evenly stays as it
 // is, and at the edge of a surface nothing is drawn towards its middle.

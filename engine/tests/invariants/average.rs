@@ -112,7 +112,7 @@ fn a_view_that_rests_gets_smoother_with_every_doubling_of_frames() {
     assert!(falls && grains[5] < 0.85 * grains[0], "grain after 2 to 64 frames: {grains:?}");
 }
 
-/// What is left of the noise is filtered as far as its variance goes, and the mean that later frames continue stays unfiltered.
+/// Remaining noise is filtered as far as its variance goes, and the mean that later frames continue stays unfiltered.
 #[test]
 fn noise_that_is_left_in_a_mean_is_filtered() {
     let gpu = gpu();

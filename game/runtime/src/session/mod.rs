@@ -103,7 +103,7 @@ impl Session {
         Self::open_with(gpu, scene, look, common, ComponentTypes::default(), &CustomMethods::default())
     }
 
-    /// The same for a scene with components and methods of indirect light of a game.
+    /// Like [`open`](Self::open), for a scene with components and methods of indirect light of a game.
     ///
     /// # Errors
     /// As [`Session::open`].

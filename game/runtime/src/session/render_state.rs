@@ -40,7 +40,7 @@ impl RenderState {
         Self::with_methods(gpu, look, &CustomMethods::default())
     }
 
-    /// Of nothing yet, with the methods of indirect light of a game.
+    /// Empty, with the methods of indirect light of a game.
     pub fn with_methods(gpu: Arc<Gpu>, look: LookArgs, custom: &CustomMethods) -> Self {
         let renderer = renderer_with(&gpu, custom);
         let methods = renderer.methods().list().collect();
