@@ -29,7 +29,7 @@ struct VarianceFilter {
 // Differences in light that noise explains [standard deviations of the mean], but no more of the light than MAX_DIFFERENCE: few
 // frames are noisy, and what is wider is no noise to the eye.
 const TOLERANCE: f32 = 3.0;
-const MAX_DIFFERENCE: f32 = 0.04;
+const MAX_DIFFERENCE: f32 = 0.06;
 // Least reflectance that light is divided by, as in accumulate.wgsl.
 const LEAST: f32 = 0.01;
 

@@ -104,9 +104,17 @@ fn a_view_that_rests_gets_smoother_with_every_doubling_of_frames() {
     let mut grains = Vec::new();
     let mut count = 0;
     for wanted in [2, 4, 8, 16, 32, 64] {
-        let (image, _) = frames(&gpu, &mut renderer, &stage, wanted - count);
+        let (shown, _) = frames(&gpu, &mut renderer, &stage, wanted - count);
         count = wanted;
-        grains.push(grain(&image));
+        let mean =
+            read_texture_f32(&gpu, renderer.target("averaged indirect radiance").expect("a mean")).expect("readable");
+        assert!(
+            grain(&shown) < 0.95 * grain(&mean),
+            "{count} frames: the filter leaves {} of {}",
+            grain(&shown),
+            grain(&mean)
+        );
+        grains.push(grain(&mean));
     }
     let falls = grains.windows(2).all(|pair| pair[1] < 1.1 * pair[0]);
     assert!(falls && grains[5] < 0.85 * grains[0], "grain after 2 to 64 frames: {grains:?}");
@@ -117,7 +125,7 @@ fn a_view_that_rests_gets_smoother_with_every_doubling_of_frames() {
 fn noise_that_is_left_in_a_mean_is_filtered() {
     let gpu = gpu();
     let means = |quality, count| {
-        let stage = room(Clpv { quality, ..Default::default() }, LAMP);
+        let stage = room(Clpv { quality, gather_filter: 0, ..Default::default() }, LAMP);
         let mut renderer = Renderer::new(&gpu);
         let (filtered, _) = frames(&gpu, &mut renderer, &stage, count);
         let mean = renderer.target("averaged indirect radiance").expect("frames are averaged");
@@ -126,11 +134,11 @@ fn noise_that_is_left_in_a_mean_is_filtered() {
     let (converged, _) = means(Quality::High, MOST_FRAMES);
     let pixels = converged.rgba.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
     let truth = Image::from_pixels(converged.width, converged.height, pixels).expect("all pixels");
-    for count in [4, 16, 64] {
+    for count in [16, 64] {
         let (mean, filtered) = means(Quality::Medium, count);
         let ((noisy, _), (left, bias)) = (error(&mean, &truth), error(&filtered, &truth));
         println!("{count} frames: {noisy:.4} becomes {left:.4}, bias {bias:.4}");
-        assert!(left < 0.97 * noisy && bias.abs() < 0.01, "{count} frames: {noisy} becomes {left}, bias {bias}");
+        assert!(left < 0.9 * noisy && bias.abs() < 0.01, "{count} frames: {noisy} becomes {left}, bias {bias}");
     }
 }
 

@@ -6,8 +6,10 @@ use crate::render::frame::{Frame, ViewUniform};
 use crate::render::geometry::gbuffer::GBuffer;
 use encase::ShaderType;
 
-/// Distance between the taps of each level \[pixels\].
-const STRIDES: [i32; 2] = [3, 8];
+/// Distances between the taps of both levels \[pixels\], in images that are at least 512 pixels high. Lower ones show as much of
+/// the scene in fewer pixels, and so do their filters.
+const STRIDES: [u32; 2] = [3, 8];
+const FULL_HEIGHT: u32 = 512;
 
 /// `VarianceFilter` of `indirect/variance_filter.wgsl`.
 #[derive(ShaderType)]
@@ -24,12 +26,16 @@ pub(in crate::render) fn declare<'a>(
     gbuffer: &GBuffer,
     averaged: Handle<Texture>,
 ) -> Handle<Texture> {
-    let [fine, coarse] = STRIDES;
+    let [fine, coarse] = STRIDES.map(|stride| stride_of(stride, frame.view.size[1]));
     let names = ["indirect radiance, filtered over few pixels", "filtered indirect radiance"];
     let between = graph.texture(names[0], frame.image_desc());
     let result = graph.retained_texture(names[1], frame.image_desc());
     let between = level(graph, frame, gbuffer, ("variance filter, fine", fine), [averaged, between]);
     level(graph, frame, gbuffer, ("variance filter, coarse", coarse), [between, result])
+}
+
+fn stride_of(stride: u32, height: u32) -> i32 {
+    (stride * height.min(FULL_HEIGHT) / FULL_HEIGHT).max(1) as i32
 }
 
 fn level<'a>(
