@@ -300,7 +300,7 @@ mod tests {
         let sweeps = sweeps.map(str::to_owned);
         let culled = ["slc coarse", "slc", "slc fine", "slc no visibility"].map(str::to_owned);
         let radiosity = [64, 256, 1024, 4096].map(|particles| format!("vpl {particles}"));
-        assert_eq!(names(&plan), [&sweeps[..], &culled, &radiosity, &traced].concat());
+        assert_eq!(names(&plan), [&sweeps[..], &radiosity, &culled, &traced].concat());
         assert_eq!(plan.times_of(Some(6.0), 30), [0.0, 2.0, 4.0]);
         assert_eq!(plan.times_of(None, 30), [0.0]);
         let tasks = plan.tasks(&[0.0, 2.0]);
